@@ -1,0 +1,216 @@
+//! Branches as data: what a trace leaves behind, to be saved, drawn, restarted and tested.
+
+use super::settings::Settings;
+use crate::core::zero::Group;
+use serde::{Deserialize, Serialize};
+
+/// The kind of a special point, written as the two letters that the field reads at a glance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Kind {
+    /// `EP`: an end of the branch, or its start.
+    EP,
+    /// `LP`: a limit point or fold.
+    LP,
+    /// `BP`: a branch point.
+    BP,
+    /// `HB`: a Hopf point.
+    HB,
+    /// `CP`: a cusp on a curve of folds.
+    CP,
+    /// `BT`: a Bogdanov–Takens point.
+    BT,
+    /// `UZ`: a user's event.
+    UZ,
+    /// `MX`: the branch ended because a method failed.
+    MX,
+}
+
+impl Kind {
+    /// What the two letters mean, in words.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Kind;
+    /// assert_eq!((Kind::LP.to_string(), Kind::LP.meaning()), ("LP".to_string(), "fold"));
+    /// ```
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Kind::EP => "end point",
+            Kind::LP => "fold",
+            Kind::BP => "branch point",
+            Kind::HB => "Hopf point",
+            Kind::CP => "cusp",
+            Kind::BT => "Bogdanov–Takens point",
+            Kind::UZ => "user's point",
+            Kind::MX => "method failed",
+        }
+    }
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(&format!("{self:?}"))
+    }
+}
+
+/// A regular point of a branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// All parameters, in the order of [`Branch::parameters`].
+    pub parameters: Vec<f64>,
+    /// All monitors, in the order of [`Branch::monitors`].
+    pub monitors: Vec<f64>,
+    /// The number of unstable eigenvalues; `None` where stability is not meant.
+    pub unstable: Option<usize>,
+}
+
+/// A special point of a branch: where a condition holds, or where the branch begins or ends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecialPoint {
+    /// Its label, unique within its branch, counted from 1.
+    pub label: usize,
+    /// Its kind.
+    pub kind: Kind,
+    /// Which event it is, in words: `fold`, `frequency_ratio = 0.12`, `end of the branch`.
+    pub event: String,
+    /// It lies behind `Branch::points[after]` and before the next point.
+    pub after: usize,
+    /// All parameters, in the order of [`Branch::parameters`].
+    pub parameters: Vec<f64>,
+    /// All monitors, in the order of [`Branch::monitors`].
+    pub monitors: Vec<f64>,
+    /// The number of unstable eigenvalues; `None` where stability is not meant.
+    pub unstable: Option<usize>,
+    /// The estimated absolute error of the continued parameter (of the first released one on a curve
+    /// of events), from Newton's last correction, rounding, and the discretisation where the problem
+    /// can be refined.
+    pub error: f64,
+    /// Values of the continued parameter at the two points of the branch that enclose it.
+    pub bracket: [f64; 2],
+    /// Whether Newton converged on the defining system; otherwise `error` is that of the bracket.
+    pub converged: bool,
+    /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
+    pub state: Vec<f64>,
+}
+
+/// Why a branch ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+pub enum End {
+    /// A parameter reached its bound.
+    #[error("{name} reached its bound {value}")]
+    ParameterBound {
+        /// The parameter.
+        name: String,
+        /// The bound.
+        value: f64,
+    },
+    /// A monitor reached its bound.
+    #[error("{name} reached its bound {value}")]
+    MonitorBound {
+        /// The monitor.
+        name: String,
+        /// The bound.
+        value: f64,
+    },
+    /// The curve is closed: it returned to its start.
+    #[error("the curve closed after {points} points")]
+    Closed {
+        /// The number of points on the closed curve.
+        points: usize,
+    },
+    /// As many points as were asked for.
+    #[error("{points} points, as many as `max_points` allows")]
+    PointLimit {
+        /// The number of points.
+        points: usize,
+    },
+    /// A step as small as allowed still failed.
+    #[error("no step as small as {step:.1e} succeeds: {cause}")]
+    StepTooSmall {
+        /// The smallest step tried, in units of scaled arclength.
+        step: f64,
+        /// Why it failed, in the words of Newton's failure.
+        cause: String,
+    },
+    /// A terminal event happened.
+    #[error("the event `{event}` ends the branch")]
+    Event {
+        /// The event.
+        event: String,
+    },
+    /// Interrupted by the user; everything up to there is kept.
+    #[error("interrupted")]
+    Interrupted,
+    /// The branch was only traced in the other direction.
+    #[error("the start; this direction was not asked for")]
+    Start,
+}
+
+/// A branch: a curve of zeros with what was recorded along it.
+///
+/// Points run from one end to the other; `ends[0]` belongs to the first point, `ends[1]` to the last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Branch {
+    /// Its name, unique within a document.
+    pub name: String,
+    /// What the curve is made of: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
+    pub condition: Option<Kind>,
+    /// Groups of unknowns, in the order of the states.
+    pub unknowns: Vec<Group>,
+    /// Names of all parameters.
+    pub parameters: Vec<String>,
+    /// Names of the parameters that vary along the branch, the continued one first.
+    pub released: Vec<String>,
+    /// Names of all monitors.
+    pub monitors: Vec<String>,
+    /// The regular points, from one end to the other.
+    pub points: Vec<Point>,
+    /// The special points, in the order of the branch.
+    pub special: Vec<SpecialPoint>,
+    /// Why the branch ended, at its first and at its last point.
+    pub ends: [End; 2],
+    /// The settings that made it.
+    pub settings: Settings,
+}
+
+impl Branch {
+    /// The special points of one kind, in the order of the branch.
+    pub fn of_kind(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
+        self.special.iter().filter(move |point| point.kind == kind)
+    }
+
+    /// The special point with a label.
+    pub fn labelled(&self, label: usize) -> Option<&SpecialPoint> {
+        self.special.iter().find(|point| point.label == label)
+    }
+
+    /// The names of all columns: parameters, then monitors.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.parameters.iter().chain(&self.monitors).map(String::as_str)
+    }
+
+    /// The position of a parameter or a monitor among [`columns`](Branch::columns).
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns().position(|column| column == name)
+    }
+}
+
+impl Point {
+    /// The value of a column: parameters first, then monitors.
+    pub fn value(&self, column: usize) -> Option<f64> {
+        value(&self.parameters, &self.monitors, column)
+    }
+}
+
+impl SpecialPoint {
+    /// The value of a column: parameters first, then monitors.
+    pub fn value(&self, column: usize) -> Option<f64> {
+        value(&self.parameters, &self.monitors, column)
+    }
+}
+
+fn value(parameters: &[f64], monitors: &[f64], column: usize) -> Option<f64> {
+    parameters.iter().chain(monitors).nth(column).copied()
+}

@@ -1,0 +1,103 @@
+//! Settings of a trace, with their ranges.
+
+use serde::{Deserialize, Serialize};
+
+/// A setting out of its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the setting `{name}` is {value}, but must be {range}")]
+pub struct SettingError {
+    /// The setting.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What it may be.
+    pub range: &'static str,
+}
+
+/// Settings of Newton's iteration and of the stepper. Lengths are in units of scaled arclength: the
+/// continued parameter is measured by the length of its range, each group of unknowns by the largest
+/// norm it has had on the branch, so that no setting depends on units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// The first step (more than 0).
+    pub initial_step: f64,
+    /// The smallest step before the branch ends (more than 0).
+    pub min_step: f64,
+    /// The largest step (at least `min_step`).
+    pub max_step: f64,
+    /// The largest number of points in each direction (at least 1).
+    pub max_points: usize,
+    /// The largest angle between successive tangents, in radians (between 0 and 1.5).
+    pub max_angle: f64,
+    /// The scaled correction below which Newton's iteration has converged along the branch
+    /// (between 1e-15 and 1e-3).
+    pub tolerance: f64,
+    /// The same for special points.
+    pub event_tolerance: f64,
+    /// The largest number of Newton's iterations at a point (at least 2).
+    pub max_iterations: usize,
+    /// The relative error asked of special points where the problem can be refined; 0 asks for no
+    /// refinement (between 0 and 1).
+    pub accuracy: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            initial_step: 0.02,
+            min_step: 1e-7,
+            max_step: 0.1,
+            max_points: 1000,
+            max_angle: 0.3,
+            tolerance: 1e-10,
+            event_tolerance: 1e-12,
+            max_iterations: 12,
+            accuracy: 1e-9,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`SettingError`] with the first setting out of its range.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Settings;
+    /// let settings = Settings { max_step: -1.0, ..Settings::default() };
+    /// assert_eq!(
+    ///     settings.check().unwrap_err().to_string(),
+    ///     "the setting `max_step` is -1, but must be at least `min_step`"
+    /// );
+    /// ```
+    pub fn check(&self) -> Result<(), SettingError> {
+        let tolerance = |t: f64| (1e-15..=1e-3).contains(&t);
+        let rules: [(&'static str, f64, bool, &'static str); 9] = [
+            ("initial_step", self.initial_step, self.initial_step > 0.0, "more than 0"),
+            ("min_step", self.min_step, self.min_step > 0.0, "more than 0"),
+            ("max_step", self.max_step, self.max_step >= self.min_step, "at least `min_step`"),
+            ("max_points", self.max_points as f64, self.max_points >= 1, "at least 1"),
+            (
+                "max_angle",
+                self.max_angle,
+                self.max_angle > 0.0 && self.max_angle <= 1.5,
+                "between 0 and 1.5",
+            ),
+            ("tolerance", self.tolerance, tolerance(self.tolerance), "between 1e-15 and 1e-3"),
+            (
+                "event_tolerance",
+                self.event_tolerance,
+                tolerance(self.event_tolerance),
+                "between 1e-15 and 1e-3",
+            ),
+            ("max_iterations", self.max_iterations as f64, self.max_iterations >= 2, "at least 2"),
+            ("accuracy", self.accuracy, (0.0..1.0).contains(&self.accuracy), "between 0 and 1"),
+        ];
+        match rules.into_iter().find(|rule| !(rule.2 && rule.1.is_finite())) {
+            Some((name, value, _, range)) => Err(SettingError { name, value, range }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! The continuation core. It knows no device: equations come in as zero problems.
+
+pub mod continuation;
+pub mod quadrature;
+pub mod scalar;
+pub mod zero;

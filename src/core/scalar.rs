@@ -1,0 +1,31 @@
+//! The one bound that equations are written against.
+
+use num_dual::DualNum;
+
+/// A real number or a dual number of any depth: what residuals, monitors and fields are generic over.
+///
+/// Implemented for every `Copy` type of [`num_dual`] over `f64`, and for `f64` itself.
+/// Comparisons see real parts only; `%` panics; the derivative of `√x` at 0 is not finite.
+///
+/// ```
+/// use tangency::core::scalar::Scalar;
+/// fn load<T: Scalar>(u: T) -> T {
+///     u * (T::one() - u).powi(2)
+/// }
+/// let slope = num_dual::first_derivative(load, 1.0 / 3.0).1;
+/// assert!(slope.abs() < 1e-15, "the parallel-plate actuator folds at u = 1/3");
+/// ```
+pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
+    /// The real part: the number itself, without any derivative.
+    fn real(&self) -> f64;
+    /// A constant: all derivatives are zero.
+    fn constant(value: f64) -> Self {
+        Self::from(value)
+    }
+}
+
+impl<T: DualNum<Primitive = f64> + Copy + Send + Sync> Scalar for T {
+    fn real(&self) -> f64 {
+        self.re()
+    }
+}

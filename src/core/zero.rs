@@ -1,0 +1,305 @@
+//! Zero problems: `F(z, p) = 0` as a user states it, and as the stepper sees it.
+//!
+//! A **[`ZeroProblem`]** is what a user writes: a residual generic over [`Scalar`], with named
+//! unknowns `z ∈ ℝⁿ` and parameters `p ∈ ℝᵐ`. Nothing in it differentiates.
+//!
+//! A **[`System`]** is the object-safe `f64` face of a zero problem. The stepper, the conditions of
+//! bifurcations and the locator of events see nothing else, so a problem with structure (condensed
+//! unknowns, collocation blocks) implements it by itself, while an ordinary problem gets it from
+//! `Dense`, by forward-mode dual numbers.
+//!
+//! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
+//! in the order of their names. A direction in which a derivative is taken is such a vector as well.
+
+use super::scalar::Scalar;
+
+/// A group of unknowns of one nature and one unit: a scalar, or all values of a field.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    /// The name of the unknown.
+    pub name: String,
+    /// How many components it has.
+    pub length: usize,
+}
+
+impl From<&str> for Group {
+    fn from(name: &str) -> Self {
+        Group { name: name.into(), length: 1 }
+    }
+}
+
+impl From<(&str, usize)> for Group {
+    fn from((name, length): (&str, usize)) -> Self {
+        Group { name: name.into(), length }
+    }
+}
+
+/// The names of a zero problem's unknowns, parameters and monitors.
+///
+/// ```
+/// use tangency::core::zero::Names;
+/// let names = Names::new(["x", "y"], ["p"]);
+/// assert_eq!((names.dimension(), names.parameter("p")), (2, Some(0)));
+/// let field = Names::new([("u", 99)], ["lambda"]).with_monitors(["max"]);
+/// assert_eq!(field.dimension(), 99);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Names {
+    /// Groups of unknowns, in the order of `z`.
+    pub unknowns: Vec<Group>,
+    /// Parameters, in the order of `p`.
+    pub parameters: Vec<String>,
+    /// Monitors: named scalars of the solution.
+    pub monitors: Vec<String>,
+}
+
+impl Names {
+    /// Names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of parameters.
+    pub fn new<G: Into<Group>, P: Into<String>>(
+        unknowns: impl IntoIterator<Item = G>,
+        parameters: impl IntoIterator<Item = P>,
+    ) -> Self {
+        Names {
+            unknowns: unknowns.into_iter().map(Into::into).collect(),
+            parameters: parameters.into_iter().map(Into::into).collect(),
+            monitors: Vec::new(),
+        }
+    }
+
+    /// Adds the names of monitors.
+    pub fn with_monitors<S: Into<String>>(mut self, monitors: impl IntoIterator<Item = S>) -> Self {
+        self.monitors.extend(monitors.into_iter().map(Into::into));
+        self
+    }
+
+    /// The number of unknowns `n`.
+    pub fn dimension(&self) -> usize {
+        self.unknowns.iter().map(|group| group.length).sum()
+    }
+
+    /// The length of `x = (z, p)`.
+    pub fn length(&self) -> usize {
+        self.dimension() + self.parameters.len()
+    }
+
+    /// The position of a parameter among the parameters.
+    pub fn parameter(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|parameter| parameter == name)
+    }
+
+    /// The position of a monitor among the monitors.
+    pub fn monitor(&self, name: &str) -> Option<usize> {
+        self.monitors.iter().position(|monitor| monitor == name)
+    }
+}
+
+/// A value at which the equations have no meaning: outside the domain, or not finite.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{quantity} = {value:.6e} is outside the domain of the equations: {remedy}")]
+pub struct LeftDomain {
+    /// What has the offending value, by name.
+    pub quantity: String,
+    /// The offending value.
+    pub value: f64,
+    /// What the domain is, or what to change.
+    pub remedy: String,
+}
+
+impl LeftDomain {
+    /// A value out of its domain.
+    pub fn new(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
+        LeftDomain { quantity: quantity.into(), value, remedy: remedy.into() }
+    }
+}
+
+/// A matrix without an inverse, in arithmetic of 16 digits.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")]
+pub struct Singular {
+    /// The smallest pivot.
+    pub pivot: f64,
+    /// The largest pivot.
+    pub largest: f64,
+}
+
+/// What the residual says about motion near an equilibrium, which decides what "stable" means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dynamics {
+    /// `z' = F(z, p)`: stable where every eigenvalue of `F_z` has a negative real part.
+    #[default]
+    Flow,
+    /// `F = ∇Π`, the gradient of a potential: stable where the Hessian `F_z` is positive definite.
+    Potential,
+    /// No motion is meant: stability is not reported.
+    Static,
+}
+
+/// A zero problem as a user states it: `F(z, p) = 0`, stated once, differentiated nowhere.
+///
+/// ```
+/// use tangency::core::{scalar::Scalar, zero::{Names, ZeroProblem}};
+/// /// Parallel-plate actuator: pulls in at u = 1/3, load = 4/27.
+/// struct ParallelPlate;
+/// impl ZeroProblem for ParallelPlate {
+///     fn names(&self) -> Names {
+///         Names::new(["u"], ["load"])
+///     }
+///     fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+///         r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
+///     }
+/// }
+/// let mut r = [0.0_f64];
+/// ParallelPlate.residual(&[1.0 / 3.0], &[4.0 / 27.0], &mut r);
+/// assert!(r[0].abs() < 1e-16);
+/// ```
+pub trait ZeroProblem {
+    /// The names of unknowns, parameters and monitors; their number is the problem's size.
+    fn names(&self) -> Names;
+
+    /// The residual `F(z, p)`, written into `r` (as long as `z`).
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]);
+
+    /// The monitors, written into `values` in the order of [`Names::monitors`].
+    fn monitors<T: Scalar>(&self, _z: &[T], _p: &[T], _values: &mut [T]) {}
+
+    /// Refuses values at which the equations have no meaning.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the quantity, its value and the domain. A residual that is not finite is
+    /// refused in any case.
+    fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+        Ok(())
+    }
+
+    /// What the residual says about motion near an equilibrium.
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Flow
+    }
+}
+
+/// Columns `B`, rows `C` and corner `D` that border `F_z`:
+///
+/// ```text
+///     ⎡ F_z  B ⎤     n rows
+///     ⎣ C    D ⎦     m rows
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Border<'a> {
+    /// The width `m`.
+    pub width: usize,
+    /// `B`, `n × m`, one column after the other.
+    pub columns: &'a [f64],
+    /// `C`, `m × n`, one row after the other.
+    pub rows: &'a [f64],
+    /// `D`, `m × m`, one row after the other.
+    pub corner: &'a [f64],
+}
+
+/// Which factorisation of a bordered `F_z` is meant: two are alive at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// The matrix of Newton's iteration and of the tangent.
+    Curve = 0,
+    /// The matrix that defines the null vectors of a condition.
+    Condition = 1,
+}
+
+/// Eigenvalues of the linearised motion about an equilibrium, as (real part, imaginary part), the
+/// rightmost first. `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for a
+/// potential.
+pub type Spectrum = Vec<(f64, f64)>;
+
+/// The same zero problem on a finer discretisation, and a point of it.
+pub struct Refinement {
+    /// The finer system; its parameters and monitors have the same names.
+    pub system: Box<dyn System>,
+    /// `x = (z, p)` carried over.
+    pub x: Vec<f64>,
+}
+
+/// A zero problem as the stepper sees it: object-safe, in `f64`.
+///
+/// Implementations own their buffers: no method allocates after its first call.
+pub trait System {
+    /// The names of unknowns, parameters and monitors.
+    fn names(&self) -> &Names;
+
+    /// `F(x)` into `r`.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the equations have no meaning at `x` or a component is not finite.
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain>;
+
+    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor),
+    /// [`spectrum`](System::spectrum) and [`jacobian`](System::jacobian).
+    ///
+    /// # Errors
+    /// [`LeftDomain`] as for the residual.
+    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain>;
+
+    /// Factors the assembled `F_z` within a border (of width 0 or more) and keeps it in `slot`.
+    ///
+    /// # Errors
+    /// [`Singular`] if the bordered matrix is, to working accuracy.
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular>;
+
+    /// Solves with the bordered matrix of `slot`, in place; `right` has length `n + m`.
+    fn solve(&mut self, slot: Slot, right: &mut [f64]);
+
+    /// Solves with the transposed bordered matrix of `slot`, in place.
+    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]);
+
+    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    fn jacobian(&mut self, out: &mut [f64]);
+
+    /// The sign of the determinant of the bordered matrix of `slot` (−1 or 1).
+    fn determinant_sign(&self, slot: Slot) -> f64;
+
+    /// `F_x d` at `x` into `out`.
+    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]);
+
+    /// `F_xx[d, e]` at `x` into `out`.
+    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]);
+
+    /// `F_xxx[d, e, f]` at `x` into `out`.
+    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]);
+
+    /// `∇ₓ (wᵀ F_x v)` into `out` (as long as `x`): all components of the unknowns, and those of the
+    /// parameters listed in `released`; other parameters' components are left alone.
+    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]);
+
+    /// `∇ₓ (wᵀ F_xx[v, v])` into `out`, as [`gradient`](System::gradient).
+    fn second_gradient(
+        &mut self,
+        x: &[f64],
+        w: &[f64],
+        v: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    );
+
+    /// What the residual says about motion.
+    fn dynamics(&self) -> Dynamics;
+
+    /// The eigenvalues that decide stability, from the assembled `F_z`; `None` if
+    /// no motion is meant. At least all unstable ones are returned, and the rightmost stable one.
+    fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum>;
+
+    /// The values of the monitors at a solution, in the order of their names.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] if a monitor has no meaning at `x`.
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain>;
+
+    /// The gradient of one monitor with respect to `x` (all of it).
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]);
+
+    /// The same problem on a finer discretisation: special points are finished on it, and the
+    /// difference is the discretisation's share of their `error`. `None` where the equations are
+    /// exact as they stand.
+    fn refined(&self, _x: &[f64]) -> Option<Refinement> {
+        None
+    }
+}

@@ -1,0 +1,4 @@
+//! Numerical continuation: curves of zeros, the special points on them, and curves of those.
+
+pub mod core;
+pub mod problems;

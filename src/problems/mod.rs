@@ -1,0 +1,3 @@
+//! Problems: the equations of devices, without any solver.
+
+pub mod plate;

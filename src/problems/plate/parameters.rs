@@ -1,0 +1,158 @@
+//! Parameters of a plate, dimensionless or in SI units, mapped to those of the equations.
+
+use crate::core::scalar::Scalar;
+
+/// The parameters that the dimensionless equations read. Lengths in the plane are measured by the
+/// side `a`, deflections by the gap `d`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters<T> {
+    /// `λ = α₂V²`, the electrostatic load, eq. 3.17: `6εa⁴(1−ν²)V²/(Eh³d³)`.
+    pub load: T,
+    /// `α₁ = d/h`, gap over thickness, eq. 3.17.
+    pub gap_ratio: T,
+    /// `α = b/a`, eq. 3.17.
+    pub aspect: T,
+    /// Poisson's ratio `ν`.
+    pub nu: T,
+    /// Applied compression along x, in units of `D/a²`.
+    pub compression_x: T,
+    /// Applied compression along y, in units of `D/a²`.
+    pub compression_y: T,
+    /// Applied shear, in units of `D/a²`.
+    pub shear: T,
+    /// Uniform transverse pressure, in units of `Dd/a⁴`.
+    pub pressure: T,
+}
+
+/// What the named parameters of a plate problem mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Units {
+    /// `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (on both pairs of edges), `edge_force_x`,
+    /// `edge_force_y`, `edge_shear`, `pressure`: dimensionless, as in [`Parameters`].
+    #[default]
+    Dimensionless,
+    /// `voltage` (V), `length` and `width` (the sides a and b), `thickness`, `gap` (m), `young` (Pa),
+    /// `nu`, `density` (kg/m³), `permittivity` (F/m), `edge_force_x`, `edge_force_y`, `edge_shear`
+    /// (N/m), `pressure` (Pa).
+    Device,
+}
+
+const DIMENSIONLESS: [&str; 9] = [
+    "load",
+    "gap_ratio",
+    "aspect",
+    "nu",
+    "edge_force",
+    "edge_force_x",
+    "edge_force_y",
+    "edge_shear",
+    "pressure",
+];
+const DEVICE: [&str; 13] = [
+    "voltage",
+    "length",
+    "width",
+    "thickness",
+    "gap",
+    "young",
+    "nu",
+    "density",
+    "permittivity",
+    "edge_force_x",
+    "edge_force_y",
+    "edge_shear",
+    "pressure",
+];
+
+impl Units {
+    /// The names of the parameters, in the order in which [`parameters`](Units::parameters) reads them.
+    pub fn names(self) -> &'static [&'static str] {
+        match self {
+            Units::Dimensionless => &DIMENSIONLESS,
+            Units::Device => &DEVICE,
+        }
+    }
+
+    /// Default values: a square plate with `α₁ = 1`, `ν = 0.3`; or a silicon plate, 300 µm square and
+    /// 2 µm thick, over a gap of 2 µm.
+    pub fn defaults(self) -> &'static [f64] {
+        match self {
+            Units::Dimensionless => &[0.0, 1.0, 1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Units::Device => &[
+                0.0,
+                300e-6,
+                300e-6,
+                2e-6,
+                2e-6,
+                160e9,
+                0.22,
+                2330.0,
+                8.854_187_812_8e-12,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            ],
+        }
+    }
+
+    /// The parameters of the equations.
+    ///
+    /// ```
+    /// use tangency::problems::plate::Units;
+    /// let mut p = Units::Device.defaults().to_vec();
+    /// p[0] = 100.0; // volts
+    /// let plate = Units::Device.parameters(&p);
+    /// let alpha_2 = 6.0 * 8.854_187_812_8e-12 * 300e-6f64.powi(4) * (1.0 - 0.22 * 0.22)
+    ///     / (160e9 * 2e-6f64.powi(6));
+    /// assert!((plate.load / (alpha_2 * 100.0 * 100.0) - 1.0).abs() < 1e-14);
+    /// assert_eq!((plate.gap_ratio, plate.aspect), (1.0, 1.0));
+    /// ```
+    pub fn parameters<T: Scalar>(self, p: &[T]) -> Parameters<T> {
+        match self {
+            Units::Dimensionless => Parameters {
+                load: p[0],
+                gap_ratio: p[1],
+                aspect: p[2],
+                nu: p[3],
+                compression_x: p[4] + p[5],
+                compression_y: p[4] + p[6],
+                shear: p[7],
+                pressure: p[8],
+            },
+            Units::Device => {
+                let [voltage, a, b, h, d, young, nu, _, permittivity] =
+                    [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|i| p[i]);
+                let stiffness = rigidity(young, h, nu);
+                let force = a * a / stiffness;
+                Parameters {
+                    load: permittivity * a.powi(4) * voltage * voltage
+                        / (stiffness * d.powi(3) * 2.0),
+                    gap_ratio: d / h,
+                    aspect: b / a,
+                    nu,
+                    compression_x: p[9] * force,
+                    compression_y: p[10] * force,
+                    shear: p[11] * force,
+                    pressure: p[12] * a.powi(4) / (stiffness * d),
+                }
+            }
+        }
+    }
+
+    /// Hertz (SI units) or 1 for each unit of dimensionless angular frequency `ωa²√(ρh/D)`.
+    pub fn frequency_unit<T: Scalar>(self, p: &[T]) -> T {
+        match self {
+            Units::Dimensionless => T::one(),
+            Units::Device => {
+                let [a, h, young, nu, density] = [1, 3, 5, 6, 7].map(|i| p[i]);
+                (rigidity(young, h, nu) / (density * h)).sqrt() / (a * a * std::f64::consts::TAU)
+            }
+        }
+    }
+}
+
+/// `D = Eh³/[12(1 − ν²)]`.
+fn rigidity<T: Scalar>(young: T, h: T, nu: T) -> T {
+    young * h.powi(3) / ((T::one() - nu * nu) * 12.0)
+}
