@@ -161,7 +161,8 @@ impl Newton {
             let contraction =
                 self.damped_step(equations, unknowns, closing, weights, iteration, tolerances)?;
             if iteration == 1 {
-                report.contraction = contraction;
+                // The ratio of two numbers near rounding says nothing.
+                report.contraction = if size > tolerances.tolerance { contraction } else { 0.0 };
             }
             if self
                 .simplified_steps(equations, unknowns, closing, weights, tolerances, &mut report)

@@ -11,10 +11,10 @@ use crate::core::zero::{Refinement, System};
 
 /// A special point found between two points of the branch.
 pub(super) struct Located {
+    /// Which of the stepper's events it is.
+    pub event: usize,
     /// How far behind the first point it lies, in scaled arclength.
     pub along: f64,
-    /// `X` on the branch's own discretisation.
-    pub unknowns: Vec<f64>,
     pub special: SpecialPoint,
 }
 
@@ -74,7 +74,7 @@ impl Stepper<'_> {
                         .sum();
                     let slack = 1e-6 * length;
                     if along >= bracket.low - slack && along <= bracket.high + slack {
-                        return self.describe(&event, from, to, along, unknowns, Some(error));
+                        return self.describe(index, from, to, along, unknowns, Some(error));
                     }
                 }
                 Err(NewtonError::NotApplicable { .. }) => applicable = false,
@@ -89,7 +89,7 @@ impl Stepper<'_> {
         }
         let middle = bracket.between(0.5);
         let along = 0.5 * (bracket.low + bracket.high);
-        self.describe(&event, from, to, along, middle, None)
+        self.describe(index, from, to, along, middle, None)
     }
 
     /// Halves the bracket at a corrected point of the branch; false if that fails.
@@ -131,13 +131,14 @@ impl Stepper<'_> {
     /// The special point with everything that is recorded of it.
     fn describe(
         &mut self,
-        event: &Event,
+        index: usize,
         from: &Place,
         to: &Place,
         along: f64,
         unknowns: Vec<f64>,
         error: Option<f64>,
     ) -> Option<Located> {
+        let event = &self.events[index].clone();
         let parameter = self.equations.parameters_at();
         let bracket = [from.unknowns[parameter], to.unknowns[parameter]];
         let mut residual = vec![0.0; unknowns.len()];
@@ -154,8 +155,8 @@ impl Stepper<'_> {
         }
         let converged = error.is_some();
         let width = (bracket[1] - bracket[0]).abs();
-        let (mut error, state_from) = (error.unwrap_or(width), &unknowns);
-        let state = state_from[..self.equations.dimension()].to_vec();
+        let mut error = error.unwrap_or(width);
+        let state = unknowns[..self.equations.dimension()].to_vec();
         if converged
             && self.settings.accuracy > 0.0
             && let Some((refined, change)) = self.refine(event, &point)
@@ -180,7 +181,7 @@ impl Stepper<'_> {
             state,
             tangent,
         };
-        Some(Located { along, unknowns, special })
+        Some(Located { event: index, along, special })
     }
 
     /// Finishes the special point loaded last on finer discretisations, until two of them agree to

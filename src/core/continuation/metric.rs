@@ -53,9 +53,9 @@ impl Metric {
         let groups: Vec<f64> = sizes
             .iter()
             .zip(&slopes)
-            .map(|(&size, slope)| match reach {
+            .map(|(&size, slope)| match reach.map(|reach| reach * slope) {
+                Some(reach) if usable(reach) && size <= ZERO * reach => reach,
                 _ if size > 0.0 => size,
-                Some(reach) if usable(reach * slope) => reach * slope,
                 _ => 1.0,
             })
             .collect();
@@ -97,6 +97,10 @@ impl Metric {
         weights
     }
 }
+
+/// A group of unknowns this small, compared with what the tangent makes of the parameter's range, is
+/// zero but for rounding.
+const ZERO: f64 = 1e-9;
 
 fn usable(scale: f64) -> bool {
     scale.is_finite() && scale > 0.0

@@ -198,15 +198,8 @@ impl Tracer<'_> {
             return Some(Ending { end: End::Closed { points: points + 1 }, at: None });
         }
         let events = &self.stepper.events;
-        let terminal = |located: &Located| {
-            events.iter().find(|event| {
-                event.terminal
-                    && event.name == located.special.event
-                    && event.kind == located.special.kind
-            })
-        };
-        let index = found.iter().position(|located| terminal(located).is_some())?;
-        let event = terminal(&found[index])?.clone();
+        let index = found.iter().position(|located| events[located.event].terminal)?;
+        let event = events[found[index].event].clone();
         found.truncate(index + 1);
         let at = found.pop();
         let name = event.name.clone();

@@ -97,6 +97,32 @@ impl Stepper<'_> {
         Ok(Place { unknowns, tangent, tests, point })
     }
 
+    /// Records a branch point that the curve is to leave in this direction: its own tangent is not
+    /// unique there.
+    pub fn arrive_at_branch_point(
+        &mut self,
+        unknowns: Vec<f64>,
+        tangent: Vec<f64>,
+    ) -> Result<Place, EvaluationError> {
+        self.equations.load(&unknowns);
+        let at = self.equations.at();
+        at.system.assemble(at.x)?;
+        let (point, hopf) = self.record(self.held.is_empty())?;
+        let tests = self.tests(&tangent, 0.0, hopf, &point)?;
+        Ok(Place { unknowns, tangent, tests, point })
+    }
+
+    /// A curve that starts on a level, but for rounding, does not pass it in its first step.
+    pub fn forget_levels_at(&self, place: &mut Place) {
+        for (test, event) in place.tests.iter_mut().zip(&self.events) {
+            if let Test::Level(_, level) = event.test
+                && test.abs() <= 1e-9 * level.abs().max(self.settings.tolerance)
+            {
+                *test = 0.0;
+            }
+        }
+    }
+
     /// One step of at most this length; shorter ones are tried down to `min_step`.
     pub fn step(&mut self, from: &Place, length: f64) -> Result<Step, (f64, NewtonError)> {
         let row = self.covector(&from.tangent);

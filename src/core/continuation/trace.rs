@@ -462,12 +462,13 @@ impl<'a> Continuation<'a> {
             tested,
         };
         stepper.prepare_tests(&unknowns).map_err(evaluation)?;
-        let row = stepper.covector(&tangent);
-        let mut place = stepper.arrive(unknowns, &row).map_err(evaluation)?;
-        if self.switched {
-            // At a branch point the tangent is not unique: the one that was asked for counts.
-            place.tangent = tangent;
-        }
+        let mut place = if self.switched {
+            stepper.arrive_at_branch_point(unknowns, tangent).map_err(evaluation)?
+        } else {
+            let row = stepper.covector(&tangent);
+            stepper.arrive(unknowns, &row).map_err(evaluation)?
+        };
+        stepper.forget_levels_at(&mut place);
         Ok(Tracer {
             stepper,
             branch,
