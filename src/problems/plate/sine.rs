@@ -14,8 +14,9 @@
 //! stay straight. What is left are as many equations as there are `w_mn`, projections of the first.
 //!
 //! **Accuracy.** `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges
-//! algebraically, and at pull-in the load is within 1e-9 of its limit only with some two hundred modes
-//! (see the tests). It is the method of the source, and an independent check of better ones.
+//! algebraically. The load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with
+//! 15 modes, 1e-8 with 40, 1e-9 with 80 and 1e-10 with 160; the deflection at the centre only within
+//! 2e-7 with 120. It is the method of the source, and an independent check of better ones.
 
 mod airy;
 mod basis;
@@ -163,7 +164,7 @@ pub struct Vibration {
 /// `frequency` and `frequency_ratio` (over the flat plate without voltage at the same parameters,
 /// edge forces included). The residual's component `i` is the projection of eq. 3.12 on `φ_i` over the
 /// unit square; for [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential
-/// energy, in units of `Dd²/a²` times `α`, and the mass matrix is one quarter of the identity.
+/// energy, in units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
 /// The monitors' first derivatives are exact; second derivatives of the two frequencies leave out
 /// that the mode of vibration changes.
@@ -301,16 +302,7 @@ impl SinePlate {
                 let mass = DMatrix::identity(n, n) * 0.25;
                 vibration::lowest_symmetric(&jacobian, &mass, std::f64::consts::PI.powi(4))
             }
-            Projection::Multiplied => {
-                let unit = |i: usize| -> Vec<f64> {
-                    (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect()
-                };
-                let mass = DMatrix::from_fn(n, n, |i, j| {
-                    if i < j { 0.0 } else { self.inertia(z, &unit(i), &unit(j)) }
-                });
-                let symmetric = DMatrix::from_fn(n, n, |i, j| mass[(i.max(j), i.min(j))]);
-                vibration::lowest_general(&jacobian, &symmetric)
-            }
+            Projection::Multiplied => vibration::lowest_general(&jacobian, &self.mass(z)),
         }
     }
 

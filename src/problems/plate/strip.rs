@@ -26,7 +26,8 @@ const MOST: usize = 512;
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
     /// Simply supported: `w = w'' = 0`. Functions: `sin kπx`, `k` odd; algebraic convergence, as `w''''`
-    /// does not vanish at the ends (the load at pull-in is right to 1e-9 with 20 functions).
+    /// does not vanish at the ends (the error of the load at pull-in falls with the seventh power of
+    /// their number: 6e-9 with 5, 4e-11 with 10).
     #[default]
     Supported,
     /// Clamped: `w = w' = 0`. Functions: twice integrated Legendre polynomials, orthogonal in bending;

@@ -4,6 +4,7 @@ use super::SinePlate;
 use super::basis::{LARGEST, dot, row, wave};
 use crate::core::scalar::Scalar;
 use crate::problems::plate::Parameters;
+use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 impl SinePlate {
@@ -138,6 +139,24 @@ impl SinePlate {
             }
         }
         sum
+    }
+
+    /// The matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
+    pub(super) fn mass(&self, z: &[f64]) -> DMatrix<f64> {
+        let grid = &self.grid;
+        let count = grid.points.len();
+        let scaled = DMatrix::from_fn(count * count, 1, |point, _| {
+            let (x, y) = (point % count, point / count);
+            let in_y = grid.sines(y);
+            let deflection = row(&self.modes, z, |l| in_y[l]);
+            let gap = 1.0 - dot(&deflection[..grid.width], grid.sines(x));
+            gap * (grid.weights[x] * grid.weights[y]).sqrt()
+        });
+        let functions = DMatrix::from_fn(count * count, z.len(), |point, i| {
+            let (k, l) = self.modes[i];
+            scaled[point] * grid.sines(point % count)[k] * grid.sines(point / count)[l]
+        });
+        functions.tr_mul(&functions)
     }
 
     /// The largest deflection at the quadrature points and the centre, and where: `(w, x, y)`.
