@@ -10,6 +10,23 @@ fn close(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "found {found:.15}, expected {expected:.15}");
 }
 
+fn show(branch: &Branch) {
+    println!("{} {:?} {} points", branch.name, branch.ends, branch.points.len());
+    for s in &branch.special {
+        println!(
+            "{} {} {:?} {:?} err {:.1e} {:?} {:?} {}",
+            s.label,
+            s.kind,
+            s.parameters,
+            s.unstable,
+            s.error,
+            s.state.iter().take(3).collect::<Vec<_>>(),
+            s.bracket,
+            s.converged
+        );
+    }
+}
+
 fn parameters(branch: &Branch, kind: Kind, name: &str) -> Vec<f64> {
     let column = branch.column(name).unwrap();
     branch.of_kind(kind).map(|point| point.value(column).unwrap()).collect()
@@ -36,7 +53,7 @@ fn cusp_slice() {
         .along("mu", -1.0..=1.0)
         .trace()
         .unwrap();
-    println!("{:#?}", branch.special);
+    show(&branch);
     let folds = parameters(&branch, Kind::LP, "mu");
     assert_eq!(folds.len(), 2);
     close(folds[0], 2.0 / 3.0, 1e-14);
@@ -80,7 +97,7 @@ fn predator_prey() {
         .bound("p", 0.0..=1.0)
         .trace()
         .unwrap();
-    println!("{:#?}", prey.special);
+    show(&prey);
     close(parameters(&prey, Kind::LP, "p")[0], 0.832929322, 5e-10);
     close(parameters(&prey, Kind::BP, "p")[0], 0.821904345, 5e-10);
     let label = prey.of_kind(Kind::BP).next().unwrap().label;
@@ -91,7 +108,7 @@ fn predator_prey() {
         .along("p", 0.0..=1.0)
         .trace()
         .unwrap();
-    println!("{:#?}", both.special);
+    show(&both);
     let hopf = both.of_kind(Kind::HB).next().unwrap();
     close(hopf.parameters[0], 0.671593847, 5e-10);
     close(hopf.state[1], 0.3657615360, 5e-11);
@@ -123,7 +140,7 @@ fn oxidation() {
         .along("q2", 0.5..=2.0)
         .trace()
         .unwrap();
-    println!("{:#?}", branch.special);
+    show(&branch);
     let folds = parameters(&branch, Kind::LP, "q2");
     let mut sorted = folds.clone();
     sorted.sort_by(f64::total_cmp);
@@ -142,7 +159,7 @@ fn oxidation() {
         .along("k", 0.1..=2.0)
         .trace()
         .unwrap();
-    println!("{:#?} {:?}", curve.special, curve.ends);
+    show(&curve);
     let cusp = curve.of_kind(Kind::CP).next().unwrap();
     close(cusp.parameters[0], 1.0064083296783, 1e-12);
     close(cusp.parameters[1], 0.3559912732087, 1e-12);
@@ -162,7 +179,7 @@ fn oxidation() {
         .along("k", 0.2..=2.0)
         .trace()
         .unwrap();
-    println!("{:#?} {:?} {}", hopfs.special, hopfs.ends, hopfs.points.len());
+    show(&hopfs);
 }
 
 /// Central differences of `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`.

@@ -7,7 +7,7 @@ use crate::core::zero::Names;
 /// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is the
 /// length of the parameter's range. A group that is zero at the start is measured by what the tangent
 /// makes of the parameter's range, and a parameter without a finite range by what the tangent needs to
-/// change the unknowns by their size; only if both are unknown is 1 used. Hence a change of units
+/// change the unknowns by their size; only if both are unknown (or below 1e-12) is 1 used. Hence a change of units
 /// changes nothing but the numbers.
 #[derive(Clone, Debug)]
 pub struct Metric {
@@ -54,8 +54,10 @@ impl Metric {
             .iter()
             .zip(&slopes)
             .map(|(&size, slope)| match reach.map(|reach| reach * slope) {
-                Some(reach) if usable(reach) && size <= ZERO * reach => reach,
-                _ if size > 0.0 => size,
+                Some(reach) if reach.is_finite() && reach > NOTHING && size <= ZERO * reach => {
+                    reach
+                }
+                _ if size > NOTHING => size,
                 _ => 1.0,
             })
             .collect();
@@ -101,6 +103,9 @@ impl Metric {
 /// A group of unknowns this small, compared with what the tangent makes of the parameter's range, is
 /// zero but for rounding.
 const ZERO: f64 = 1e-9;
+
+/// Unknowns this small in their own units, that the tangent does not change either, are rounding.
+const NOTHING: f64 = 1e-12;
 
 fn usable(scale: f64) -> bool {
     scale.is_finite() && scale > 0.0
