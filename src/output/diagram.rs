@@ -61,7 +61,7 @@ fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<(String, &'a Branch)> {
                 _ => format!("{document_name}: {}", branch.name),
             };
             if let Some(kind) = branch.condition {
-                name.push_str(&format!(" (curve of the {})", kind.meaning()));
+                name.push_str(&format!(" ({} curve)", kind.meaning()));
             }
             while branches.iter().any(|(taken, _)| *taken == name) {
                 name.push('′');

@@ -178,11 +178,12 @@ impl Document {
     ///
     /// ```
     /// use tangency::output::{Document, example_branch};
-    /// let path = tempfile::tempdir()?.path().join("plate.ron");
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("plate.ron");
     /// let document = Document::new("plate", vec![example_branch()]);
     /// document.save(&path)?;
     /// assert_eq!(Document::load(&path)?, document);
-    /// # Ok::<(), tangency::output::FileError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
@@ -221,13 +222,19 @@ fn reaches_the_end(text: &str, span: &ron::error::Span) -> bool {
     span.end.line > lines || (span.end.line == lines && span.end.col > last)
 }
 
-/// What stands where reading failed: at most 40 letters of one line.
+/// What stands where reading failed, to the end of the entry or the line: at most 40 letters.
 fn found(text: &str, span: &ron::error::Span) -> String {
     let line = text.lines().nth(span.start.line.saturating_sub(1)).unwrap_or_default();
-    let length = match span.start.line == span.end.line {
-        true => span.end.col.saturating_sub(span.start.col).clamp(1, 40),
-        false => 40,
-    };
-    let piece: String = line.chars().skip(span.start.col.saturating_sub(1)).take(length).collect();
+    let same_line = span.start.line == span.end.line;
+    let known = if same_line { span.end.col.saturating_sub(span.start.col) } else { 0 };
+    let letters = line.chars().skip(span.start.col.saturating_sub(1)).take(40).enumerate();
+    let piece: String = letters
+        .take_while(|(index, letter)| match known {
+            // The reader stopped at the first letter of what it could not read.
+            0 | 1 => *index == 0 || !",)]}".contains(*letter),
+            _ => *index < known,
+        })
+        .map(|(_, letter)| letter)
+        .collect();
     piece.trim().into()
 }

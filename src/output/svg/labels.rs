@@ -7,7 +7,7 @@ const ADVANCE: f64 = 13.0;
 /// Marks of one kind that are nearer than this share a label.
 const CROWDED: f64 = 16.0;
 
-/// Chooses a place for every label, in order; `None` where each place is taken by another label, or
+/// Chooses a place for every label, in order; `None` where each place is taken by a label or a mark, or
 /// where the same label stands close by.
 ///
 /// `marks` are the points in pixels with the sizes of their labels, `curves` points in pixels some three
@@ -31,12 +31,11 @@ pub(super) fn place(
             let reach = [ADVANCE + size[0] / 2.0 - 5.0, ADVANCE + size[1] / 2.0 - 5.0];
             let centre = [at[0] + direction[0] * reach[0], at[1] + direction[1] * reach[1]];
             let rectangle = around(centre, *size);
-            let free =
-                within(rectangle, frame) && !taken.iter().any(|other| overlap(rectangle, *other));
-            let on_symbols = symbols.iter().filter(|s| overlap(rectangle, **s)).count() as f64;
+            let free = within(rectangle, frame)
+                && !taken.iter().chain(&symbols).any(|other| overlap(rectangle, *other));
             let wide = around(centre, [size[0] + 4.0, size[1] + 2.0]);
             let on_curves = curves.iter().filter(|point| contains(wide, **point)).count() as f64;
-            free.then_some((preference + 6.0 * on_symbols + on_curves, centre, rectangle))
+            free.then_some((preference + on_curves, centre, rectangle))
         });
         let best = best.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| !repeated);
         taken.extend(best.map(|(_, _, rectangle)| rectangle));

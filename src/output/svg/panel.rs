@@ -80,8 +80,10 @@ impl<'a> Panel<'a> {
         let [left, top, right, bottom] = self.frame;
         let frame = [left + dx, top + dy, right + dx, bottom + dy];
         self.axes(canvas, frame)?;
-        let middle = (frame[0] + frame[2]) / 2.0;
-        canvas.text(&self.figure.title, [middle, dy + 22.0], TITLE, Anchor::Middle)?;
+        let middle = dx + WIDTH / 2.0;
+        let title = &self.figure.title;
+        let size = fitting(title, TITLE, WIDTH - 20.0);
+        canvas.text(title, [middle, dy + 22.0], size, Anchor::Middle)?;
         self.curves(canvas, frame)?;
         self.marks(canvas, frame)?;
         self.legend.draw(canvas, [frame[0], dy + PLOT_HEIGHT + 4.0])
@@ -105,9 +107,12 @@ impl<'a> Panel<'a> {
         canvas.text(&self.x.factor, [right, bottom + 36.0], TEXT, Anchor::Right)?;
         canvas.text(&self.y.factor, [left, top - 10.0], TEXT, Anchor::Left)?;
         let [across, up] = [(left + right) / 2.0, (top + bottom) / 2.0];
-        canvas.text(&self.figure.x_label, [across, bottom + 37.0], NAME, Anchor::Middle)?;
+        let name = &self.figure.x_label;
+        let size = fitting(name, NAME, right - left);
+        canvas.text(name, [across, bottom + 37.0], size, Anchor::Middle)?;
         let edge = left - self.frame[0] + 18.0;
-        canvas.text(&self.figure.y_label, [edge, up], NAME, Anchor::Upwards)
+        let name = &self.figure.y_label;
+        canvas.text(name, [edge, up], fitting(name, NAME, bottom - top), Anchor::Upwards)
     }
 
     fn curves(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
@@ -154,6 +159,11 @@ impl<'a> Panel<'a> {
             frame[3] - part(self.y.range, y) * (frame[3] - frame[1]),
         ]
     }
+}
+
+/// The size of a text that must not be longer than the room it has.
+fn fitting(text: &str, size: f64, room: f64) -> f64 {
+    size * (room / text_width(text, size).max(1.0)).min(1.0)
 }
 
 /// Draws a curve through points in pixels.

@@ -40,18 +40,15 @@ impl Ticks {
     }
 }
 
-/// The range of the data and a margin of 4 %; values that are all the same get a range as well.
+/// The range of the data and a margin of 4 %; values that are all the same get a range as well, and so
+/// do values so small that a power of ten for them cannot be represented.
 fn widened(low: f64, high: f64) -> [f64; 2] {
     let largest = low.abs().max(high.abs());
-    let margin = match high - low {
-        same if same <= 1e-12 * largest || same == 0.0 => {
-            if largest < 1e-290 {
-                1.0
-            } else {
-                0.05 * largest
-            }
-        }
-        width => 0.04 * width,
+    let width = high - low;
+    let margin = match width <= 1e-12 * largest {
+        _ if largest < 1e-290 => 1.0,
+        true => 0.05 * largest,
+        false => 0.04 * width,
     };
     [low - margin, high + margin]
 }
@@ -107,7 +104,7 @@ mod tests {
     #[test]
     fn very_large_and_very_small_values_share_a_power_of_ten() {
         assert_eq!(labels(0.0, 4e-9).1, "×10⁻⁹");
-        assert_eq!(labels(0.0, 4e-9).0, ["0", "1", "2", "3", "4"]);
+        assert_eq!(labels(0.0, 6e-9).0, ["0", "1", "2", "3", "4", "5", "6"]);
         assert_eq!(labels(0.0, 3e7).1, "×10⁶");
     }
 
