@@ -6,7 +6,7 @@
 //! A **[`System`]** is the object-safe `f64` face of a zero problem. The stepper, the conditions of
 //! bifurcations and the locator of events see nothing else, so a problem with structure (condensed
 //! unknowns, collocation blocks) implements it by itself, while an ordinary problem gets it from
-//! `Dense`, by forward-mode dual numbers.
+//! [`Dense`](crate::core::dense::Dense), by forward-mode dual numbers.
 //!
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
@@ -195,6 +195,11 @@ pub struct Border<'a> {
     pub rows: &'a [f64],
     /// `D`, `m × m`, one row after the other.
     pub corner: &'a [f64],
+}
+
+impl Border<'_> {
+    /// No border at all.
+    pub const NONE: Border<'static> = Border { width: 0, columns: &[], rows: &[], corner: &[] };
 }
 
 /// Which factorisation of a bordered `F_z` is meant: two are alive at a time.

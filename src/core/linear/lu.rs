@@ -1,0 +1,271 @@
+//! LU factorisation with partial pivoting of a dense matrix within a border.
+
+use crate::core::zero::{Border, Singular};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::{MatMut, Par};
+
+/// From this size on faer's blocked factorisation is faster than plain loops.
+const BLOCKED_FROM: usize = 40;
+
+/// A pivot this much smaller than the largest one, after equilibration, counts as zero.
+const SINGULAR: f64 = 1e-15;
+
+/// The LU factorisation `P R M C = L U` of the bordered matrix
+///
+/// ```text
+///     M = ⎡ A  B ⎤
+///         ⎣ C  D ⎦
+/// ```
+///
+/// with powers of two `R`, `C` that bring the largest entry of each row and column near 1, so that
+/// pivots, and the verdict "singular", do not depend on units. Nothing is allocated after the first
+/// factorisation of a given size.
+///
+/// ```
+/// use tangency::core::{linear::BorderedLu, zero::Border};
+/// // A = [0] is singular; within its border it is not.
+/// let mut lu = BorderedLu::default();
+/// lu.factor(&[0.0], Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0] }).unwrap();
+/// let mut x = [2.0, 8.0];
+/// lu.solve(&mut x);
+/// assert_eq!(x, [2.0, 1.0]);
+/// assert!(lu.factor(&[0.0], Border::NONE).is_err());
+/// ```
+#[derive(Default)]
+pub struct BorderedLu {
+    size: usize,
+    /// `L` below the diagonal (unit diagonal), `U` on and above it, one column after the other.
+    factors: Vec<f64>,
+    /// Row `i` of the permuted matrix is row `source[i]` of the matrix.
+    source: Vec<usize>,
+    position: Vec<usize>,
+    row_scale: Vec<f64>,
+    column_scale: Vec<f64>,
+    work: Vec<f64>,
+    scratch: Option<MemBuffer>,
+    sign: f64,
+}
+
+impl BorderedLu {
+    /// Factors `A` (one column after the other) within a border.
+    ///
+    /// # Errors
+    /// [`Singular`] if a pivot vanishes to working accuracy or is not a number.
+    pub fn factor(&mut self, matrix: &[f64], border: Border) -> Result<(), Singular> {
+        let size = matrix.len().isqrt() + border.width;
+        self.resize(size);
+        self.fill(matrix, border);
+        self.equilibrate();
+        self.sign = if size < BLOCKED_FROM { self.factor_plain() } else { self.factor_blocked() };
+        self.judge()
+    }
+
+    /// Solves in place.
+    pub fn solve(&mut self, right: &mut [f64]) {
+        let n = self.size;
+        for i in 0..n {
+            self.work[i] = right[self.source[i]] * self.row_scale[self.source[i]];
+        }
+        for j in 0..n {
+            let (xj, column) = (self.work[j], &self.factors[j * n..(j + 1) * n]);
+            for i in j + 1..n {
+                self.work[i] -= column[i] * xj;
+            }
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let xj = self.work[j] / column[j];
+            self.work[j] = xj;
+            for i in 0..j {
+                self.work[i] -= column[i] * xj;
+            }
+        }
+        for j in 0..n {
+            right[j] = self.work[j] * self.column_scale[j];
+        }
+    }
+
+    /// Solves with the transposed matrix, in place.
+    pub fn solve_transposed(&mut self, right: &mut [f64]) {
+        let n = self.size;
+        for j in 0..n {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let sum: f64 = (0..j).map(|i| column[i] * self.work[i]).sum();
+            self.work[j] = (right[j] * self.column_scale[j] - sum) / column[j];
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let sum: f64 = (j + 1..n).map(|i| column[i] * self.work[i]).sum();
+            self.work[j] -= sum;
+        }
+        for i in 0..n {
+            right[self.source[i]] = self.work[i] * self.row_scale[self.source[i]];
+        }
+    }
+
+    /// The sign of the determinant.
+    pub fn determinant_sign(&self) -> f64 {
+        self.sign
+    }
+
+    fn resize(&mut self, size: usize) {
+        if self.size == size && !self.factors.is_empty() {
+            return;
+        }
+        self.size = size;
+        self.factors.resize(size * size, 0.0);
+        for indices in [&mut self.source, &mut self.position] {
+            indices.resize(size, 0);
+        }
+        for numbers in [&mut self.row_scale, &mut self.column_scale, &mut self.work] {
+            numbers.resize(size, 0.0);
+        }
+        self.scratch = (size >= BLOCKED_FROM).then(|| {
+            let need = lu_in_place_scratch::<usize, f64>(size, size, Par::Seq, Default::default());
+            MemBuffer::new(need)
+        });
+    }
+
+    fn fill(&mut self, matrix: &[f64], border: Border) {
+        let (size, m) = (self.size, border.width);
+        let n = size - m;
+        for j in 0..n {
+            let column = &mut self.factors[j * size..(j + 1) * size];
+            column[..n].copy_from_slice(&matrix[j * n..(j + 1) * n]);
+            for i in 0..m {
+                column[n + i] = border.rows[i * n + j];
+            }
+        }
+        for j in 0..m {
+            let column = &mut self.factors[(n + j) * size..(n + j + 1) * size];
+            column[..n].copy_from_slice(&border.columns[j * n..(j + 1) * n]);
+            for i in 0..m {
+                column[n + i] = border.corner[i * m + j];
+            }
+        }
+    }
+
+    fn equilibrate(&mut self) {
+        let n = self.size;
+        for j in 0..n {
+            let column = &mut self.factors[j * n..(j + 1) * n];
+            let scale = inverse_power_of_two(column.iter().fold(0.0, |m, a| a.abs().max(m)));
+            self.column_scale[j] = scale;
+            column.iter_mut().for_each(|a| *a *= scale);
+        }
+        self.row_scale.fill(0.0);
+        for column in self.factors.chunks_exact(n) {
+            for (largest, a) in self.row_scale.iter_mut().zip(column) {
+                *largest = a.abs().max(*largest);
+            }
+        }
+        self.row_scale.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
+        for column in self.factors.chunks_exact_mut(n) {
+            for (a, scale) in column.iter_mut().zip(&self.row_scale) {
+                *a *= scale;
+            }
+        }
+    }
+
+    fn factor_plain(&mut self) -> f64 {
+        let (n, a) = (self.size, &mut self.factors);
+        let mut sign = 1.0;
+        for (i, source) in self.source.iter_mut().enumerate() {
+            *source = i;
+        }
+        for k in 0..n {
+            let mut pivot = k;
+            for i in k + 1..n {
+                if a[k * n + i].abs() > a[k * n + pivot].abs() {
+                    pivot = i;
+                }
+            }
+            if pivot != k {
+                sign = -sign;
+                self.source.swap(k, pivot);
+                for j in 0..n {
+                    a.swap(j * n + k, j * n + pivot);
+                }
+            }
+            let inverse = 1.0 / a[k * n + k];
+            let (left, right) = a.split_at_mut((k + 1) * n);
+            let multipliers = &mut left[k * n + k + 1..];
+            multipliers.iter_mut().for_each(|m| *m *= inverse);
+            for column in right.chunks_exact_mut(n) {
+                let top = column[k];
+                for (a, m) in column[k + 1..].iter_mut().zip(multipliers.iter()) {
+                    *a -= m * top;
+                }
+            }
+        }
+        sign
+    }
+
+    fn factor_blocked(&mut self) -> f64 {
+        let n = self.size;
+        let Some(scratch) = self.scratch.as_mut() else { return 0.0 };
+        let (info, _) = lu_in_place(
+            MatMut::from_column_major_slice_mut(&mut self.factors, n, n),
+            &mut self.source,
+            &mut self.position,
+            Par::Seq,
+            MemStack::new(scratch),
+            Default::default(),
+        );
+        if info.transposition_count.is_multiple_of(2) { 1.0 } else { -1.0 }
+    }
+
+    fn judge(&mut self) -> Result<(), Singular> {
+        let mut verdict = Singular { pivot: f64::INFINITY, largest: 0.0 };
+        for k in 0..self.size {
+            let pivot = self.factors[k * self.size + k];
+            self.sign *= pivot.signum();
+            verdict.pivot = if pivot.is_nan() { f64::NAN } else { verdict.pivot.min(pivot.abs()) };
+            verdict.largest = verdict.largest.max(pivot.abs());
+        }
+        let regular = verdict.pivot > SINGULAR * verdict.largest;
+        if self.size == 0 || regular { Ok(()) } else { Err(verdict) }
+    }
+}
+
+fn inverse_power_of_two(largest: f64) -> f64 {
+    if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both factorisations, solved both ways, against multiplication.
+    #[test]
+    fn solves_in_both_sizes() {
+        for (n, m) in [(1, 0), (3, 2), (30, 2), (60, 3)] {
+            let size = n + m;
+            let entry = |i: usize, j: usize| {
+                ((i * 7 + j * 13 + i * j) as f64).sin() * 10f64.powi((i % 5) as i32)
+            };
+            let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
+            let columns: Vec<f64> = (0..n * m).map(|k| entry(k % n, n + k / n)).collect();
+            let rows: Vec<f64> = (0..n * m).map(|k| entry(n + k / n, k % n)).collect();
+            let corner: Vec<f64> = (0..m * m).map(|k| entry(n + k / m, n + k % m)).collect();
+            let mut lu = BorderedLu::default();
+            lu.factor(
+                &matrix,
+                Border { width: m, columns: &columns, rows: &rows, corner: &corner },
+            )
+            .unwrap();
+            let x: Vec<f64> = (0..size).map(|i| 1.0 + i as f64).collect();
+            let mut b: Vec<f64> =
+                (0..size).map(|i| (0..size).map(|j| entry(i, j) * x[j]).sum()).collect();
+            let mut c: Vec<f64> =
+                (0..size).map(|j| (0..size).map(|i| entry(i, j) * x[i]).sum()).collect();
+            lu.solve(&mut b);
+            lu.solve_transposed(&mut c);
+            for i in 0..size {
+                assert!((b[i] - x[i]).abs() < 1e-9 * x[i], "{n}+{m}: {} {}", b[i], x[i]);
+                assert!((c[i] - x[i]).abs() < 1e-9 * x[i], "{n}+{m}: {} {}", c[i], x[i]);
+            }
+        }
+    }
+}

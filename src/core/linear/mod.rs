@@ -1,0 +1,5 @@
+//! Dense linear algebra: LU factorisation within a border.
+
+mod lu;
+
+pub use lu::BorderedLu;
