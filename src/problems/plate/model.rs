@@ -122,6 +122,7 @@ impl Model {
         let ends = [supports.x(), supports.y()];
         let transverse = [0, 1].map(|axis| {
             Basis::transverse(ends[axis], symmetric[axis], orders.transverse[axis])
+                .into_beam_modes(symmetric[axis])
         });
         let plane = PlaneSpace::new(supports, settings.in_plane, symmetric, orders.in_plane);
         let membrane = (settings.theory == Theory::VonKarman)
