@@ -70,6 +70,17 @@ fn special(
     for (index, &value) in point.state.iter().enumerate() {
         finite(&format!("{place}, state, component {index}"), value)?;
     }
+    let directions = dimension + branch.released.len();
+    let names = "the unknowns and released parameters";
+    length(&format!("{place}, tangent"), point.tangent.len(), directions, names)?;
+    for (index, &value) in point.tangent.iter().enumerate() {
+        finite(&format!("{place}, tangent, component {index}"), value)?;
+    }
+    for profile in &point.profiles {
+        for (index, value) in profile.points.iter().flatten().enumerate() {
+            finite(&format!("{place}, profile `{}`, number {index}", profile.name), *value)?;
+        }
+    }
     Ok(())
 }
 

@@ -56,5 +56,7 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         bracket: [neighbour(after), neighbour(after + 1)],
         converged: true,
         state: vec![u],
+        tangent: vec![1.0, 1.0],
+        profiles: Vec::new(),
     }
 }

@@ -1,0 +1,362 @@
+//! Functions of one variable `ξ ∈ [−1, 1]` from which the displacements of a plate are built.
+//!
+//! A [`Basis`] is hierarchical: a few polynomials of degree at most 3, which carry what happens at
+//! the ends, then *bubbles*, multiple integrals of Legendre polynomials that vanish at both ends
+//! (together with their slopes, where `m = 2`):
+//!
+//! ```text
+//! m = 1:  b_k' = √(k − ½) P_{k−1},    b_k = √(k − ½) (P_k − P_{k−2})/(2k − 1),                k ≥ 2
+//! m = 2:  b_k" = √(k − 3/2) P_{k−2},  b_k' the bubble of m = 1 and degree k − 1,              k ≥ 4
+//! ```
+//!
+//! so that `∫ b_j^(m) b_k^(m) dξ = δ_jk`: stiffness matrices are close to diagonal at every order.
+//! Values come from the recurrence of Legendre polynomials, never from powers of `ξ` (those lose all
+//! digits by order 50). Appendix B of the dissertation has the same functions in powers.
+
+use super::edges::{InPlane, Support};
+use super::tensor::{Rule, moments};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, Par, Side};
+
+/// Along which of its edges a displacement acts: decides which ends are held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// The displacement is normal to the edges at the two ends.
+    Normal,
+    /// It is tangential to them.
+    Tangential,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Function {
+    /// `c₀ + c₁ξ + c₂ξ² + c₃ξ³`.
+    Cubic([f64; 4]),
+    /// The bubble of degree `k`.
+    Bubble(usize),
+}
+
+/// Functions on `[−1, 1]`, and their values, slopes and curvatures.
+#[derive(Clone, Debug)]
+pub struct Basis {
+    functions: Vec<Function>,
+    /// How often the bubbles integrate a Legendre polynomial, `m`.
+    integrals: usize,
+    /// How many of the first functions do not vanish at the ends.
+    boundary: usize,
+    degree: usize,
+    /// Combinations of the functions that take their place, if any.
+    mix: Option<Mix>,
+}
+
+/// New functions `F_m = Σ_k T_mk f_k`.
+#[derive(Clone, Debug)]
+struct Mix {
+    /// `T_mk` at `m·n + k`.
+    to: Vec<f64>,
+    /// `T⁻ᵀ`, ordered alike: coefficients of `f` into those of `F`.
+    back: Vec<f64>,
+}
+
+/// The cubics with one of: value at −1, slope at −1, value at 1, slope at 1 equal to 1, others 0.
+const HERMITE: [[f64; 4]; 4] = [
+    [0.5, -0.75, 0.0, 0.25],
+    [0.25, -0.25, -0.25, 0.25],
+    [0.5, 0.75, 0.0, -0.25],
+    [-0.25, -0.25, 0.25, 0.25],
+];
+
+/// Up to which order bases are built. Beyond it, the mass matrix has lost all digits.
+pub const LARGEST_COUNT: usize = 60;
+
+impl Basis {
+    /// The first `count` functions for a deflection with supports `ends` at `ξ = −1` and `1`; only
+    /// even ones if `even` (the two supports must then be alike).
+    pub fn transverse(ends: [Support; 2], even: bool, count: usize) -> Basis {
+        let cubics = if even {
+            match ends[0] {
+                Support::Clamped => vec![],
+                Support::SimplySupported => vec![[1.0, 0.0, -1.0, 0.0]],
+                Support::Free => vec![[1.0, 0.0, 0.0, 0.0], [1.0, 0.0, -1.0, 0.0]],
+            }
+        } else {
+            let mut cubics = Vec::new();
+            for (end, support) in ends.into_iter().enumerate() {
+                if support == Support::Free {
+                    cubics.push(HERMITE[2 * end]);
+                }
+                if support != Support::Clamped {
+                    cubics.push(HERMITE[2 * end + 1]);
+                }
+            }
+            cubics
+        };
+        Basis::new(cubics, 2, 4, if even { 2 } else { 1 }, count)
+    }
+
+    /// The first `count` functions for a displacement in the plane between two edges held as `ends`.
+    /// `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
+    pub fn in_plane(
+        ends: [InPlane; 2],
+        direction: Direction,
+        parity: Option<bool>,
+        count: usize,
+    ) -> Basis {
+        let held = ends.map(|end| match direction {
+            Direction::Normal => matches!(end, InPlane::Slide | InPlane::Immovable),
+            Direction::Tangential => end == InPlane::Immovable,
+        });
+        let (rising, falling) = ([0.5, 0.5, 0.0, 0.0], [0.5, -0.5, 0.0, 0.0]);
+        let (constant, linear) = ([1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]);
+        let cubics = match (parity, held) {
+            (Some(true), [false, _]) => vec![constant],
+            (Some(false), [false, _]) => vec![linear],
+            (Some(_), _) | (None, [true, true]) => vec![],
+            (None, [false, true]) => vec![falling],
+            (None, [true, false]) => vec![rising],
+            // A straight edge needs the functions of its own displacement alone; a tangential
+            // displacement needs the constant as one function, for straight edges across.
+            (None, [false, false]) if direction == Direction::Normal => vec![falling, rising],
+            (None, [false, false]) => vec![constant, linear],
+        };
+        let first = if parity == Some(false) { 3 } else { 2 };
+        Basis::new(cubics, 1, first, if parity.is_some() { 2 } else { 1 }, count)
+    }
+
+    fn new(
+        cubics: Vec<[f64; 4]>,
+        integrals: usize,
+        first: usize,
+        stride: usize,
+        count: usize,
+    ) -> Basis {
+        let boundary = cubics.len().min(count);
+        let mut functions: Vec<Function> = cubics.into_iter().map(Function::Cubic).collect();
+        functions.truncate(count);
+        functions.extend((0..count - boundary).map(|i| Function::Bubble(first + stride * i)));
+        let degree = functions.iter().map(Function::degree).max().unwrap_or(0);
+        Basis { functions, integrals, boundary, degree, mix: None }
+    }
+
+    /// The same space, spanned by the modes of a beam with the same ends: `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both
+    /// diagonal. In products of such functions the stiffness of a plate is nearly diagonal, and the
+    /// eigenvalues of the scaled matrix say something about the plate. (In the polynomials themselves its
+    /// condition is 1e6 with ten functions, and inverse iteration finds noise.)
+    ///
+    /// The first function is the lowest mode. Without a solution of the eigenproblem (which would take
+    /// values that are not finite), the basis stays as it is.
+    #[must_use]
+    pub fn into_beam_modes(mut self, symmetric: bool) -> Basis {
+        let n = self.len();
+        let rule = Rule::exact(2 * self.degree, symmetric);
+        let table = self.table(&rule.nodes);
+        let mass = Mat::from_fn(n, n, {
+            let mass = moments(&rule, &table.values, &table.values);
+            move |i, k| mass[i * n + k]
+        });
+        let bending = moments(&rule, &table.curvatures, &table.curvatures);
+        // A free beam has modes without bending: the mass keeps the matrix regular.
+        let energy = Mat::from_fn(n, n, |i, k| bending[i * n + k] + mass[(i, k)]);
+        let Ok(factor) = energy.llt(Side::Lower) else { return self };
+        let lower = factor.L();
+        let mut reduced = mass;
+        solve_lower_triangular_in_place(lower, reduced.as_mut(), Par::Seq);
+        solve_lower_triangular_in_place(lower, reduced.as_mut().transpose_mut(), Par::Seq);
+        let Ok(eigen) = reduced.self_adjoint_eigen(Side::Lower) else { return self };
+        let mut modes = eigen.U().to_owned();
+        solve_upper_triangular_in_place(lower.transpose(), modes.as_mut(), Par::Seq);
+        let back = &energy * &modes;
+        // Eigenvalues ascend, and the largest mass for a given energy is the lowest mode.
+        let rows = |matrix: &Mat<f64>| {
+            (0..n * n).map(|entry| matrix[(entry % n, n - 1 - entry / n)]).collect()
+        };
+        self.mix = Some(Mix { to: rows(&modes), back: rows(&back) });
+        self
+    }
+
+    /// Coefficients of the polynomials from those of the functions, if these are combinations; and back.
+    pub fn conversions(&self) -> Option<[&[f64]; 2]> {
+        self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
+    }
+
+    /// The number of functions.
+    pub fn len(&self) -> usize {
+        self.functions.len()
+    }
+
+    /// Whether there is no function.
+    pub fn is_empty(&self) -> bool {
+        self.functions.is_empty()
+    }
+
+    /// The highest degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// How many functions, the first ones, may differ from zero at the ends.
+    pub fn boundary(&self) -> usize {
+        self.boundary
+    }
+
+    /// Whether constants are among the combinations of these functions.
+    pub fn has_constant(&self) -> bool {
+        self.boundary > 0 && self.has_at_zero_degree(0)
+    }
+
+    /// Whether `ξ` is among the combinations of these functions.
+    pub fn has_linear(&self) -> bool {
+        self.boundary > 0 && self.has_at_zero_degree(1)
+    }
+
+    fn has_at_zero_degree(&self, power: usize) -> bool {
+        let cubics: Vec<[f64; 4]> = self
+            .functions
+            .iter()
+            .filter_map(|f| match f {
+                Function::Cubic(c) if c[2] == 0.0 && c[3] == 0.0 => Some(*c),
+                _ => None,
+            })
+            .collect();
+        cubics.len() == 2 || cubics.iter().any(|c| c[power] != 0.0 && c[1 - power] == 0.0)
+    }
+
+    /// Values, slopes and curvatures of all functions at `ξ`, one after the other.
+    pub fn at(&self, xi: f64) -> Vec<[f64; 3]> {
+        let plain = self.polynomials_at(xi);
+        let Some(mix) = &self.mix else { return plain };
+        let combine = |row: &[f64]| {
+            [0, 1, 2].map(|order| row.iter().zip(&plain).map(|(t, f)| t * f[order]).sum())
+        };
+        mix.to.chunks_exact(plain.len()).map(combine).collect()
+    }
+
+    fn polynomials_at(&self, xi: f64) -> Vec<[f64; 3]> {
+        let legendre = legendre(self.degree, xi);
+        self.functions
+            .iter()
+            .map(|function| match *function {
+                Function::Cubic([c0, c1, c2, c3]) => [
+                    c0 + xi * (c1 + xi * (c2 + xi * c3)),
+                    c1 + xi * (2.0 * c2 + xi * 3.0 * c3),
+                    2.0 * c2 + 6.0 * c3 * xi,
+                ],
+                Function::Bubble(k) if self.integrals == 1 => {
+                    [once(&legendre, k), (k as f64 - 0.5).sqrt() * legendre[k - 1], f64::NAN]
+                }
+                Function::Bubble(k) => [
+                    twice(&legendre, k),
+                    once(&legendre, k - 1),
+                    (k as f64 - 1.5).sqrt() * legendre[k - 2],
+                ],
+            })
+            .collect()
+    }
+
+    /// Values, slopes and curvatures at all `nodes`.
+    pub fn table(&self, nodes: &[f64]) -> Table {
+        let (points, functions) = (nodes.len(), self.len());
+        let zeros = || vec![0.0; points * functions];
+        let mut table =
+            Table { points, functions, values: zeros(), slopes: zeros(), curvatures: zeros() };
+        for (point, node) in nodes.iter().enumerate() {
+            for (function, [value, slope, curvature]) in self.at(*node).into_iter().enumerate() {
+                let entry = function * points + point;
+                table.values[entry] = value;
+                table.slopes[entry] = slope;
+                table.curvatures[entry] = curvature;
+            }
+        }
+        table
+    }
+}
+
+impl Function {
+    fn degree(&self) -> usize {
+        match self {
+            Function::Cubic(c) => c.iter().rposition(|c| *c != 0.0).unwrap_or(0),
+            Function::Bubble(k) => *k,
+        }
+    }
+}
+
+/// `P_0 … P_degree` at `ξ`.
+fn legendre(degree: usize, xi: f64) -> Vec<f64> {
+    let mut p = vec![1.0; degree.max(1) + 1];
+    p[1] = xi;
+    for k in 2..=degree {
+        let j = k as f64;
+        p[k] = ((2.0 * j - 1.0) * xi * p[k - 1] - (j - 1.0) * p[k - 2]) / j;
+    }
+    p
+}
+
+/// `√(k − ½) ∫P_{k−1}`.
+fn once(p: &[f64], k: usize) -> f64 {
+    let j = k as f64;
+    (j - 0.5).sqrt() * (p[k] - p[k - 2]) / (2.0 * j - 1.0)
+}
+
+/// `√(k − 3/2) ∬P_{k−2}`.
+fn twice(p: &[f64], k: usize) -> f64 {
+    let n = k as f64 - 2.0;
+    (n + 0.5).sqrt()
+        * ((p[k] - p[k - 2]) / (2.0 * n + 3.0) - (p[k - 2] - p[k - 4]) / (2.0 * n - 1.0))
+        / (2.0 * n + 1.0)
+}
+
+/// The functions of a [`Basis`] at some nodes, one function after the other: entry
+/// `(function, point)` at `function · points + point`.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// The number of nodes.
+    pub points: usize,
+    /// The number of functions.
+    pub functions: usize,
+    /// Values.
+    pub values: Vec<f64>,
+    /// Slopes, by `ξ`.
+    pub slopes: Vec<f64>,
+    /// Curvatures, by `ξ` (not a number for in-plane bubbles, which never need them).
+    pub curvatures: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::quadrature::gauss_legendre;
+
+    #[test]
+    fn bubbles_vanish_at_the_ends_and_are_orthonormal() {
+        let basis = Basis::transverse([Support::Clamped; 2], false, 50);
+        for end in [-1.0, 1.0] {
+            for [value, slope, _] in basis.at(end) {
+                assert!(value.abs() < 1e-14 && slope.abs() < 1e-14);
+            }
+        }
+        let (x, w) = gauss_legendre(60);
+        let table = basis.table(&x);
+        for i in 0..50 {
+            let dot: f64 = (0..60)
+                .map(|q| w[q] * table.curvatures[i * 60 + q] * table.curvatures[3 * 60 + q])
+                .sum();
+            assert!((dot - f64::from(u8::from(i == 3))).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn values_are_integrals_of_slopes_and_those_of_curvatures() {
+        let basis = Basis::transverse([Support::SimplySupported, Support::Free], false, 20);
+        let (x, w) = gauss_legendre(24);
+        let (from, to) = (-0.3, 0.7);
+        let at = |t: f64| basis.at(0.5 * (from + to) + 0.5 * (to - from) * t);
+        for i in 0..20 {
+            for order in 0..2 {
+                let integral: f64 = (0..24).map(|q| 0.5 * w[q] * at(x[q])[i][order + 1]).sum();
+                let change = at(1.0)[i][order] - at(-1.0)[i][order];
+                assert!((integral - change).abs() < 1e-14);
+            }
+        }
+    }
+}

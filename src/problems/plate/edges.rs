@@ -1,0 +1,134 @@
+//! How the edges of a plate are held, across the plate and in its plane.
+
+use super::error::PlateError;
+
+/// What holds an edge against deflection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Support {
+    /// `w = 0`; no moment.
+    SimplySupported,
+    /// `w = 0`, `∂w/∂n = 0`.
+    Clamped,
+    /// Nothing: no moment and no shear force. Such an edge is free in its plane as well.
+    Free,
+}
+
+/// The supports of the edges, in the order x = 0, y = 0, x = 1, y = 1.
+///
+/// ```
+/// use tangency::problems::plate::{Support, Supports};
+/// let cantilever: Supports = "CFFF".parse()?;
+/// assert_eq!(cantilever.x(), [Support::Clamped, Support::Free]);
+/// assert!("SCX".parse::<Supports>().is_err());
+/// # Ok::<(), tangency::problems::plate::PlateError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Supports(pub [Support; 4]);
+
+impl Supports {
+    /// The edges x = 0 and x = 1.
+    pub fn x(&self) -> [Support; 2] {
+        [self.0[0], self.0[2]]
+    }
+
+    /// The edges y = 0 and y = 1.
+    pub fn y(&self) -> [Support; 2] {
+        [self.0[1], self.0[3]]
+    }
+
+    /// Whether the two edges of each direction (x, then y) are alike.
+    pub fn alike(&self) -> [bool; 2] {
+        [self.x(), self.y()].map(|[first, second]| first == second)
+    }
+
+    /// Whether some edge is free.
+    pub fn any_free(&self) -> bool {
+        self.0.contains(&Support::Free)
+    }
+
+    /// What the edges of the plane are unless something else is said: `slide` for a plate
+    /// supported all round, `immovable` for all others.
+    pub fn usual_in_plane(&self) -> InPlane {
+        match self.0 {
+            [Support::SimplySupported, ..] if self.0.iter().all(|edge| *edge == self.0[0]) => {
+                InPlane::Slide
+            }
+            _ => InPlane::Immovable,
+        }
+    }
+}
+
+impl std::str::FromStr for Supports {
+    type Err = PlateError;
+
+    fn from_str(letters: &str) -> Result<Self, PlateError> {
+        let unknown = || PlateError::Supports { letters: letters.into() };
+        let edges: Vec<Support> = letters
+            .chars()
+            .map(|letter| match letter {
+                'S' | 's' => Ok(Support::SimplySupported),
+                'C' | 'c' => Ok(Support::Clamped),
+                'F' | 'f' => Ok(Support::Free),
+                _ => Err(unknown()),
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Supports(edges.try_into().map_err(|_| unknown())?))
+    }
+}
+
+impl std::fmt::Display for Supports {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        for edge in self.0 {
+            out.write_str(match edge {
+                Support::SimplySupported => "S",
+                Support::Clamped => "C",
+                Support::Free => "F",
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// What holds the edges in the plane of the plate. Four different models: at `α₁ = 2` their
+/// pull-in loads differ by a factor of two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InPlane {
+    /// No normal displacement, no shear traction.
+    Slide,
+    /// `u = v = 0`.
+    Immovable,
+    /// The edge stays straight (its normal displacement is constant along it) under zero mean
+    /// normal force, without shear traction.
+    Straight,
+    /// No traction.
+    Free,
+}
+
+impl InPlane {
+    /// The model as scenes and figures call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            InPlane::Slide => "slide",
+            InPlane::Immovable => "immovable",
+            InPlane::Straight => "straight",
+            InPlane::Free => "free",
+        }
+    }
+
+    /// The same, except at a transversally free edge: that one is free in its plane.
+    pub fn at(self, support: Support) -> InPlane {
+        if support == Support::Free { InPlane::Free } else { self }
+    }
+}
+
+impl std::str::FromStr for InPlane {
+    type Err = PlateError;
+
+    fn from_str(name: &str) -> Result<Self, PlateError> {
+        [InPlane::Slide, InPlane::Immovable, InPlane::Straight, InPlane::Free]
+            .into_iter()
+            .find(|model| model.name() == name)
+            .ok_or_else(|| PlateError::InPlane { name: name.into() })
+    }
+}

@@ -1,0 +1,156 @@
+//! Small vibrations about an equilibrium: `K v = ω² M v`.
+//!
+//! In a basis of high order the mass matrix is singular to working accuracy (its condition is 1e11 at 10
+//! functions, 6e14 at 18), while `K + σM` is not. So the problem solved is
+//! `M v = μ (K + σM) v`, `ω² = 1/μ − σ`.
+
+use faer::diag::DiagMut;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{MatMut, MatRef, Par};
+
+use super::model::Model;
+
+/// Natural frequencies and modes of a plate, the lowest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    /// `ω²`, dimensionless (`ω a²√(ρh/D)`); negative where the equilibrium is unstable.
+    pub squares: Vec<f64>,
+    /// Coefficients of the modes, each with mean square 1 over the plate.
+    pub shapes: Vec<Vec<f64>>,
+}
+
+impl Modes {
+    /// `ω`; `−√(−ω²)` for unstable modes.
+    pub fn frequencies(&self) -> Vec<f64> {
+        self.squares.iter().map(|square| signed_root(*square)).collect()
+    }
+}
+
+/// `√x`, odd in `x`: a frequency passes zero where its equilibrium loses stability.
+pub fn signed_root(x: f64) -> f64 {
+    x.abs().sqrt().copysign(x)
+}
+
+/// The mass matrix and the memory for its eigenproblem.
+pub(super) struct Vibration {
+    mass: Vec<f64>,
+    factor: Vec<f64>,
+    reduced: Vec<f64>,
+    /// `μ`, ascending.
+    values: Vec<f64>,
+    /// Modes, one column after the other, in the order of `values`.
+    vectors: Vec<f64>,
+    shift: f64,
+    scratch: MemBuffer,
+}
+
+impl Vibration {
+    pub fn new(model: &Model) -> Vibration {
+        let n = model.unknowns();
+        let [x, y] = &model.lines;
+        let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
+        let entry = |k: usize| {
+            let (row, column) = (k % n, k / n);
+            let products =
+                x.values[(row / ny) * nx + column / ny] * y.values[(row % ny) * ny + column % ny];
+            products * model.scale[row] * model.scale[column]
+        };
+        let need = StackReq::any_of(&[
+            cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()),
+            self_adjoint_evd_scratch::<f64>(
+                n,
+                ComputeEigenvectors::Yes,
+                Par::Seq,
+                Default::default(),
+            ),
+        ]);
+        Vibration {
+            mass: (0..n * n).map(entry).collect(),
+            factor: vec![0.0; n * n],
+            reduced: vec![0.0; n * n],
+            values: vec![0.0; n],
+            vectors: vec![0.0; n * n],
+            shift: 1.0,
+            scratch: MemBuffer::new(need),
+        }
+    }
+
+    /// All modes of a stiffness matrix (one column after the other); `false` if it is not finite.
+    #[must_use]
+    pub fn solve(&mut self, stiffness: &[f64]) -> bool {
+        let n = self.values.len();
+        if !self.factor_shifted(stiffness) {
+            return false;
+        }
+        let lower = MatRef::from_column_major_slice(&self.factor, n, n);
+        self.reduced.copy_from_slice(&self.mass);
+        let mut reduced = MatMut::from_column_major_slice_mut(&mut self.reduced, n, n);
+        solve_lower_triangular_in_place(lower, reduced.as_mut(), Par::Seq);
+        solve_lower_triangular_in_place(lower, reduced.as_mut().transpose_mut(), Par::Seq);
+        let done = self_adjoint_evd(
+            reduced.as_ref(),
+            DiagMut::from_slice_mut(&mut self.values),
+            Some(MatMut::from_column_major_slice_mut(&mut self.vectors, n, n)),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+            Default::default(),
+        );
+        let vectors = MatMut::from_column_major_slice_mut(&mut self.vectors, n, n);
+        solve_upper_triangular_in_place(lower.transpose(), vectors, Par::Seq);
+        done.is_ok()
+    }
+
+    /// `ω²` of the mode, 0 for the lowest.
+    pub fn square(&self, mode: usize) -> f64 {
+        1.0 / self.values[self.values.len() - 1 - mode] - self.shift
+    }
+
+    /// Coefficients of the mode, of mean square 1, into `out`. The sign makes the largest one positive.
+    pub fn shape(&self, mode: usize, out: &mut [f64]) {
+        let n = self.values.len();
+        let column = n - 1 - mode;
+        out.copy_from_slice(&self.vectors[column * n..(column + 1) * n]);
+        let largest = out.iter().fold(0.0_f64, |m, a| if a.abs() > m.abs() { *a } else { m });
+        let scale = largest.signum() / self.values[column].sqrt();
+        out.iter_mut().for_each(|entry| *entry *= scale);
+    }
+
+    /// The `count` lowest modes.
+    pub fn lowest(&self, count: usize) -> Modes {
+        let n = self.values.len();
+        let modes = 0..count.min(n);
+        let shape = |mode| {
+            let mut shape = vec![0.0; n];
+            self.shape(mode, &mut shape);
+            shape
+        };
+        Modes {
+            squares: modes.clone().map(|mode| self.square(mode)).collect(),
+            shapes: modes.map(shape).collect(),
+        }
+    }
+
+    /// Factors `K + σM` with the smallest `σ` of a ladder that makes it positive definite.
+    fn factor_shifted(&mut self, stiffness: &[f64]) -> bool {
+        let n = self.values.len();
+        self.shift = 100.0;
+        while self.shift < 1e12 {
+            for ((out, k), m) in self.factor.iter_mut().zip(stiffness).zip(&self.mass) {
+                *out = k + self.shift * m;
+            }
+            let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, n, n);
+            let stack = MemStack::new(&mut self.scratch);
+            let params = Default::default();
+            if cholesky_in_place(matrix, Default::default(), Par::Seq, stack, params).is_ok() {
+                return true;
+            }
+            self.shift *= 8.0;
+        }
+        false
+    }
+}

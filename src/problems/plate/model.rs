@@ -1,0 +1,266 @@
+//! Everything about a plate that does not change with its state: functions, rules, tables, moments.
+
+use super::basis::{Basis, Table};
+use super::edges::{InPlane, Supports};
+use super::error::PlateError;
+use super::orders::Orders;
+use super::parameters::Units;
+use super::plane::PlaneSpace;
+use super::tensor::{Product, Rule, means, moments, pairs};
+
+/// Which terms of the strains count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Theory {
+    /// Bending only.
+    Linear,
+    /// Bending and stretching of the mid-plane, `e₁ = u_x + ½w_x²` and so on (eq. 2.6).
+    VonKarman,
+}
+
+/// Description of a plate for [`Ritz::new`](super::Ritz::new).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RitzSettings {
+    /// Edges across the plate.
+    pub supports: Supports,
+    /// Edges in the plane.
+    pub in_plane: InPlane,
+    /// Bending only, or stretching as well.
+    pub theory: Theory,
+    /// Numbers of functions; `None` for the usual ones at `aspect`.
+    pub orders: Option<Orders>,
+    /// The largest aspect ratio meant (if it is above 1; the smallest one if below), for the usual orders.
+    pub aspect: f64,
+    /// What the named parameters mean.
+    pub units: Units,
+    /// Use the symmetry of directions whose two edges are alike. A load that breaks it
+    /// (`edge_shear`) needs `false`.
+    pub symmetric: bool,
+}
+
+impl RitzSettings {
+    /// A plate with the usual in-plane edges, von Kármán's theory, usual orders and dimensionless parameters.
+    pub fn new(supports: Supports) -> RitzSettings {
+        RitzSettings {
+            supports,
+            in_plane: supports.usual_in_plane(),
+            theory: Theory::VonKarman,
+            orders: None,
+            aspect: 1.0,
+            units: Units::Dimensionless,
+            symmetric: true,
+        }
+    }
+}
+
+/// Mean products of the transverse functions of one direction, `(i, k)` at `i·n + k`.
+pub(super) struct LineMoments {
+    pub values: Vec<f64>,
+    pub slopes: Vec<f64>,
+    pub curvatures: Vec<f64>,
+    /// `⟨f_i" f_k⟩` and its transpose.
+    pub mixed: [Vec<f64>; 2],
+    /// `⟨f_i' f_k⟩` and its transpose; zero where symmetry makes it so.
+    pub skew: [Vec<f64>; 2],
+    pub means: Vec<f64>,
+}
+
+/// Tables of transverse functions on one rule for the load term.
+pub(super) struct LoadRule {
+    pub rules: [Rule; 2],
+    pub tables: [Table; 2],
+    /// `f_i f_k`, `i ≤ k`, at the nodes.
+    pub squares: [Vec<f64>; 2],
+    /// Up to which deflection the rule is good for 1e-11.
+    pub largest: f64,
+}
+
+/// Products of a transverse function and another function at the nodes of the membrane rule, by
+/// which derivative is taken of either: `[of the other][of the transverse one]`.
+pub(super) type PairTables = [[Vec<f64>; 2]; 2];
+
+/// Tables on the rule that integrates all products of strains exactly.
+pub(super) struct Membrane {
+    pub rules: [Rule; 2],
+    pub w: [Table; 2],
+    pub u: [Table; 2],
+    pub v: [Table; 2],
+    /// Transverse times transverse, for each direction.
+    pub ww: [PairTables; 2],
+    /// Functions of `u` times transverse.
+    pub uw: [PairTables; 2],
+    /// Functions of `v` times transverse.
+    pub vw: [PairTables; 2],
+}
+
+/// A plate without its state.
+pub(super) struct Model {
+    pub settings: RitzSettings,
+    pub orders: Orders,
+    /// Directions in which only symmetric displacements are considered.
+    pub symmetric: [bool; 2],
+    pub transverse: [Basis; 2],
+    pub lines: [LineMoments; 2],
+    pub loads: Vec<LoadRule>,
+    pub membrane: Option<Membrane>,
+    pub plane: PlaneSpace,
+    /// What each product `f_i g_j` is multiplied by, see [`scales`].
+    pub scale: Vec<f64>,
+}
+
+/// Deflections beyond this one are refused: the electrostatic load is no longer integrated to 1e-11.
+pub(super) const LARGEST_DEFLECTION: f64 = 0.96;
+
+impl Model {
+    pub fn new(settings: RitzSettings) -> Result<Model, PlateError> {
+        let supports = settings.supports;
+        let symmetric = supports.alike().map(|alike| alike && settings.symmetric);
+        let orders =
+            settings.orders.unwrap_or_else(|| Orders::usual(supports, symmetric, settings.aspect));
+        orders.check()?;
+        check_held(supports)?;
+        let ends = [supports.x(), supports.y()];
+        let transverse = [0, 1].map(|axis| {
+            Basis::transverse(ends[axis], symmetric[axis], orders.transverse[axis])
+                .into_beam_modes(symmetric[axis])
+        });
+        let plane = PlaneSpace::new(supports, settings.in_plane, symmetric, orders.in_plane);
+        let membrane = (settings.theory == Theory::VonKarman)
+            .then(|| Membrane::new(&transverse, &plane, symmetric));
+        let lines = [0, 1].map(|axis| LineMoments::new(&transverse[axis], symmetric[axis]));
+        let loads = [(16, 0.5), (24, 0.75), (32, 0.88), (48, LARGEST_DEFLECTION)]
+            .map(|(count, largest)| LoadRule::new(&transverse, symmetric, count, largest))
+            .into();
+        let scale = scales(&lines);
+        Ok(Model { settings, orders, symmetric, transverse, lines, loads, membrane, plane, scale })
+    }
+
+    /// The number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.transverse[0].len() * self.transverse[1].len()
+    }
+
+    /// The rule for the load term at a deflection whose largest value is `largest`.
+    pub fn load_rule(&self, largest: f64) -> &LoadRule {
+        let good = self.loads.iter().find(|rule| largest <= rule.largest);
+        good.unwrap_or(&self.loads[self.loads.len() - 1])
+    }
+}
+
+/// The unknowns are the coefficients of `d_ij f_i g_j` with
+///
+/// ```text
+/// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
+/// ```
+///
+/// (a unit of an unknown is then a deflection of some gap in the lowest modes). Products of two high
+/// functions have next to no bending energy; unscaled, rounding would fill their coefficients with noise
+/// that no norm of the unknowns could tell from a correction.
+fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
+    let count = [x, y].map(|line| line.means.len());
+    let mut scales = Vec::with_capacity(count[0] * count[1]);
+    for i in (0..count[0]).map(|i| i * (count[0] + 1)) {
+        for j in (0..count[1]).map(|j| j * (count[1] + 1)) {
+            let bending = x.curvatures[i] * y.values[j]
+                + x.values[i] * y.curvatures[j]
+                + 2.0 * x.slopes[i] * y.slopes[j];
+            scales.push(10.0 / (16.0 * bending + 100.0 * x.values[i] * y.values[j]).sqrt());
+        }
+    }
+    scales
+}
+
+/// Three of the four quantities deflection, two slopes and twist may be rigid motions.
+fn check_held(supports: Supports) -> Result<(), PlateError> {
+    use super::edges::Support::{Clamped, Free};
+    let clamped = supports.0.contains(&Clamped);
+    let held = supports.0.iter().filter(|edge| **edge != Free).count();
+    if clamped || held >= 2 {
+        Ok(())
+    } else {
+        Err(PlateError::Unsupported { supports: supports.to_string() })
+    }
+}
+
+impl LineMoments {
+    fn new(basis: &Basis, symmetric: bool) -> LineMoments {
+        let rule = Rule::exact(2 * basis.degree(), symmetric);
+        let Table { values, slopes, curvatures, .. } = basis.table(&rule.nodes);
+        let mut skew = [moments(&rule, &slopes, &values), moments(&rule, &values, &slopes)];
+        if symmetric {
+            skew.iter_mut().for_each(|matrix| matrix.fill(0.0));
+        }
+        LineMoments {
+            values: moments(&rule, &values, &values),
+            slopes: moments(&rule, &slopes, &slopes),
+            curvatures: moments(&rule, &curvatures, &curvatures),
+            mixed: [moments(&rule, &curvatures, &values), moments(&rule, &values, &curvatures)],
+            skew,
+            means: means(&rule, &values),
+        }
+    }
+}
+
+impl LoadRule {
+    fn new(transverse: &[Basis; 2], symmetric: [bool; 2], count: usize, largest: f64) -> LoadRule {
+        let rules = [0, 1].map(|axis| {
+            // Never fewer nodes than the bending moments would need.
+            Rule::halves(count.max(transverse[axis].degree() + 2), symmetric[axis])
+        });
+        let tables = [0, 1].map(|axis| transverse[axis].table(&rules[axis].nodes));
+        let squares = [0, 1].map(|axis| {
+            let (points, values) = (rules[axis].len(), &tables[axis].values);
+            let products = values.chunks_exact(points).enumerate();
+            products.flat_map(|(i, f)| pairs(points, f, &values[i * points..])).collect()
+        });
+        LoadRule { rules, tables, squares, largest }
+    }
+
+    pub fn values(&self) -> Product<'_> {
+        Product {
+            x: &self.tables[0].values,
+            y: &self.tables[1].values,
+            points: [self.rules[0].len(), self.rules[1].len()],
+        }
+    }
+}
+
+impl Membrane {
+    fn new(transverse: &[Basis; 2], plane: &PlaneSpace, symmetric: [bool; 2]) -> Membrane {
+        let rules = [0, 1].map(|axis| {
+            let w = transverse[axis].degree();
+            let s = plane.u[axis].degree().max(plane.v[axis].degree());
+            Rule::exact((4 * w).max(2 * w + s).max(2 * s), symmetric[axis])
+        });
+        let tables = |bases: &[Basis; 2]| [0, 1].map(|axis| bases[axis].table(&rules[axis].nodes));
+        let (w, u, v) = (tables(transverse), tables(&plane.u), tables(&plane.v));
+        let with_w = |others: &[Table; 2]| {
+            [0, 1].map(|axis| {
+                let (points, w) = (rules[axis].len(), &w[axis]);
+                [&others[axis].values, &others[axis].slopes]
+                    .map(|other| [pairs(points, other, &w.values), pairs(points, other, &w.slopes)])
+            })
+        };
+        let (ww, uw, vw) = (with_w(&w), with_w(&u), with_w(&v));
+        Membrane { rules, w, u, v, ww, uw, vw }
+    }
+
+    pub fn points(&self) -> [usize; 2] {
+        [self.rules[0].len(), self.rules[1].len()]
+    }
+
+    /// Derivatives by ξ and by ζ of fields built from `tables`.
+    pub fn slopes<'a>(&self, tables: &'a [Table; 2]) -> [Product<'a>; 2] {
+        let points = self.points();
+        [
+            Product { x: &tables[0].slopes, y: &tables[1].values, points },
+            Product { x: &tables[0].values, y: &tables[1].slopes, points },
+        ]
+    }
+
+    /// Weights of the mean over the plate, node by node.
+    pub fn weights(&self) -> impl Iterator<Item = f64> + '_ {
+        let [x, y] = &self.rules;
+        x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
+    }
+}

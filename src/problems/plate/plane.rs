@@ -1,0 +1,297 @@
+//! The in-plane problem: for a given deflection, `K_uv s = −r(w)`.
+//!
+//! With `u = Σ U_k(ξ) U_l(ζ)` and `v` alike, the stiffness matrix of plane stress on the plate (the mean
+//! over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices with coefficients of
+//! `α` and `ν`:
+//!
+//! ```text
+//! K_uu = 4⟨u_ξ u_ξ⟩ + 2(1−ν)/α² ⟨u_ζ u_ζ⟩      K_vv = 4/α² ⟨v_ζ v_ζ⟩ + 2(1−ν)⟨v_ξ v_ξ⟩
+//! K_uv = 4ν/α ⟨u_ξ v_ζ⟩ + 2(1−ν)/α ⟨u_ζ v_ξ⟩
+//! ```
+//!
+//! Rigid motions that the edges leave are held by a penalty on their means. The right side is
+//! orthogonal to them, so the penalty changes no stress.
+
+use super::basis::{Basis, Direction};
+use super::edges::{InPlane, Supports};
+use super::tensor::{Rule, means, moments};
+use crate::core::scalar::Scalar;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::{MatMut, Par};
+
+/// The in-plane displacements: which products of functions they are made of.
+pub struct PlaneSpace {
+    /// Functions of ξ and of ζ for `u`.
+    pub u: [Basis; 2],
+    /// Functions of ξ and of ζ for `v`.
+    pub v: [Basis; 2],
+    /// Positions of the unknowns of `u` in its full grid of products.
+    pub u_active: Vec<usize>,
+    /// Positions of the unknowns of `v` in its full grid of products.
+    pub v_active: Vec<usize>,
+    /// Linear functionals, one for each rigid motion that is left.
+    pub rigid: Vec<Vec<f64>>,
+    moments: Moments,
+}
+
+/// One-dimensional mean products; `ux_11` is `⟨U_k' U_k'⟩` of the functions of ξ, and so on.
+struct Moments {
+    ux_00: Vec<f64>,
+    ux_11: Vec<f64>,
+    uy_00: Vec<f64>,
+    uy_11: Vec<f64>,
+    vx_00: Vec<f64>,
+    vx_11: Vec<f64>,
+    vy_00: Vec<f64>,
+    vy_11: Vec<f64>,
+    x_10: Vec<f64>,
+    x_01: Vec<f64>,
+    y_01: Vec<f64>,
+    y_10: Vec<f64>,
+}
+
+impl PlaneSpace {
+    /// The space for the given edges; `symmetric` directions have odd normal and even tangential
+    /// displacements.
+    pub fn new(
+        supports: Supports,
+        model: InPlane,
+        symmetric: [bool; 2],
+        counts: [usize; 2],
+    ) -> PlaneSpace {
+        let ends = [supports.x(), supports.y()].map(|ends| ends.map(|end| model.at(end)));
+        let line = |axis: usize, direction: Direction| {
+            let parity = symmetric[axis].then_some(direction == Direction::Tangential);
+            Basis::in_plane(ends[axis], direction, parity, counts[axis])
+        };
+        let u = [line(0, Direction::Normal), line(1, Direction::Tangential)];
+        let v = [line(0, Direction::Tangential), line(1, Direction::Normal)];
+        let (x, y) = (ends[0], ends[1]);
+        let u_active = active(&u[0], &u[1], straight_functions(&u[0], x, symmetric[0]), false);
+        let v_active = active(&v[0], &v[1], straight_functions(&v[1], y, symmetric[1]), true);
+        let moments = Moments::new(&u, &v, symmetric);
+        let mut space = PlaneSpace { u, v, u_active, v_active, rigid: Vec::new(), moments };
+        space.rigid = space.rigid_motions(ends, symmetric);
+        space
+    }
+
+    /// The number of unknowns.
+    pub fn len(&self) -> usize {
+        self.u_active.len() + self.v_active.len()
+    }
+
+    /// Sorts unknowns into the grids of `u` and `v`.
+    pub fn unpack<T: Scalar>(&self, s: &[T], u: &mut [T], v: &mut [T]) {
+        u.fill(T::zero());
+        v.fill(T::zero());
+        for (position, s) in self.u_active.iter().zip(s) {
+            u[*position] = *s;
+        }
+        for (position, s) in self.v_active.iter().zip(&s[self.u_active.len()..]) {
+            v[*position] = *s;
+        }
+    }
+
+    /// Collects unknowns from the grids of `u` and `v`.
+    pub fn pack<T: Scalar>(&self, u: &[T], v: &[T], s: &mut [T]) {
+        let (of_u, of_v) = s.split_at_mut(self.u_active.len());
+        for (position, s) in self.u_active.iter().zip(of_u) {
+            *s = u[*position];
+        }
+        for (position, s) in self.v_active.iter().zip(of_v) {
+            *s = v[*position];
+        }
+    }
+
+    /// Adds to `r` what the penalty on rigid motions adds to `K_uv s`.
+    pub fn add_penalty<T: Scalar>(&self, s: &[T], r: &mut [T]) {
+        for functional in &self.rigid {
+            let amount = super::tensor::dot(s, functional);
+            for (r, f) in r.iter_mut().zip(functional) {
+                *r += amount * *f;
+            }
+        }
+    }
+
+    fn rigid_motions(&self, ends: [[InPlane; 2]; 2], symmetric: [bool; 2]) -> Vec<Vec<f64>> {
+        let turned = |axis: usize| ends[axis].contains(&InPlane::Straight);
+        let mut motions = Vec::new();
+        if self.u[0].has_constant() && self.u[1].has_constant() {
+            motions.push(self.functional(symmetric, [Some([0, 0]), None]));
+        }
+        if self.v[0].has_constant() && self.v[1].has_constant() {
+            motions.push(self.functional(symmetric, [None, Some([0, 0])]));
+        }
+        let u_turns = self.u[0].has_constant() && self.u[1].has_linear() && !turned(0);
+        let v_turns = self.v[1].has_constant() && self.v[0].has_linear() && !turned(1);
+        if u_turns && v_turns {
+            let turn_v = self.functional(symmetric, [None, Some([1, 0])]);
+            let turn_u = self.functional(symmetric, [Some([0, 1]), None]);
+            motions.push(turn_v.iter().zip(&turn_u).map(|(v, u)| v - u).collect());
+        }
+        motions
+    }
+
+    /// `⟨ξ^i ζ^j u⟩` and `⟨ξ^i ζ^j v⟩` (where asked) for all unknowns.
+    fn functional(&self, symmetric: [bool; 2], powers: [Option<[i32; 2]>; 2]) -> Vec<f64> {
+        let mut grids = [&self.u, &self.v].map(|bases| vec![0.0; bases[0].len() * bases[1].len()]);
+        for ((grid, bases), power) in grids.iter_mut().zip([&self.u, &self.v]).zip(powers) {
+            let Some(power) = power else { continue };
+            let lines = [0, 1].map(|axis| {
+                let rule = Rule::exact(bases[axis].degree() + 1, symmetric[axis]);
+                let table = bases[axis].table(&rule.nodes);
+                let factor: Vec<f64> = rule.nodes.iter().map(|x| x.powi(power[axis])).collect();
+                means(&rule, &super::tensor::pairs(rule.len(), &table.values, &factor))
+            });
+            for (entry, out) in grid.iter_mut().enumerate() {
+                *out = lines[0][entry / bases[1].len()] * lines[1][entry % bases[1].len()];
+            }
+        }
+        let mut packed = vec![0.0; self.len()];
+        self.pack(&grids[0], &grids[1], &mut packed);
+        packed
+    }
+
+    /// `K_uv` with its penalty, one column after the other.
+    fn stiffness(&self, alpha: f64, nu: f64, k: &mut [f64]) {
+        let (n, nu_count) = (self.len(), self.u_active.len());
+        let m = &self.moments;
+        let (ux, uy, vx, vy) = (self.u[0].len(), self.u[1].len(), self.v[0].len(), self.v[1].len());
+        let shear = 2.0 * (1.0 - nu);
+        for (row, i) in self.u_active.iter().enumerate() {
+            let [a, b] = [i / uy, i % uy];
+            for (column, j) in self.u_active.iter().enumerate() {
+                let [c, d] = [j / uy, j % uy];
+                k[column * n + row] = 4.0 * m.ux_11[a * ux + c] * m.uy_00[b * uy + d]
+                    + shear / (alpha * alpha) * m.ux_00[a * ux + c] * m.uy_11[b * uy + d];
+            }
+            for (column, j) in self.v_active.iter().enumerate() {
+                let [c, d] = [j / vy, j % vy];
+                let entry = 4.0 * nu / alpha * m.x_10[a * vx + c] * m.y_01[b * vy + d]
+                    + shear / alpha * m.x_01[a * vx + c] * m.y_10[b * vy + d];
+                k[(nu_count + column) * n + row] = entry;
+                k[row * n + nu_count + column] = entry;
+            }
+        }
+        for (row, i) in self.v_active.iter().enumerate() {
+            let [a, b] = [i / vy, i % vy];
+            for (column, j) in self.v_active.iter().enumerate() {
+                let [c, d] = [j / vy, j % vy];
+                k[(nu_count + column) * n + nu_count + row] =
+                    4.0 / (alpha * alpha) * m.vx_00[a * vx + c] * m.vy_11[b * vy + d]
+                        + shear * m.vx_11[a * vx + c] * m.vy_00[b * vy + d];
+            }
+        }
+        for functional in &self.rigid {
+            for (column, f) in k.chunks_exact_mut(n).zip(functional) {
+                column.iter_mut().zip(functional).for_each(|(k, g)| *k += f * g);
+            }
+        }
+    }
+}
+
+/// Which of the functions normal to the edges belong to a straight edge, and may only be constant
+/// along it.
+fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Vec<bool> {
+    let straight = ends.map(|end| end == InPlane::Straight);
+    match (normal.boundary(), symmetric) {
+        (2, false) => straight.to_vec(),
+        // One function at the ends: it is that of the end (or, by symmetry, of both ends) not held.
+        (1, _) => vec![straight[0] || straight[1]],
+        _ => vec![false; normal.boundary()],
+    }
+}
+
+/// Positions, in the grid of products of `x` and `y`, of the unknowns: all of them, except products of
+/// a straight edge's function with anything but the constant. `normal_is_y` says which is which.
+fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<usize> {
+    let mut positions = Vec::with_capacity(x.len() * y.len());
+    for i in 0..x.len() {
+        for j in 0..y.len() {
+            let (normal, along) = if normal_is_y { (j, i) } else { (i, j) };
+            if along == 0 || !straight.get(normal).copied().unwrap_or(false) {
+                positions.push(i * y.len() + j);
+            }
+        }
+    }
+    positions
+}
+
+impl Moments {
+    fn new(u: &[Basis; 2], v: &[Basis; 2], symmetric: [bool; 2]) -> Moments {
+        let [(rule_x, ux, vx), (rule_y, uy, vy)] = [0, 1].map(|axis| {
+            let rule = Rule::exact(2 * u[axis].degree().max(v[axis].degree()), symmetric[axis]);
+            let tables = (u[axis].table(&rule.nodes), v[axis].table(&rule.nodes));
+            (rule, tables.0, tables.1)
+        });
+        Moments {
+            ux_00: moments(&rule_x, &ux.values, &ux.values),
+            ux_11: moments(&rule_x, &ux.slopes, &ux.slopes),
+            uy_00: moments(&rule_y, &uy.values, &uy.values),
+            uy_11: moments(&rule_y, &uy.slopes, &uy.slopes),
+            vx_00: moments(&rule_x, &vx.values, &vx.values),
+            vx_11: moments(&rule_x, &vx.slopes, &vx.slopes),
+            vy_00: moments(&rule_y, &vy.values, &vy.values),
+            vy_11: moments(&rule_y, &vy.slopes, &vy.slopes),
+            x_10: moments(&rule_x, &ux.slopes, &vx.values),
+            x_01: moments(&rule_x, &ux.values, &vx.slopes),
+            y_01: moments(&rule_y, &uy.values, &vy.slopes),
+            y_10: moments(&rule_y, &uy.slopes, &vy.values),
+        }
+    }
+}
+
+/// The Cholesky factor of `K_uv` for one pair `(α, ν)`.
+pub struct PlaneFactor {
+    /// `(α, ν)` of the factor.
+    pub at: Option<(f64, f64)>,
+    /// `L`, on and below the diagonal, one column after the other.
+    pub factor: Vec<f64>,
+    size: usize,
+    scratch: MemBuffer,
+}
+
+impl PlaneFactor {
+    /// Memory for a factor.
+    pub fn new(size: usize) -> PlaneFactor {
+        let need = cholesky_in_place_scratch::<f64>(size, Par::Seq, Default::default());
+        PlaneFactor {
+            at: None,
+            factor: vec![0.0; size * size],
+            size,
+            scratch: MemBuffer::new(need),
+        }
+    }
+
+    /// Factors `K_uv(α, ν)` unless that has just been done; `false` if it is not positive definite.
+    #[must_use]
+    pub fn update(&mut self, space: &PlaneSpace, alpha: f64, nu: f64) -> bool {
+        if self.at == Some((alpha, nu)) {
+            return true;
+        }
+        space.stiffness(alpha, nu, &mut self.factor);
+        let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, self.size, self.size);
+        let stack = MemStack::new(&mut self.scratch);
+        let done =
+            cholesky_in_place(matrix, Default::default(), Par::Seq, stack, Default::default());
+        self.at = done.is_ok().then_some((alpha, nu));
+        done.is_ok()
+    }
+
+    /// `K_uv⁻¹ r`, in place: all components of a dual number go through the same substitution.
+    pub fn solve<T: Scalar>(&self, r: &mut [T]) {
+        let n = self.size;
+        for (j, column) in self.factor.chunks_exact(n).enumerate() {
+            let (head, tail) = r.split_at_mut(j + 1);
+            head[j] *= 1.0 / column[j];
+            for (r, l) in tail.iter_mut().zip(&column[j + 1..]) {
+                *r -= head[j] * *l;
+            }
+        }
+        for (j, column) in self.factor.chunks_exact(n).enumerate().rev() {
+            let (head, tail) = r.split_at_mut(j + 1);
+            head[j] = (head[j] - super::tensor::dot(tail, &column[j + 1..])) * (1.0 / column[j]);
+        }
+    }
+}

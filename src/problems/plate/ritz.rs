@@ -1,0 +1,293 @@
+//! The full Ritz model of an electrostatically actuated von Kármán plate.
+
+use super::assembly::Assembly;
+use super::error::PlateError;
+use super::frequency::{Modes, Vibration};
+use super::model::{LARGEST_DEFLECTION, Model, RitzSettings};
+use super::orders::Orders;
+use super::parameters::{Parameters, Units};
+use super::plane::PlaneFactor;
+use super::residual::Workspace;
+use super::shape::{self, Search};
+use crate::core::linear::BorderedLu;
+use crate::core::scalar::Scalar;
+use crate::core::zero::{LeftDomain, Names};
+use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
+
+/// A plate on polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the deflection, the
+/// in-plane displacements being eliminated (see [`System`](crate::core::zero::System) for what can be done
+/// with it).
+///
+/// The deflection over the gap is `w = Σ q_ij f_i(ξ) g_j(ζ)`, `ξ = 2x − 1`, `ζ = 2y − 1`, where x and y run from
+/// 0 to 1 along the sides. Unknowns are the `q_ij`, in the group `w`; parameters are those of [`Units`].
+///
+/// Monitors: `deflection` (of the centre, over the gap), `max_deflection` (towards the electrode), `frequency`
+/// (the lowest, `ωa²√(ρh/D)` or Hz; `−√(−ω²)` where unstable), `frequency_ratio` (over that of the flat plate
+/// without voltage, pressure and edge forces) and, in SI units, `displacement` (of the centre, m).
+///
+/// ```
+/// use tangency::core::zero::System;
+/// use tangency::problems::plate::{Ritz, RitzSettings};
+/// let mut plate = Ritz::new(RitzSettings::new("SSSS".parse()?))?;
+/// let modes = plate.flat_modes(1.0, 0.3, 1)?;
+/// assert!((modes.frequencies()[0] - 2.0 * std::f64::consts::PI.powi(2)).abs() < 1e-9);
+/// # Ok::<(), tangency::problems::plate::PlateError>(())
+/// ```
+pub struct Ritz {
+    pub(super) model: Model,
+    pub(super) names: Names,
+    pub(super) factor: PlaneFactor,
+    pub(super) assembly: Assembly,
+    pub(super) vibration: Vibration,
+    pub(super) search: Search,
+    pub(super) plain: Workspace<f64>,
+    pub(super) first: Workspace<Dual64>,
+    pub(super) second: Workspace<HyperDual64>,
+    pub(super) third: Workspace<HyperHyperDual64>,
+    pub(super) factors: [BorderedLu; 2],
+    /// Where the assembled matrix belongs to; empty if nowhere.
+    pub(super) assembled_at: Vec<f64>,
+    /// Whether the modes of the assembled matrix are known.
+    pub(super) modes_known: bool,
+    pub(super) flat: Option<FlatPlate>,
+    pub(super) vector: Vec<f64>,
+    pub(super) directions: [Vec<f64>; 3],
+}
+
+/// The unloaded plate: what frequencies are compared with.
+pub(super) struct FlatPlate {
+    pub at: (f64, f64),
+    pub square: f64,
+    pub shape: Vec<f64>,
+}
+
+impl Ritz {
+    /// A plate as described.
+    ///
+    /// # Errors
+    /// [`PlateError`] for orders out of range and for supports that leave the plate loose.
+    pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
+        let model = Model::new(settings)?;
+        let n = model.unknowns();
+        let mut monitors = vec!["deflection", "max_deflection", "frequency", "frequency_ratio"];
+        if settings.units == Units::Device {
+            monitors.push("displacement");
+        }
+        let names =
+            Names::new([("w", n)], settings.units.names().iter().copied()).with_monitors(monitors);
+        let length = names.length();
+        Ok(Ritz {
+            factor: PlaneFactor::new(model.plane.len()),
+            assembly: Assembly::new(&model),
+            vibration: Vibration::new(&model),
+            search: Search::new(&model),
+            plain: Workspace::new(&model),
+            first: Workspace::new(&model),
+            second: Workspace::new(&model),
+            third: Workspace::new(&model),
+            factors: Default::default(),
+            assembled_at: Vec::with_capacity(length),
+            modes_known: false,
+            flat: None,
+            vector: vec![0.0; n],
+            directions: [vec![0.0; length], vec![0.0; length], vec![0.0; length]],
+            names,
+            model,
+        })
+    }
+
+    /// The settings the plate was built with.
+    pub fn settings(&self) -> &RitzSettings {
+        &self.model.settings
+    }
+
+    /// The numbers of functions.
+    pub fn orders(&self) -> Orders {
+        self.model.orders
+    }
+
+    /// `x = (z, p)` of the flat plate, with all parameters at their defaults.
+    pub fn at_rest(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.model.unknowns()];
+        x.extend_from_slice(self.model.settings.units.defaults());
+        x
+    }
+
+    /// The deflection over the gap that coefficients `q` (a solution's unknowns, or a mode's) describe, at
+    /// a point of the plate: `x` and `y` from 0 to 1 along the sides.
+    pub fn deflection(&self, q: &[f64], x: f64, y: f64) -> f64 {
+        shape::local(&self.model, q, 2.0 * x - 1.0, 2.0 * y - 1.0)[0]
+    }
+
+    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
+    pub fn centre_line(&self, q: &[f64], points: usize) -> Vec<(f64, f64)> {
+        let step = 1.0 / points.saturating_sub(1).max(1) as f64;
+        (0..points).map(|i| i as f64 * step).map(|x| (x, self.deflection(q, x, 0.5))).collect()
+    }
+
+    /// The `count` lowest modes of the flat plate without any load, at the given `α` and `ν`; where
+    /// symmetry is used, only those that share it.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] if `α` or `ν` has no meaning.
+    pub fn flat_modes(&mut self, alpha: f64, nu: f64, count: usize) -> Result<Modes, LeftDomain> {
+        check_plane(alpha, nu)?;
+        let mut p = Units::Dimensionless.defaults().to_vec();
+        (p[2], p[3]) = (alpha, nu);
+        let parameters = Units::Dimensionless.parameters(&p);
+        self.forget();
+        self.assembly.assemble_flat(&self.model, &parameters);
+        if self.vibration.solve(&self.assembly.matrix) {
+            Ok(self.vibration.lowest(count))
+        } else {
+            Err(LeftDomain::new("stiffness", f64::NAN, "it must be finite; check aspect and nu"))
+        }
+    }
+
+    /// The `count` lowest modes of vibration about an equilibrium `x = (z, p)`.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the equations have no meaning at `x`.
+    pub fn modes(&mut self, x: &[f64], count: usize) -> Result<Modes, LeftDomain> {
+        self.ensure_modes(x)?;
+        Ok(self.vibration.lowest(count))
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.assembled_at.clear();
+        self.modes_known = false;
+    }
+
+    /// Checks `x`, brings the factor of `K_uv` up to date and returns the largest deflection.
+    pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
+        if let Some(i) = x.iter().position(|x| !x.is_finite()) {
+            let remedy = "every unknown and parameter must be finite";
+            return Err(LeftDomain::new(component_name(&self.names, i), x[i], remedy));
+        }
+        let (q, p) = x.split_at(self.model.unknowns());
+        let settings = &self.model.settings;
+        check_device(settings.units, p)?;
+        let parameters: Parameters<f64> = settings.units.parameters(p);
+        check_plane(parameters.aspect, parameters.nu)?;
+        let loses_shear = self.model.symmetric != [false; 2] && !settings.supports.any_free();
+        if parameters.shear != 0.0 && loses_shear {
+            let remedy =
+                "shear breaks the plate's symmetry: build the plate with symmetric = false";
+            return Err(LeftDomain::new("edge_shear", parameters.shear, remedy));
+        }
+        let largest = self.search.on_grid(&self.model, q).0;
+        if largest.is_nan() || largest > LARGEST_DEFLECTION {
+            return Err(too_deep(largest));
+        }
+        if self.model.membrane.is_some()
+            && !self.factor.update(&self.model.plane, parameters.aspect, parameters.nu)
+        {
+            let remedy =
+                "the in-plane stiffness is singular to working accuracy; use fewer functions";
+            return Err(LeftDomain::new("aspect", parameters.aspect, remedy));
+        }
+        Ok(largest)
+    }
+
+    pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        if self.assembled_at != x {
+            crate::core::zero::System::assemble(self, x)?;
+        }
+        if !self.modes_known {
+            self.modes_known = self.vibration.solve(&self.assembly.matrix);
+        }
+        if self.modes_known {
+            return Ok(());
+        }
+        let remedy = "no shift makes the stiffness positive definite; the equilibrium is far off";
+        Err(LeftDomain::new("frequency", f64::NAN, remedy))
+    }
+}
+
+pub(super) fn too_deep(deflection: f64) -> LeftDomain {
+    let remedy = format!(
+        "the plate must stay clear of the electrode, below {LARGEST_DEFLECTION} of the gap, up to \
+         where the load is integrated to ten digits; end the branch before"
+    );
+    LeftDomain::new("max_deflection", deflection, remedy)
+}
+
+fn component_name(names: &Names, i: usize) -> String {
+    match i.checked_sub(names.dimension()) {
+        Some(parameter) => names.parameters[parameter].clone(),
+        None => format!("component {i} of w"),
+    }
+}
+
+fn check_plane(alpha: f64, nu: f64) -> Result<(), LeftDomain> {
+    if !(alpha > 0.0 && alpha.is_finite()) {
+        return Err(LeftDomain::new("aspect", alpha, "the ratio of the sides must be positive"));
+    }
+    if !(nu > -1.0 && nu < 0.5) {
+        return Err(LeftDomain::new("nu", nu, "Poisson's ratio must be between −1 and ½"));
+    }
+    Ok(())
+}
+
+/// In SI units, everything that is divided by must be positive.
+fn check_device(units: Units, p: &[f64]) -> Result<(), LeftDomain> {
+    if units == Units::Dimensionless {
+        return Ok(());
+    }
+    let positive = ["length", "width", "thickness", "gap", "young", "density"];
+    for (name, value) in units.names().iter().zip(p) {
+        if positive.contains(name) && *value <= 0.0 {
+            return Err(LeftDomain::new(*name, *value, "it must be positive"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether `α` and `ν` stay fixed along a direction of `x`.
+pub(super) fn plane_fixed(units: Units, p: &[f64], directions: &[&[f64]]) -> bool {
+    directions.iter().all(|direction| {
+        if direction.iter().all(|d| *d == 0.0) {
+            return true;
+        }
+        let mut moved = [Dual64::from(0.0); 16];
+        for ((moved, p), d) in moved.iter_mut().zip(p).zip(*direction) {
+            *moved = Dual64::new(*p, *d);
+        }
+        let parameters = units.parameters(&moved[..p.len()]);
+        parameters.aspect.eps == 0.0 && parameters.nu.eps == 0.0
+    })
+}
+
+/// `T` along up to three directions: how a dual number is built from its first-order parts, and which of
+/// its parts is the mixed derivative.
+pub(super) trait Directional: Scalar {
+    fn seed(value: f64, parts: [f64; 3]) -> Self;
+    fn mixed(&self) -> f64;
+}
+
+impl Directional for Dual64 {
+    fn seed(value: f64, [d, ..]: [f64; 3]) -> Self {
+        Dual64::new(value, d)
+    }
+    fn mixed(&self) -> f64 {
+        self.eps
+    }
+}
+
+impl Directional for HyperDual64 {
+    fn seed(value: f64, [d, e, _]: [f64; 3]) -> Self {
+        HyperDual64::new(value, d, e, 0.0)
+    }
+    fn mixed(&self) -> f64 {
+        self.eps1eps2
+    }
+}
+
+impl Directional for HyperHyperDual64 {
+    fn seed(value: f64, [d, e, f]: [f64; 3]) -> Self {
+        HyperHyperDual64::new(value, d, e, f, 0.0, 0.0, 0.0, 0.0)
+    }
+    fn mixed(&self) -> f64 {
+        self.eps1eps2eps3
+    }
+}

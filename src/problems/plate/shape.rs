@@ -1,0 +1,121 @@
+//! Deflections at points of the plate, and the largest one.
+
+use super::model::Model;
+
+/// Nodes on which the largest deflection is looked for: from the middle (or one end) to the end.
+const NODES: usize = 17;
+
+/// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point: `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
+pub(super) fn local(model: &Model, q: &[f64], xi: f64, zeta: f64) -> [f64; 6] {
+    let (f, g) = (model.transverse[0].at(xi), model.transverse[1].at(zeta));
+    let mut sums = [0.0; 6];
+    let coefficients: Vec<f64> = q.iter().zip(&model.scale).map(|(q, scale)| q * scale).collect();
+    for (f, row) in f.iter().zip(coefficients.chunks_exact(g.len().max(1))) {
+        for (g, q) in g.iter().zip(row) {
+            let orders = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]];
+            for (sum, [a, b]) in sums.iter_mut().zip(orders) {
+                *sum += q * f[a] * g[b];
+            }
+        }
+    }
+    sums
+}
+
+/// Values of all products of functions at a point.
+pub(super) fn products(model: &Model, xi: f64, zeta: f64, out: &mut [f64]) {
+    let (f, g) = (model.transverse[0].at(xi), model.transverse[1].at(zeta));
+    for (f, row) in f.iter().zip(out.chunks_exact_mut(g.len().max(1))) {
+        for (g, out) in g.iter().zip(row) {
+            *out = f[0] * g[0];
+        }
+    }
+    out.iter_mut().zip(&model.scale).for_each(|(out, scale)| *out *= scale);
+}
+
+/// A grid of nodes, with tables, on which deflections are searched.
+pub(super) struct Search {
+    nodes: [Vec<f64>; 2],
+    tables: [super::basis::Table; 2],
+    coefficients: Vec<f64>,
+    half: Vec<f64>,
+    field: Vec<f64>,
+}
+
+impl Search {
+    pub fn new(model: &Model) -> Search {
+        let nodes = model.symmetric.map(|symmetric| -> Vec<f64> {
+            let count = if symmetric { NODES } else { 2 * NODES - 1 };
+            let start = if symmetric { 0.0 } else { -1.0 };
+            let step = (1.0 - start) / (count - 1) as f64;
+            (0..count).map(|i| start + step * i as f64).collect()
+        });
+        let tables = [0, 1].map(|axis| model.transverse[axis].table(&nodes[axis]));
+        Search {
+            coefficients: vec![0.0; model.unknowns()],
+            half: vec![0.0; tables[0].functions * nodes[1].len()],
+            field: vec![0.0; nodes[0].len() * nodes[1].len()],
+            tables,
+            nodes,
+        }
+    }
+
+    /// The largest deflection on the grid and where it is, `(w, ξ, ζ)`; not a number if any is not.
+    pub fn on_grid(&mut self, model: &Model, q: &[f64]) -> (f64, f64, f64) {
+        for ((out, q), scale) in self.coefficients.iter_mut().zip(q).zip(&model.scale) {
+            *out = q * scale;
+        }
+        let points = [self.nodes[0].len(), self.nodes[1].len()];
+        let product =
+            super::tensor::Product { x: &self.tables[0].values, y: &self.tables[1].values, points };
+        product.expand(&self.coefficients, &mut self.half, &mut self.field);
+        let mut best = (f64::NEG_INFINITY, 0);
+        for (k, w) in self.field.iter().enumerate() {
+            if w.is_nan() {
+                return (f64::NAN, 0.0, 0.0);
+            }
+            if *w > best.0 {
+                best = (*w, k);
+            }
+        }
+        (best.0, self.nodes[0][best.1 / points[1]], self.nodes[1][best.1 % points[1]])
+    }
+
+    /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's iteration in
+    /// the variables that are not at an end which the deflection still rises towards.
+    pub fn largest(&mut self, model: &Model, q: &[f64]) -> (f64, f64, f64) {
+        let (best, xi, zeta) = self.on_grid(model, q);
+        let held = |axis: usize| model.symmetric[axis];
+        if best.is_nan() || (held(0) && held(1) && xi == 0.0 && zeta == 0.0) {
+            return (best, xi, zeta);
+        }
+        let mut at = [xi, zeta];
+        let reach = 1.0 / (NODES - 1) as f64;
+        for _ in 0..20 {
+            let [_, wx, wy, wxx, wyy, wxy] = local(model, q, at[0], at[1]);
+            let moves = [0, 1].map(|axis| {
+                let slope = [wx, wy][axis];
+                let at_end = at[axis].abs() == 1.0 && slope * at[axis] >= 0.0;
+                !(at_end || (held(axis) && at[axis] == 0.0))
+            });
+            let determinant = wxx * wyy - wxy * wxy;
+            let step = match moves {
+                [true, true] if determinant > 0.0 => {
+                    [(wxy * wy - wyy * wx) / determinant, (wxy * wx - wxx * wy) / determinant]
+                }
+                _ => [
+                    if moves[0] && wxx < 0.0 { -wx / wxx } else { 0.0 },
+                    if moves[1] && wyy < 0.0 { -wy / wyy } else { 0.0 },
+                ],
+            };
+            let step = step.map(|s| s.clamp(-reach, reach));
+            for axis in 0..2 {
+                at[axis] = (at[axis] + step[axis]).clamp(-1.0, 1.0);
+            }
+            if step[0].abs() + step[1].abs() < 1e-14 {
+                break;
+            }
+        }
+        let refined = local(model, q, at[0], at[1])[0];
+        if refined >= best { (refined, at[0], at[1]) } else { (best, xi, zeta) }
+    }
+}

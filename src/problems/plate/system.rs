@@ -1,0 +1,370 @@
+//! [`Ritz`] as a [`System`]: what the stepper sees of the plate.
+
+use super::model::Model;
+use super::plane::PlaneFactor;
+use super::residual::Workspace;
+use super::ritz::{Directional, FlatPlate, Ritz, plane_fixed, too_deep};
+use super::{frequency::signed_root, shape};
+use crate::core::zero::{
+    Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System,
+};
+use num_dual::Dual64;
+
+/// How many eigenvalues are reported beside the unstable ones.
+const REPORTED: usize = 4;
+
+/// The most unknowns of a rung of the ladder.
+const LARGEST_RUNG: usize = 500;
+
+/// The mixed derivative of `F` along `directions` (each as long as `x`), left in `work.r`.
+fn differentiate<T: Directional>(
+    work: &mut Workspace<T>,
+    model: &Model,
+    factor: &PlaneFactor,
+    x: &[f64],
+    directions: &[&[f64]],
+    largest: f64,
+) {
+    let n = model.unknowns();
+    let parts = |i: usize| [0, 1, 2].map(|k| directions.get(k).map_or(0.0, |d| d[i]));
+    let (q, p) = x.split_at(n);
+    for (i, (out, q)) in work.q.iter_mut().zip(q).enumerate() {
+        *out = T::seed(*q, parts(i));
+    }
+    for (i, (out, p)) in work.p.iter_mut().zip(p).enumerate() {
+        *out = T::seed(*p, parts(n + i));
+    }
+    let mut of_parameters: [&[f64]; 3] = [&[], &[], &[]];
+    for (of_parameters, direction) in of_parameters.iter_mut().zip(directions) {
+        *of_parameters = &direction[n..];
+    }
+    let fixed = plane_fixed(model.settings.units, p, &of_parameters[..directions.len()]);
+    work.evaluate(model, factor, largest, fixed);
+}
+
+/// The unknowns of the same deflection in a larger space of polynomials.
+fn prolonged(from: &Model, to: &Model, z: &[f64]) -> Vec<f64> {
+    let [nx, ny] = [0, 1].map(|axis| from.transverse[axis].len());
+    let [mx, my] = [0, 1].map(|axis| to.transverse[axis].len());
+    // One direction: functions of the coarse basis in those of the fine one, `(coarse, fine)`.
+    let carry = |axis: usize| -> Vec<f64> {
+        let (n, m) = (from.transverse[axis].len(), to.transverse[axis].len());
+        let [coarse, fine] = [from, to].map(|model| model.transverse[axis].conversions());
+        let entry = |coarse_function: usize, fine_function: usize| match (coarse, fine) {
+            (Some([to_coarse, _]), Some([_, to_fine])) => (0..n)
+                .map(|k| to_coarse[coarse_function * n + k] * to_fine[fine_function * m + k])
+                .sum(),
+            _ => f64::from(u8::from(coarse_function == fine_function)),
+        };
+        (0..n * m).map(|e| entry(e / m, e % m)).collect()
+    };
+    let (carry_x, carry_y) = (carry(0), carry(1));
+    let mut out = vec![0.0; mx * my];
+    for i in 0..nx {
+        for j in 0..ny {
+            let q = z[i * ny + j] * from.scale[i * ny + j];
+            for k in 0..mx {
+                for l in 0..my {
+                    out[k * my + l] += carry_x[i * mx + k] * q * carry_y[j * my + l];
+                }
+            }
+        }
+    }
+    out.iter_mut().zip(&to.scale).for_each(|(out, scale)| *out /= scale);
+    out
+}
+
+impl Ritz {
+    /// Both gradients: `wᵀF_x v` by second derivatives, `wᵀF_xx[v, v]` by third ones. As `F` is itself a
+    /// gradient, the components of the unknowns are those of one mixed derivative along `w` and `v`.
+    fn gradient_of(
+        &mut self,
+        x: &[f64],
+        w: &[f64],
+        v: &[f64],
+        twice: bool,
+        released: &[usize],
+        out: &mut [f64],
+    ) {
+        let n = self.model.unknowns();
+        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
+        let [d, e, unit] = &mut self.directions;
+        d.fill(0.0);
+        d[..n].copy_from_slice(w);
+        e.copy_from_slice(v);
+        let (model, factor) = (&self.model, &self.factor);
+        let (second, third) = (&mut self.second, &mut self.third);
+        let mut mixed = |first: &[f64], result: &mut dyn FnMut(usize, f64)| {
+            if twice {
+                differentiate(third, model, factor, x, &[first, e, e], largest);
+                third.r.iter().enumerate().for_each(|(i, r)| result(i, r.mixed()));
+            } else {
+                differentiate(second, model, factor, x, &[first, e], largest);
+                second.r.iter().enumerate().for_each(|(i, r)| result(i, r.mixed()));
+            }
+        };
+        mixed(d, &mut |i, value| out[i] = value);
+        for parameter in released {
+            unit.fill(0.0);
+            unit[n + parameter] = 1.0;
+            let mut sum = 0.0;
+            mixed(unit, &mut |i, value| sum += w[i] * value);
+            out[n + parameter] = sum;
+        }
+    }
+
+    /// The lowest `ω²` about `x` and its mode, in `self.vector`.
+    fn lowest(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
+        self.ensure_modes(x)?;
+        self.vibration.shape(0, &mut self.vector);
+        Ok(self.vibration.square(0))
+    }
+
+    /// Brings the unloaded plate at the parameters `p` up to date.
+    fn ensure_flat(&mut self, p: &[f64]) -> Result<(), LeftDomain> {
+        let parameters = self.model.settings.units.parameters(p);
+        let at = (parameters.aspect, parameters.nu);
+        if self.flat.as_ref().is_none_or(|flat| flat.at != at) {
+            let mut modes = self.flat_modes(at.0, at.1, 1)?;
+            let shape = modes.shapes.swap_remove(0);
+            self.flat = Some(FlatPlate { at, square: modes.squares[0], shape });
+        }
+        Ok(())
+    }
+
+    /// The lowest frequency of the unloaded plate.
+    fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, LeftDomain> {
+        self.ensure_flat(p)?;
+        Ok(self.flat.as_ref().map_or(f64::NAN, |flat| signed_root(flat.square)))
+    }
+
+    /// `∇ω²` of the unloaded plate with respect to the parameters, into the end of `out`.
+    fn flat_gradient(&mut self, x: &[f64], out: &mut [f64]) {
+        let n = self.model.unknowns();
+        let Some(shape) = self.flat.as_ref().map(|flat| flat.shape.clone()) else { return };
+        let mut rest = x.to_vec();
+        rest[..n].fill(0.0);
+        let names = self.model.settings.units.names();
+        let is_load = |name: &str| {
+            matches!(name, "load" | "voltage" | "pressure") || name.starts_with("edge_")
+        };
+        let loads: Vec<bool> = names.iter().map(|name| is_load(name)).collect();
+        let released: Vec<usize> = (0..names.len()).filter(|i| !loads[*i]).collect();
+        for (p, load) in rest[n..].iter_mut().zip(&loads) {
+            *p = if *load { 0.0 } else { *p };
+        }
+        let mut along = vec![0.0; x.len()];
+        along[..n].copy_from_slice(&shape);
+        out.fill(0.0);
+        self.gradient_of(&rest, &shape, &along, false, &released, out);
+        out[..n].fill(0.0);
+    }
+
+    /// `∇ω` (dimensionless) into `out`; returns `ω`.
+    fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, LeftDomain> {
+        let n = self.model.unknowns();
+        let omega = signed_root(self.lowest(x)?);
+        let shape = self.vector.clone();
+        let mut along = vec![0.0; x.len()];
+        along[..n].copy_from_slice(&shape);
+        let released: Vec<usize> = (0..x.len() - n).collect();
+        self.gradient_of(x, &shape, &along, false, &released, out);
+        out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
+        Ok(omega)
+    }
+
+    /// `out ← unit · out + ω ∇unit`, for frequencies in the unit of the problem.
+    fn apply_unit(&self, x: &[f64], omega: f64, out: &mut [f64]) {
+        let n = self.model.unknowns();
+        let units = self.model.settings.units;
+        let p = &x[n..];
+        let unit = units.frequency_unit(p);
+        out.iter_mut().for_each(|g| *g *= unit);
+        let mut seeded: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        for i in 0..p.len() {
+            seeded[i].eps = 1.0;
+            out[n + i] += omega * units.frequency_unit(&seeded).eps;
+            seeded[i].eps = 0.0;
+        }
+    }
+
+    fn ratio_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), LeftDomain> {
+        let flat = self.flat_frequency(&x[self.model.unknowns()..])?;
+        let omega = self.frequency_gradient(x, out)?;
+        let mut of_flat = vec![0.0; x.len()];
+        self.flat_gradient(x, &mut of_flat);
+        for (out, of_flat) in out.iter_mut().zip(&of_flat) {
+            *out = *out / flat - omega / (flat * flat) * of_flat / (2.0 * flat);
+        }
+        Ok(())
+    }
+}
+
+impl System for Ritz {
+    fn names(&self) -> &Names {
+        &self.names
+    }
+
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+        let largest = self.prepare(x)?;
+        let (q, p) = x.split_at(self.model.unknowns());
+        self.plain.q.copy_from_slice(q);
+        self.plain.p.copy_from_slice(p);
+        let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
+        // Between the nodes searched the plate may still have touched.
+        if nearest.is_nan() || nearest >= 1.0 {
+            return Err(too_deep(nearest));
+        }
+        r.copy_from_slice(&self.plain.r);
+        match r.iter().position(|r| !r.is_finite()) {
+            Some(i) => Err(LeftDomain::new(
+                format!("component {i} of the residual"),
+                r[i],
+                "the parameters are too large for the equations to be evaluated",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        self.forget();
+        let largest = self.prepare(x)?;
+        let (q, p) = x.split_at(self.model.unknowns());
+        self.plain.q.copy_from_slice(q);
+        self.plain.p.copy_from_slice(p);
+        let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
+        if nearest.is_nan() || nearest >= 1.0 {
+            return Err(too_deep(nearest));
+        }
+        self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
+        if let Some(entry) = self.assembly.matrix.iter().find(|entry| !entry.is_finite()) {
+            let remedy = "the parameters are too large for the equations to be evaluated";
+            return Err(LeftDomain::new("an entry of the stiffness", *entry, remedy));
+        }
+        self.assembled_at.extend_from_slice(x);
+        Ok(())
+    }
+
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        self.factors[slot as usize].factor(&self.assembly.matrix, border)
+    }
+
+    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
+        self.factors[slot as usize].solve(right);
+    }
+
+    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
+        self.factors[slot as usize].solve_transposed(right);
+    }
+
+    fn jacobian(&mut self, out: &mut [f64]) {
+        out.copy_from_slice(&self.assembly.matrix);
+    }
+
+    fn determinant_sign(&self, slot: Slot) -> f64 {
+        self.factors[slot as usize].determinant_sign()
+    }
+
+    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
+        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
+        differentiate(&mut self.first, &self.model, &self.factor, x, &[d], largest);
+        out.iter_mut().zip(&self.first.r).for_each(|(out, r)| *out = r.mixed());
+    }
+
+    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
+        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
+        differentiate(&mut self.second, &self.model, &self.factor, x, &[d, e], largest);
+        out.iter_mut().zip(&self.second.r).for_each(|(out, r)| *out = r.mixed());
+    }
+
+    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
+        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
+        differentiate(&mut self.third, &self.model, &self.factor, x, &[d, e, f], largest);
+        out.iter_mut().zip(&self.third.r).for_each(|(out, r)| *out = r.mixed());
+    }
+
+    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
+        self.gradient_of(x, w, v, false, released, out);
+    }
+
+    fn second_gradient(
+        &mut self,
+        x: &[f64],
+        w: &[f64],
+        v: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) {
+        self.gradient_of(x, w, v, true, released, out);
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Potential
+    }
+
+    fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum> {
+        self.ensure_modes(x).ok()?;
+        let n = self.model.unknowns();
+        let unstable = (0..n).take_while(|mode| self.vibration.square(*mode) < 0.0).count();
+        let reported = (unstable + REPORTED).min(n);
+        Some((0..reported).map(|mode| (-self.vibration.square(mode), 0.0)).collect())
+    }
+
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+        let (q, p) = x.split_at(self.model.unknowns());
+        let flat = self.flat_frequency(p)?;
+        let omega = signed_root(self.lowest(x)?);
+        values[0] = shape::local(&self.model, q, 0.0, 0.0)[0];
+        values[1] = self.search.largest(&self.model, q).0;
+        values[2] = omega * self.model.settings.units.frequency_unit(p);
+        values[3] = omega / flat;
+        if let (Some(gap), Some(displacement)) = (self.names.parameter("gap"), values.get_mut(4)) {
+            *displacement = p[gap] * shape::local(&self.model, q, 0.0, 0.0)[0];
+        }
+        Ok(())
+    }
+
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
+        let n = self.model.unknowns();
+        out.fill(0.0);
+        let done = match monitor {
+            0 => {
+                shape::products(&self.model, 0.0, 0.0, &mut out[..n]);
+                Ok(())
+            }
+            1 => {
+                // The place of the largest deflection moves, but its slope is zero there.
+                let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
+                shape::products(&self.model, xi, zeta, &mut out[..n]);
+                Ok(())
+            }
+            2 => self.frequency_gradient(x, out).map(|omega| self.apply_unit(x, omega, out)),
+            3 => self.ratio_gradient(x, out),
+            _ => {
+                if let Some(gap) = self.names.parameter("gap") {
+                    shape::products(&self.model, 0.0, 0.0, &mut out[..n]);
+                    out[..n].iter_mut().for_each(|g| *g *= x[n + gap]);
+                    out[n + gap] = shape::local(&self.model, &x[..n], 0.0, 0.0)[0];
+                }
+                Ok(())
+            }
+        };
+        if done.is_err() {
+            out.fill(f64::NAN);
+        }
+    }
+
+    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+        let orders = self.model.orders.finer();
+        if orders.transverse[0] * orders.transverse[1] > LARGEST_RUNG {
+            return None;
+        }
+        let mut settings = self.model.settings;
+        settings.orders = Some(orders);
+        let finer = Ritz::new(settings).ok()?;
+        let n = self.model.unknowns();
+        let mut finer_x = prolonged(&self.model, &finer.model, &x[..n]);
+        finer_x.extend_from_slice(&x[n..]);
+        Some(Refinement { system: Box::new(finer), x: finer_x })
+    }
+}

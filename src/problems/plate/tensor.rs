@@ -1,0 +1,197 @@
+//! Sum factorisation: fields of tensor products `Σ_ij c_ij f_i(ξ) g_j(ζ)` at the nodes of a tensor
+//! rule, and integrals of fields against such products, one variable after the other. With `n`
+//! functions and `m` nodes a direction that costs `n²m + nm²` products, not `n²m²`.
+//!
+//! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables are ordered as
+//! [`Table`](super::basis::Table) orders them.
+
+use crate::core::quadrature::gauss_legendre;
+use crate::core::scalar::Scalar;
+
+/// Nodes and weights along one direction. Weights are those of the mean over the whole plate
+/// (`Σ w f = ½∫₋₁¹ f dξ`), also where symmetry leaves only the nodes with `ξ ≥ 0`.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// Nodes.
+    pub nodes: Vec<f64>,
+    /// Weights; their sum is 1.
+    pub weights: Vec<f64>,
+}
+
+impl Rule {
+    /// Exact for polynomials of degree `degree`, even ones if `symmetric`.
+    pub fn exact(degree: usize, symmetric: bool) -> Rule {
+        let count = degree / 2 + 1;
+        let (nodes, weights) =
+            gauss_legendre(if symmetric { 2 * count.div_ceil(2) } else { count });
+        let skipped = if symmetric { nodes.len() / 2 } else { 0 };
+        let share = if symmetric { 1.0 } else { 0.5 };
+        Rule {
+            nodes: nodes[skipped..].to_vec(),
+            weights: weights[skipped..].iter().map(|w| share * w).collect(),
+        }
+    }
+
+    /// `count` nodes on half the interval, for functions that vary most in its middle: on `[0, 1]` if
+    /// `symmetric`, else on both halves.
+    pub fn halves(count: usize, symmetric: bool) -> Rule {
+        let (nodes, weights) = gauss_legendre(count);
+        let right: Vec<f64> = nodes.iter().map(|t| 0.5 + 0.5 * t).collect();
+        if symmetric {
+            return Rule { nodes: right, weights: weights.iter().map(|w| 0.5 * w).collect() };
+        }
+        let left = right.iter().rev().map(|x| -x);
+        Rule {
+            nodes: left.chain(right.iter().copied()).collect(),
+            weights: weights.iter().chain(&weights).map(|w| 0.25 * w).collect(),
+        }
+    }
+
+    /// The number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+}
+
+/// Functions of both variables at the nodes: which table of `ξ`, which of `ζ`.
+#[derive(Clone, Copy, Debug)]
+pub struct Product<'a> {
+    /// Functions of `ξ` (values or slopes) at the nodes.
+    pub x: &'a [f64],
+    /// Functions of `ζ` at the nodes.
+    pub y: &'a [f64],
+    /// Numbers of nodes.
+    pub points: [usize; 2],
+}
+
+impl Product<'_> {
+    fn counts(&self) -> [usize; 2] {
+        [self.x.len() / self.points[0].max(1), self.y.len() / self.points[1].max(1)]
+    }
+
+    /// The field with coefficients `c`, into `field`. `half` is scratch of length at least `n_x·m_y`.
+    pub fn expand<T: Scalar>(&self, c: &[T], half: &mut [T], field: &mut [T]) {
+        let ([nx, ny], [px, py]) = (self.counts(), self.points);
+        let half = &mut half[..nx * py];
+        half.fill(T::zero());
+        for (row, c) in half.chunks_exact_mut(py).zip(c.chunks_exact(ny.max(1))) {
+            for (c, y) in c.iter().zip(self.y.chunks_exact(py)) {
+                add_multiple(row, *c, y);
+            }
+        }
+        field.fill(T::zero());
+        for (row, x) in half.chunks_exact(py).zip(self.x.chunks_exact(px)) {
+            for (out, x) in field.chunks_exact_mut(py).zip(x) {
+                add_scaled(out, row, *x);
+            }
+        }
+    }
+
+    /// Adds to `c` the sums of `field` times each product of functions (weights are the field's).
+    pub fn project<T: Scalar>(&self, field: &[T], half: &mut [T], c: &mut [T]) {
+        let ([nx, ny], [px, py]) = (self.counts(), self.points);
+        let half = &mut half[..nx * py];
+        half.fill(T::zero());
+        for (row, x) in half.chunks_exact_mut(py).zip(self.x.chunks_exact(px)) {
+            for (field, x) in field.chunks_exact(py).zip(x) {
+                add_scaled(row, field, *x);
+            }
+        }
+        for (row, c) in half.chunks_exact(py).zip(c.chunks_exact_mut(ny.max(1))) {
+            for (c, y) in c.iter_mut().zip(self.y.chunks_exact(py)) {
+                *c += dot(row, y);
+            }
+        }
+    }
+}
+
+fn add_multiple<T: Scalar>(out: &mut [T], factor: T, values: &[f64]) {
+    for (out, value) in out.iter_mut().zip(values) {
+        *out += factor * *value;
+    }
+}
+
+fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
+    for (out, value) in out.iter_mut().zip(values) {
+        *out += *value * factor;
+    }
+}
+
+/// `Σ aᵢ bᵢ`, in four partial sums: one alone would wait for each addition.
+pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
+    let mut sums = [T::zero(); 4];
+    let (whole, whole_b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest = whole.remainder().iter().zip(whole_b.remainder());
+    let mut tail = T::zero();
+    for (a, b) in rest {
+        tail += *a * *b;
+    }
+    for (a, b) in whole.zip(whole_b) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + tail
+}
+
+/// `⟨a_i b_k⟩` for all functions of two tables at the nodes of `rule`: `(i, k)` at `i·n_b + k`.
+pub fn moments(rule: &Rule, a: &[f64], b: &[f64]) -> Vec<f64> {
+    let points = rule.len();
+    let mut matrix = Vec::with_capacity(a.len() / points * (b.len() / points));
+    for a in a.chunks_exact(points) {
+        for b in b.chunks_exact(points) {
+            matrix.push(a.iter().zip(b).zip(&rule.weights).map(|((a, b), w)| a * b * w).sum());
+        }
+    }
+    matrix
+}
+
+/// `⟨a_i⟩` for all functions of a table.
+pub fn means(rule: &Rule, a: &[f64]) -> Vec<f64> {
+    a.chunks_exact(rule.len())
+        .map(|a| a.iter().zip(&rule.weights).map(|(a, w)| a * w).sum())
+        .collect()
+}
+
+/// `a_i b_k` at every node, for all pairs: pair `i·n_b + k`, one after the other.
+pub fn pairs(points: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut products = Vec::with_capacity(a.len() * (b.len() / points));
+    for a in a.chunks_exact(points) {
+        for b in b.chunks_exact(points) {
+            products.extend(a.iter().zip(b).map(|(a, b)| a * b));
+        }
+    }
+    products
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn projection_is_the_transpose_of_expansion() {
+        let x: Vec<f64> = (0..15).map(|i| f64::from(i * i % 7) - 2.5).collect();
+        let y: Vec<f64> = (0..28).map(|i| f64::from(i * 5 % 11) - 4.5).collect();
+        let product = Product { x: &x, y: &y, points: [5, 7] };
+        let c: Vec<f64> = (0..12).map(|i| f64::from(i) * 0.25 - 1.0).collect();
+        let g: Vec<f64> = (0..35).map(|i| f64::from(i * 3 % 13) - 6.0).collect();
+        let (mut half, mut field, mut back) = (vec![0.0; 21], vec![0.0; 35], vec![0.0; 12]);
+        product.expand(&c, &mut half, &mut field);
+        product.project(&g, &mut half, &mut back);
+        let inner = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        assert!((inner(&field, &g) - inner(&c, &back)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn rules_are_exact_and_sum_to_one() {
+        for symmetric in [true, false] {
+            for rule in [Rule::exact(20, symmetric), Rule::halves(11, symmetric)] {
+                let power = |n: i32| -> f64 {
+                    rule.nodes.iter().zip(&rule.weights).map(|(x, w)| w * x.powi(n)).sum()
+                };
+                assert!((power(0) - 1.0).abs() < 1e-14);
+                assert!((power(20) - 1.0 / 21.0).abs() < 1e-14);
+            }
+        }
+    }
+}
