@@ -3,3 +3,4 @@
 pub mod core;
 pub mod output;
 pub mod problems;
+pub mod scene;

@@ -3,7 +3,9 @@
 mod error;
 mod plot;
 mod points;
+mod scenes;
 mod trace;
+mod watch;
 
 use clap::{Parser, Subcommand};
 use error::CommandError;
@@ -20,6 +22,8 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Scenes(scenes::Scenes),
+    Trace(trace::Trace),
     Points(points::Points),
     Plot(plot::Plot),
 }
@@ -30,6 +34,8 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
+        Command::Scenes(scenes) => scenes.run(&mut out),
+        Command::Trace(trace) => trace.run(&mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),
     };

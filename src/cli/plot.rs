@@ -4,7 +4,7 @@ use super::CommandError;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use tangency::output::{Document, diagram, draw, write_atomically};
+use tangency::output::{Document, draw, figures, write_atomically};
 
 /// Draw the branches of one or several documents as SVG
 #[derive(Debug, Args)]
@@ -32,8 +32,8 @@ impl Plot {
         let names: Vec<String> = self.files.iter().map(|file| stem(file)).collect();
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
-        let figure = diagram(&named, self.x.as_deref(), self.y.as_deref())?;
-        write_atomically(&target, &draw(&[figure])?)?;
+        let figures = figures(&named, self.x.as_deref(), self.y.as_deref())?;
+        write_atomically(&target, &draw(&figures)?)?;
         Ok(writeln!(out, "{}", target.display())?)
     }
 
@@ -49,7 +49,7 @@ impl Plot {
 }
 
 /// Whether two paths lead to one file, also by way of links.
-fn same_file(a: &Path, b: &Path) -> bool {
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }

@@ -1,12 +1,14 @@
-//! Arguments of `tangency scenes` and `tangency trace SCENE`.
+//! `tangency trace SCENE`: traces a scene, saves its branches, draws them.
 
+use super::CommandError;
+use super::plot::same_file;
+use super::watch::Watch;
 use clap::Args;
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
-
-/// List the scenes that can be traced
-#[derive(Debug, Args)]
-pub struct Scenes {}
+use tangency::output::{Document, FileError, UnknownName, draw, figures, write_atomically};
+use tangency::scene::{BUILT_IN, Scene, StartPoint, execute};
 
 /// Trace a scene, and save its branches
 #[derive(Debug, Args)]
@@ -17,11 +19,100 @@ pub struct Trace {
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<Setting>,
     /// The folder for the results
-    #[arg(long, value_name = "DIR", default_value = ".")]
+    #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     /// Start from a special point of an earlier result
     #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL")]
     pub start: Option<Start>,
+}
+
+impl Trace {
+    /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, text) = self.text()?;
+        let at_fault = |cause| CommandError::Scene { place: self.scene.clone(), cause };
+        let mut scene = Scene::parse(&text).map_err(at_fault)?;
+        for Setting { name, value } in &self.settings {
+            scene.set(name, value).map_err(at_fault)?;
+        }
+        let start = self.start.as_ref().map(Start::point).transpose()?;
+        let document = self.out.join(format!("{name}.ron"));
+        self.refuse_inputs(&document)?;
+        let mut watch = Watch::new(out);
+        let outcome = execute(&scene, start.as_ref(), &mut watch);
+        let interrupted = watch.finish()?;
+        if !outcome.document.branches.is_empty() {
+            self.save(&name, &outcome.document, &document, out)?;
+        }
+        match outcome.error {
+            Some(cause) => Err(at_fault(cause)),
+            None if interrupted => Err(CommandError::Interrupted),
+            None => Ok(()),
+        }
+    }
+
+    fn save(
+        &self,
+        name: &str,
+        document: &Document,
+        path: &Path,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
+        document.save(path)?;
+        let svg = path.with_extension("svg");
+        write_atomically(&svg, &draw(&figures(&[(name, document)], None, None)?)?)?;
+        for branch in &document.branches {
+            writeln!(
+                out,
+                "{}: {} points; ends: {}; {}",
+                branch.name,
+                branch.points.len(),
+                branch.ends[0],
+                branch.ends[1]
+            )?;
+        }
+        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
+    }
+
+    /// The name of the scene and its text: a built-in one, or a file.
+    fn text(&self) -> Result<(String, String), CommandError> {
+        if let Some(scene) = BUILT_IN.iter().find(|scene| scene.name == self.scene) {
+            return Ok((scene.name.into(), scene.text.into()));
+        }
+        let path = Path::new(&self.scene);
+        let is_path = path.extension().is_some() || path.components().count() > 1;
+        if !is_path && !path.exists() {
+            let names = BUILT_IN.iter().map(|scene| scene.name);
+            let unknown = UnknownName::new("scene", &self.scene, names);
+            return Err(CommandError::UnknownScene(unknown));
+        }
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| FileError::Read { path: path.into(), source })?;
+        Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
+    }
+
+    /// The results must not replace the scene's file or the document that is started from.
+    fn refuse_inputs(&self, document: &Path) -> Result<(), CommandError> {
+        let start = self.start.as_ref().map(|start| start.file.as_path());
+        for input in [Some(Path::new(&self.scene)), start].into_iter().flatten() {
+            for output in [document.to_path_buf(), document.with_extension("svg")] {
+                if same_file(input, &output) {
+                    return Err(CommandError::OutputIsInput { path: output });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Start {
+    fn point(&self) -> Result<StartPoint, CommandError> {
+        let document = Document::load(&self.file)?;
+        let (branch, special) = document
+            .special_point(self.branch.as_deref(), self.label)
+            .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
+        Ok(StartPoint { branch: branch.clone(), label: special.label })
+    }
 }
 
 /// `NAME=VALUE`: what `--set` changes. The value may hold further equals signs.
@@ -106,7 +197,7 @@ mod tests {
         let line =
             ["trace", "plate", "--set", "modes=3", "--set", "k = a=b", "--start", "a/b.ron:x/2"];
         let trace = Line::try_parse_from(line).unwrap().trace;
-        assert_eq!((trace.scene.as_str(), trace.out), ("plate", PathBuf::from(".")));
+        assert_eq!((trace.scene.as_str(), trace.out), ("plate", PathBuf::from("out")));
         assert_eq!(trace.settings[1], Setting { name: "k".into(), value: "a=b".into() });
         let start = Start { file: "a/b.ron".into(), branch: Some("x".into()), label: 2 };
         assert_eq!(trace.start, Some(start));

@@ -43,6 +43,8 @@ pub struct Plot {
     /// What stands at an axis that shows a column, with its unit: `("load", "load V² (1)")`.
     /// A column without an entry is shown by its name.
     pub labels: Vec<(String, String)>,
+    /// Further panels, as pairs of columns for the horizontal and the vertical axis.
+    pub panels: Vec<(String, String)>,
 }
 
 impl Plot {

@@ -47,9 +47,15 @@ impl Tracer<'_> {
         let _ = observer.point(&start.point);
         let [backward, forward] = self.directions;
         // The start is the first point that is labelled, if it is an end.
-        let behind = if backward { None } else { Some(self.no_half(observer)) };
-        let ahead =
-            if forward { self.half(start.clone(), observer) } else { self.no_half(observer) };
+        let behind = match self.outward(&turned) {
+            Some(end) => Some(self.no_half(end, observer)),
+            None if backward => None,
+            None => Some(self.no_half(End::Start, observer)),
+        };
+        let ahead = match forward {
+            true => self.half(start.clone(), observer),
+            false => self.no_half(End::Start, observer),
+        };
         let closed = matches!(ahead.end, End::Closed { .. });
         let interrupted = ahead.end == End::Interrupted;
         let behind: Half = if closed {
@@ -57,7 +63,7 @@ impl Tracer<'_> {
         } else {
             match behind {
                 Some(behind) => behind,
-                None if interrupted => self.no_half(observer),
+                None if interrupted => self.no_half(End::Interrupted, observer),
                 None => self.half(turned, observer),
             }
         };
@@ -65,10 +71,11 @@ impl Tracer<'_> {
         self.branch
     }
 
-    fn no_half(&mut self, observer: &mut dyn Observer) -> Half {
+    /// Nothing but the start, as an end of the branch.
+    fn no_half(&mut self, end: End, observer: &mut dyn Observer) -> Half {
         let start = self.start.clone();
-        let special = self.end_point(&start, &End::Start, 0);
-        let mut half = Half { places: Vec::new(), special: Vec::new(), end: End::Start };
+        let special = self.end_point(&start, &end, 0);
+        let mut half = Half { places: Vec::new(), special: Vec::new(), end };
         self.announce(&mut half, special, observer);
         half
     }
