@@ -161,7 +161,7 @@ impl Stepper<'_> {
         let state = unknowns[..self.equations.dimension()].to_vec();
         if converged
             && self.settings.accuracy > 0.0
-            && let Some((refined, change)) = self.refine(event, &point)
+            && let Some((refined, change)) = self.refine(event, &point, &from.point)
         {
             error += change;
             point = Point { unstable: point.unstable, ..refined };
@@ -190,7 +190,7 @@ impl Stepper<'_> {
     /// Finishes the special point loaded last on finer discretisations, until two of them agree to
     /// the accuracy asked for: the finest point, and how much the last refinement changed the
     /// continued parameter.
-    fn refine(&mut self, event: &Event, point: &Point) -> Option<(Point, f64)> {
+    fn refine(&mut self, event: &Event, point: &Point, beside: &Point) -> Option<(Point, f64)> {
         let released = self.equations.released().to_vec();
         let conditions: Vec<_> =
             self.held.iter().chain([&event.condition]).map(|make| make()).collect();
@@ -207,7 +207,7 @@ impl Stepper<'_> {
                 return found;
             };
             let change = (fine.parameters[released[0]] - coarse.parameters[released[0]]).abs();
-            let settled = self.settled(&coarse, &fine, &released);
+            let settled = self.settled(&coarse, &fine, beside, &released);
             found = Some((fine.clone(), change));
             if settled {
                 return found;
@@ -219,16 +219,20 @@ impl Stepper<'_> {
     }
 
     /// Whether two discretisations agree: released parameters to the accuracy asked for, monitors to
-    /// a hundred times that.
-    fn settled(&self, coarse: &Point, fine: &Point, released: &[usize]) -> bool {
-        let close = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * b.abs();
+    /// a thousand times that, measured by their size here or beside the point (a frequency vanishes
+    /// at a fold, as the root of rounding).
+    fn settled(&self, coarse: &Point, fine: &Point, beside: &Point, released: &[usize]) -> bool {
         let accuracy = self.settings.accuracy;
-        released.iter().all(|&p| close(coarse.parameters[p], fine.parameters[p], accuracy))
+        let close = |a: f64, b: f64, size: f64, tolerance: f64| (a - b).abs() <= tolerance * size;
+        let (a, b) = (&coarse.parameters, &fine.parameters);
+        let sizes = fine.monitors.iter().zip(&beside.monitors).map(|(a, b)| a.abs().max(b.abs()));
+        released.iter().all(|&p| close(a[p], b[p], b[p].abs(), accuracy))
             && coarse
                 .monitors
                 .iter()
                 .zip(&fine.monitors)
-                .all(|(a, b)| close(*a, *b, 100.0 * accuracy) || (a - b).abs() < 100.0 * accuracy)
+                .zip(sizes)
+                .all(|((a, b), size)| close(*a, *b, size, 1e3 * accuracy))
     }
 
     fn converge_refined(

@@ -7,12 +7,15 @@ use crate::core::zero::Names;
 /// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is the
 /// length of the parameter's range. A group that is zero at the start is measured by what the tangent
 /// makes of the parameter's range, and a parameter without a finite range by what the tangent needs to
-/// change the unknowns by their size; only if both are unknown (or below 1e-12) is 1 used. Hence a change of units
+/// change the unknowns by their size, later by what it has covered; only if neither is known (or a
+/// tangent decides by rounding) is 1 used. Hence a change of units
 /// changes nothing but the numbers.
 #[derive(Clone, Debug)]
 pub struct Metric {
     groups: Vec<f64>,
     parameters: Vec<f64>,
+    /// Values at the start of those parameters whose range is open: their scales grow.
+    open: Vec<Option<f64>>,
     own: Vec<f64>,
 }
 
@@ -25,6 +28,7 @@ impl Metric {
         z: &[f64],
         z_tangent: &[f64],
         ranges: &[[f64; 2]],
+        p: &[f64],
         p_tangent: &[f64],
         own: &[Option<f64>],
     ) -> Self {
@@ -73,15 +77,24 @@ impl Metric {
                 *scale = if usable(scaled) { scaled } else { 1.0 };
             }
         }
+        let open =
+            ranges.iter().zip(p).map(|([low, high], p)| (high - low).is_infinite().then_some(*p));
+        let open = open.collect();
         let own =
             own.iter().map(|y| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y))).collect();
-        Metric { groups, parameters, own }
+        Metric { groups, parameters, open, own }
     }
 
-    /// Lets the scales grow with the unknowns.
-    pub fn grow(&mut self, names: &Names, z: &[f64]) {
+    /// Lets the scales grow with the unknowns, and those of parameters without a range with what they
+    /// have covered.
+    pub fn grow(&mut self, names: &Names, z: &[f64], p: &[f64]) {
         for (scale, size) in self.groups.iter_mut().zip(group_norms(names, z)) {
             *scale = scale.max(size);
+        }
+        for ((scale, open), p) in self.parameters.iter_mut().zip(&self.open).zip(p) {
+            if let Some(start) = open {
+                *scale = scale.max((p - start).abs());
+            }
         }
     }
 
@@ -104,11 +117,15 @@ impl Metric {
 /// zero but for rounding.
 const ZERO: f64 = 1e-9;
 
+/// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a parameter's
+/// or an unknown's level set but for rounding.
+const TINY: f64 = 1e-8;
+
 /// Unknowns this small in their own units, that the tangent does not change either, are rounding.
 const NOTHING: f64 = 1e-12;
 
 fn usable(scale: f64) -> bool {
-    scale.is_finite() && scale > 0.0
+    (TINY..1.0 / TINY).contains(&scale)
 }
 
 fn group_norms(names: &Names, z: &[f64]) -> Vec<f64> {

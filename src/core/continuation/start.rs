@@ -119,6 +119,6 @@ impl Starting<'_, '_> {
         let parameters = unknowns.len() - self.released;
         let own = self.equations.own_sizes(unknowns);
         let (z, p) = (&tangent[..n], &tangent[parameters..]);
-        Metric::new(names, &unknowns[..n], z, self.ranges, p, &own)
+        Metric::new(names, &unknowns[..n], z, self.ranges, &unknowns[parameters..], p, &own)
     }
 }

@@ -166,7 +166,8 @@ impl Stepper<'_> {
     /// Lets scales and borders follow the branch after a step was accepted.
     pub fn settle(&mut self, place: &mut Place) {
         let n = self.equations.dimension();
-        self.metric.grow(self.equations.names(), &place.unknowns[..n]);
+        let p = &place.unknowns[self.equations.parameters_at()..];
+        self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
         self.weights = self.metric.weights(self.equations.names(), 0);
         self.equations.adapt();
         let size = scaled_norm(&place.tangent, &self.weights);
