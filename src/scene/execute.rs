@@ -86,7 +86,7 @@ fn trace(
 ) -> Result<Branch, SceneError> {
     let seen = scene.as_seen_by(run)?;
     let values = seen.values();
-    let mut system = seen.problem.system(&values, &reach(&seen, run, &values))?;
+    let mut system = seen.problem.system(&values, &reach(&seen, &scene.runs, &values))?;
     let failed = |cause| SceneError::Trace { run: run.name.clone(), cause };
     let mut curve = Continuation::of(&mut *system).named(&run.name).settings(seen.settings.clone());
     for ((name, _), value) in seen.problem.parameters().iter().zip(&values) {
@@ -164,22 +164,19 @@ fn point_of<'a>(
     }
 }
 
-/// How far each parameter goes: the end of its range that is farthest from the start, by ratio.
-fn reach(scene: &Scene, run: &Run, values: &[f64]) -> Vec<f64> {
+/// How far each parameter goes from its start in any run of the scene, by ratio: what a discretisation
+/// must be fit for. All runs share it, so that one can start where another ended.
+fn reach(scene: &Scene, runs: &[Run], values: &[f64]) -> Vec<f64> {
     let names = scene.problem.parameters();
-    let far = |value: f64, end: f64| {
-        if (end / value).ln().abs().is_finite() && (end / value).ln().abs() > 0.0 {
-            end
-        } else {
-            value
+    let mut reach = values.to_vec();
+    for ((reach, value), (name, _)) in reach.iter_mut().zip(values).zip(&names) {
+        let ranges = runs.iter().flat_map(|run| &run.along).filter(|range| range.name == *name);
+        for end in ranges.flat_map(|range| [range.low, range.high]).flatten() {
+            let ratio = |end: f64| (end / value).ln().abs();
+            if ratio(end).is_finite() && ratio(end) > ratio(*reach) {
+                *reach = end;
+            }
         }
-    };
-    values
-        .iter()
-        .zip(&names)
-        .map(|(&value, (name, _))| {
-            let range = run.along.iter().find(|range| range.name == *name);
-            range.and_then(|range| range.high).map_or(value, |high| far(value, high))
-        })
-        .collect()
+    }
+    reach
 }
