@@ -4,7 +4,7 @@
 use super::event::{Event, Test};
 use super::stepper::{Place, Stepper};
 use super::{Point, SpecialPoint};
-use crate::core::condition::Condition;
+use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances};
 use crate::core::zero::{Refinement, System};
@@ -185,6 +185,26 @@ impl Stepper<'_> {
             profiles,
         };
         Some(Located { event: index, along, special })
+    }
+
+    /// A curve of events starts at a special point: it is finished like one, with the parameter
+    /// released last held where it is.
+    pub fn refine_start(&mut self, start: &mut SpecialPoint) {
+        let Some(&last) = self.equations.released().last() else { return };
+        if self.held.is_empty() || self.settings.accuracy == 0.0 {
+            return;
+        }
+        let level = start.parameters[last];
+        let event = Event::level("start", Quantity::Parameter(last), level);
+        let point = Point {
+            parameters: start.parameters.clone(),
+            monitors: start.monitors.clone(),
+            unstable: start.unstable,
+        };
+        if let Some((refined, change)) = self.refine(&event, &point, &point) {
+            (start.parameters, start.monitors) = (refined.parameters, refined.monitors);
+            start.error += change;
+        }
     }
 
     /// Finishes the special point loaded last on finer discretisations, until two of them agree to

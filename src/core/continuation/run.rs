@@ -74,7 +74,8 @@ impl Tracer<'_> {
     /// Nothing but the start, as an end of the branch.
     fn no_half(&mut self, end: End, observer: &mut dyn Observer) -> Half {
         let start = self.start.clone();
-        let special = self.end_point(&start, &end, 0);
+        let mut special = self.end_point(&start, &end, 0);
+        self.stepper.refine_start(&mut special);
         let mut half = Half { places: Vec::new(), special: Vec::new(), end };
         self.announce(&mut half, special, observer);
         half

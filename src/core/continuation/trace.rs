@@ -126,6 +126,8 @@ pub struct Continuation<'a> {
     settings: Settings,
     switched: bool,
     from_special: bool,
+    /// What the curve one restarts from is made of: its direction means nothing on another curve.
+    restarted_on: Option<Kind>,
     forward: bool,
     backward: bool,
     errors: Vec<TraceError>,
@@ -148,6 +150,7 @@ impl<'a> Continuation<'a> {
             settings: Settings::default(),
             switched: false,
             from_special: false,
+            restarted_on: None,
             forward: true,
             backward: true,
             errors: Vec::new(),
@@ -209,7 +212,8 @@ impl<'a> Continuation<'a> {
         self = self.from(&special.state);
         self.from_special = true;
         let n = self.system.names().dimension();
-        if branch.condition.is_none() && special.tangent.len() == n + branch.released.len() {
+        self.restarted_on = branch.condition;
+        if special.tangent.len() == n + branch.released.len() {
             let mut tangent = vec![0.0; self.x.len()];
             tangent[..n].copy_from_slice(&special.tangent[..n]);
             for (name, value) in branch.released.iter().zip(&special.tangent[n..]) {
@@ -411,7 +415,9 @@ impl<'a> Continuation<'a> {
         } else {
             None
         };
-        let start = switched.as_ref().or(self.tangent.as_ref());
+        let same_curve = self.restarted_on == self.held.first().map(|(kind, _)| *kind);
+        let tangent = self.tangent.as_ref().filter(|_| same_curve);
+        let start = switched.as_ref().or(tangent);
         let mut equations = Extended::new(self.system, &self.x, released.to_vec());
         let mut unknowns = equations.unload(&self.x);
         let direction = start.map(|t| equations.unload(t));
