@@ -144,7 +144,7 @@ impl Basis {
     /// eigenvalues of the scaled matrix say something about the plate. (In the polynomials themselves its
     /// condition is 1e6 with ten functions, and inverse iteration finds noise.)
     ///
-    /// The first function is the lowest mode. Without a solution of the eigenproblem (which would take
+    /// The first function is the lowest mode; all are positive next to `ξ = 1`. Without a solution of the eigenproblem (which would take
     /// values that are not finite), the basis stays as it is.
     #[must_use]
     pub fn into_beam_modes(mut self, symmetric: bool) -> Basis {
@@ -166,6 +166,12 @@ impl Basis {
         let Ok(eigen) = reduced.self_adjoint_eigen(Side::Lower) else { return self };
         let mut modes = eigen.U().to_owned();
         solve_upper_triangular_in_place(lower.transpose(), modes.as_mut(), Par::Seq);
+        for mode in 0..n {
+            let towards_end: f64 =
+                (0..n).map(|k| modes[(k, mode)] * table.values[(k + 1) * rule.len() - 1]).sum();
+            let sign = towards_end.signum();
+            modes.col_mut(mode).iter_mut().for_each(|entry| *entry *= sign);
+        }
         let back = &energy * &modes;
         // Eigenvalues ascend, and the largest mass for a given energy is the lowest mode.
         let rows = |matrix: &Mat<f64>| {
@@ -347,8 +353,7 @@ mod tests {
 
     #[test]
     fn values_are_integrals_of_slopes_and_those_of_curvatures() {
-        let basis =
-            Basis::transverse([Support::SimplySupported, Support::Free], false, 20);
+        let basis = Basis::transverse([Support::SimplySupported, Support::Free], false, 20);
         let (x, w) = gauss_legendre(24);
         let (from, to) = (-0.3, 0.7);
         let at = |t: f64| basis.at(0.5 * (from + to) + 0.5 * (to - from) * t);

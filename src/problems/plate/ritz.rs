@@ -73,8 +73,8 @@ impl Ritz {
         if settings.units == Units::Device {
             monitors.push("displacement");
         }
-        let names = Names::new([("w", n)], settings.units.names().iter().copied())
-            .with_monitors(monitors);
+        let names =
+            Names::new([("w", n)], settings.units.names().iter().copied()).with_monitors(monitors);
         let length = names.length();
         Ok(Ritz {
             factor: PlaneFactor::new(model.plane.len()),
@@ -171,7 +171,8 @@ impl Ritz {
         check_plane(parameters.aspect, parameters.nu)?;
         let loses_shear = self.model.symmetric != [false; 2] && !settings.supports.any_free();
         if parameters.shear != 0.0 && loses_shear {
-            let remedy = "shear breaks the plate's symmetry: build the plate with symmetric = false";
+            let remedy =
+                "shear breaks the plate's symmetry: build the plate with symmetric = false";
             return Err(LeftDomain::new("edge_shear", parameters.shear, remedy));
         }
         let largest = self.search.on_grid(&self.model, q).0;
@@ -181,7 +182,8 @@ impl Ritz {
         if self.model.membrane.is_some()
             && !self.factor.update(&self.model.plane, parameters.aspect, parameters.nu)
         {
-            let remedy = "the in-plane stiffness is singular to working accuracy; use fewer functions";
+            let remedy =
+                "the in-plane stiffness is singular to working accuracy; use fewer functions";
             return Err(LeftDomain::new("aspect", parameters.aspect, remedy));
         }
         Ok(largest)
@@ -217,7 +219,7 @@ fn component_name(names: &Names, i: usize) -> String {
     }
 }
 
-fn check_plane(alpha: f64, nu: f64) -> Result<(), LeftDomain> {
+pub(super) fn check_plane(alpha: f64, nu: f64) -> Result<(), LeftDomain> {
     if !(alpha > 0.0 && alpha.is_finite()) {
         return Err(LeftDomain::new("aspect", alpha, "the ratio of the sides must be positive"));
     }

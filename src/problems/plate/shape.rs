@@ -65,11 +65,8 @@ impl Search {
             *out = q * scale;
         }
         let points = [self.nodes[0].len(), self.nodes[1].len()];
-        let product = super::tensor::Product {
-            x: &self.tables[0].values,
-            y: &self.tables[1].values,
-            points,
-        };
+        let product =
+            super::tensor::Product { x: &self.tables[0].values, y: &self.tables[1].values, points };
         product.expand(&self.coefficients, &mut self.half, &mut self.field);
         let mut best = (f64::NEG_INFINITY, 0);
         for (k, w) in self.field.iter().enumerate() {
@@ -122,4 +119,3 @@ impl Search {
         if refined >= best { (refined, at[0], at[1]) } else { (best, xi, zeta) }
     }
 }
-

@@ -75,6 +75,14 @@ fn prolonged(from: &Model, to: &Model, z: &[f64]) -> Vec<f64> {
 }
 
 impl Ritz {
+    /// `x = (z, p)` of the same plate, deflected alike, on finer orders (none smaller than this one's).
+    pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
+        let (z, p) = x.split_at(self.model.unknowns());
+        let mut carried = prolonged(&self.model, &finer.model, z);
+        carried.extend_from_slice(p);
+        carried
+    }
+
     /// Both gradients: `wᵀF_x v` by second derivatives, `wᵀF_xx[v, v]` by third ones. As `F` is itself a
     /// gradient, the components of the unknowns are those of one mixed derivative along `w` and `v`.
     fn gradient_of(
@@ -362,9 +370,7 @@ impl System for Ritz {
         let mut settings = self.model.settings;
         settings.orders = Some(orders);
         let finer = Ritz::new(settings).ok()?;
-        let n = self.model.unknowns();
-        let mut finer_x = prolonged(&self.model, &finer.model, &x[..n]);
-        finer_x.extend_from_slice(&x[n..]);
-        Some(Refinement { system: Box::new(finer), x: finer_x })
+        let x = self.carry(x, &finer);
+        Some(Refinement { system: Box::new(finer), x })
     }
 }
