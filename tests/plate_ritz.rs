@@ -244,6 +244,10 @@ fn gradients_agree_with_differences_of_the_assembled_matrix() {
         let (mut first, mut second) = (vec![0.0; length], vec![0.0; length]);
         plate.gradient(&x, &w, &v, &released, &mut first);
         plate.second_gradient(&x, &w, &v, &released, &mut second);
+        let mut third = vec![0.0; n];
+        let mut along: Vec<f64> = (0..length).map(|i| 0.1 * f64::from(i as u32 % 3)).collect();
+        along[n + SHEAR] = 0.0;
+        plate.third_derivative(&x, &v, &v, &along, &mut third);
         let inner = |a: &[f64]| -> f64 { a.iter().zip(&w).map(|(a, b)| a * b).sum() };
         let step = 1e-4;
         for i in (0..n).chain(released.map(|p| n + p)) {
@@ -260,6 +264,15 @@ fn gradients_agree_with_differences_of_the_assembled_matrix() {
             let slopes = [0, 1].map(|k| (both[1][k] - both[0][k]) / (2.0 * step));
             assert_relative_eq!(first[i], slopes[0], max_relative = 1e-4, epsilon = 1e-3);
             assert_relative_eq!(second[i], slopes[1], max_relative = 1e-4, epsilon = 1e-2);
+        }
+        let mut both = [vec![0.0; n], vec![0.0; n]];
+        for (side, sign) in both.iter_mut().zip([-1.0, 1.0]) {
+            let moved: Vec<f64> = x.iter().zip(&along).map(|(x, d)| x + sign * step * d).collect();
+            plate.second_derivative(&moved, &v, &v, side);
+        }
+        for i in 0..n {
+            let slope = (both[1][i] - both[0][i]) / (2.0 * step);
+            assert_relative_eq!(third[i], slope, max_relative = 1e-4, epsilon = 1e-2);
         }
     }
 }
@@ -353,6 +366,23 @@ fn square_plates_pull_in_at_known_loads() {
     }
 }
 
+#[test]
+fn plates_without_stretching_pull_in_at_known_loads() {
+    for (supports, load, deflection) in
+        [("SSSS", 52.633290209, 0.4554324767), ("CCCC", 171.824440665, 0.4637295069)]
+    {
+        for (theory, gap_ratio) in [(Theory::Linear, 2.0), (Theory::VonKarman, 0.0)] {
+            let mut settings = settings(supports);
+            (settings.theory, settings.orders) = (theory, orders(12, 6));
+            let mut plate = Ritz::new(settings).unwrap();
+            let mut x = near_fold(&mut plate, gap_ratio, 1.0);
+            let found = polish_fold(&mut plate, &mut x);
+            assert_relative_eq!(found.0, load, max_relative = 1e-10);
+            assert_relative_eq!(found.1, deflection, max_relative = 1e-9);
+        }
+    }
+}
+
 /// The ladder of finer orders, from the usual ones up, at the aspect ratios of figure 3.9.
 #[test]
 fn long_plates_pull_in_at_known_loads_two_rungs_up() {
@@ -424,6 +454,10 @@ fn flat_plates_buckle_at_known_edge_forces() {
     ] {
         let mut settings = settings(supports);
         settings.orders = orders(14, 4);
+        if supports == "SCSC" {
+            // This one buckles in two half waves.
+            (settings.symmetric, settings.orders) = (false, orders(20, 4));
+        }
         let found = buckling(settings, parameter);
         assert_relative_eq!(found, expected, max_relative = tolerance);
     }

@@ -93,7 +93,6 @@ impl Ritz {
         nu: f64,
     ) -> Result<MembraneForm, PlateError> {
         check_plane(alpha, nu)?;
-        self.forget();
         let Some(membrane) = &self.model.membrane else { return Err(PlateError::NoMembrane) };
         if !self.factor.update(&self.model.plane, alpha, nu) {
             return Err(PlateError::NoMembrane);

@@ -5,6 +5,15 @@ use super::error::PlateError;
 
 /// Numbers of functions in each direction (x, then y): even ones where the plate is symmetric in
 /// that direction, all degrees where it is not.
+///
+/// ```
+/// use tangency::problems::plate::Orders;
+/// let orders = Orders::usual([true, true], 1.0);
+/// assert_eq!((orders.transverse, orders.in_plane), ([6, 6], [8, 8]));
+/// assert_eq!(orders.finer().in_plane, [12, 12]);
+/// // Along a side four times as long there are twice as many.
+/// assert_eq!(Orders::usual([true, true], 4.0).transverse, [6, 12]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orders {
