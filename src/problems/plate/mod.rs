@@ -12,7 +12,10 @@ mod parameters;
 mod plane;
 mod residual;
 mod ritz;
+mod settings;
 mod shape;
+pub mod sine;
+pub mod strip;
 mod system;
 pub mod tensor;
 
@@ -24,3 +27,4 @@ pub use model::{RitzSettings, Theory};
 pub use orders::Orders;
 pub use parameters::{Parameters, Units};
 pub use ritz::Ritz;
+pub use settings::{Model, PlateSettings, Projection, SettingsError};
