@@ -89,12 +89,13 @@ impl Ritz {
             Names::new([("w", n)], settings.units.names().iter().copied()).with_monitors(monitors);
         let length = names.length();
         let mut centre = vec![0.0; n];
-        shape::products(&model, 0.0, 0.0, &mut centre);
+        let mut search = Search::new(&model);
+        shape::products(&model, [0.0; 2], &mut search.point, &mut centre);
         Ok(Ritz {
             factor: PlaneFactor::new(model.plane.len()),
             assembly: Assembly::new(&model),
             vibration: Vibration::new(&model),
-            search: Search::new(&model),
+            search,
             plain: Workspace::new(&model),
             first: Workspace::new(&model),
             second: Workspace::new(&model),
@@ -134,7 +135,8 @@ impl Ritz {
     /// The deflection over the gap that coefficients `q` (a solution's unknowns, or a mode's) describe, at
     /// a point of the plate: `x` and `y` from 0 to 1 along the sides.
     pub fn deflection(&self, q: &[f64], x: f64, y: f64) -> f64 {
-        shape::local(&self.model, q, 2.0 * x - 1.0, 2.0 * y - 1.0)[0]
+        let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
+        shape::local(&self.model, q, at, &mut Default::default())[0]
     }
 
     /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
@@ -289,13 +291,16 @@ fn check_device(units: Units, p: &[f64]) -> Result<(), LeftDomain> {
     Ok(())
 }
 
+/// No fewer than the parameters of any [`Units`].
+pub(super) const MOST_PARAMETERS: usize = 16;
+
 /// Whether `α` and `ν` stay fixed along a direction of `x`.
 pub(super) fn plane_fixed(units: Units, p: &[f64], directions: &[&[f64]]) -> bool {
     directions.iter().all(|direction| {
         if direction.iter().all(|d| *d == 0.0) {
             return true;
         }
-        let mut moved = [Dual64::from(0.0); 16];
+        let mut moved = [Dual64::from(0.0); MOST_PARAMETERS];
         for ((moved, p), d) in moved.iter_mut().zip(p).zip(*direction) {
             *moved = Dual64::new(*p, *d);
         }

@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
-use super::ritz::{Directional, FlatPlate, Ritz, plane_fixed};
+use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
 use super::{frequency::signed_root, shape, tensor::dot};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System,
@@ -190,10 +190,11 @@ impl Ritz {
         let p = &x[n..];
         let unit = units.frequency_unit(p);
         out.iter_mut().for_each(|g| *g *= unit);
-        let mut seeded: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let mut seeded = [Dual64::from(0.0); MOST_PARAMETERS];
+        seeded.iter_mut().zip(p).for_each(|(seeded, p)| *seeded = Dual64::from(*p));
         for i in 0..p.len() {
             seeded[i].eps = 1.0;
-            out[n + i] += omega * units.frequency_unit(&seeded).eps;
+            out[n + i] += omega * units.frequency_unit(&seeded[..p.len()]).eps;
             seeded[i].eps = 0.0;
         }
     }
@@ -325,7 +326,7 @@ impl System for Ritz {
             1 => {
                 // The place of the largest deflection moves, but its slope is zero there.
                 let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
-                shape::products(&self.model, xi, zeta, &mut out[..n]);
+                shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
                 Ok(())
             }
             2 => self.frequency_gradient(x, out).map(|omega| self.apply_unit(x, omega, out)),
