@@ -3,7 +3,7 @@
 
 use super::event::{Event, Test};
 use super::stepper::{Place, Stepper};
-use super::{Point, SpecialPoint};
+use super::{Kind, Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances};
@@ -148,7 +148,7 @@ impl Stepper<'_> {
             at.system.assemble(at.x)
         };
         assembled.ok()?;
-        let (mut point, _) = self.record(event.kind == super::Kind::UZ).ok()?;
+        let (mut point, _) = self.record(event.kind == Kind::UZ).ok()?;
         if point.unstable.is_none() {
             // At a bifurcation an eigenvalue is zero but for rounding and would be counted at random.
             point.unstable = from.point.unstable.min(to.point.unstable);
@@ -159,7 +159,10 @@ impl Stepper<'_> {
         let width = (bracket[1] - bracket[0]).abs();
         let mut error = error.unwrap_or(width);
         let state = unknowns[..self.equations.dimension()].to_vec();
+        // Where a bound happens to cut a branch of solutions nobody asks for more than the branch has.
+        let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if converged
+            && !end_of_branch
             && self.settings.accuracy > 0.0
             && let Some((refined, change)) = self.refine(event, &point, &from.point)
         {
@@ -294,8 +297,8 @@ impl Ladder {
     ///
     /// A single change `d` bounds the error of the finer value if each rung at least halves it. With
     /// two, changes are taken to go on shrinking by their ratio `ρ ≤ ½`: what is to come is
-    /// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate, and no less than `d/25`,
-    /// lest one lucky change promise too much.
+    /// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
+    /// relied on: spectral convergence may turn algebraic where a corner singularity takes over.
     fn climb(&mut self, values: Vec<f64>) -> Vec<f64> {
         let changes: Vec<f64> =
             values.iter().zip(&self.values).map(|(new, old)| (new - old).abs()).collect();
@@ -305,7 +308,7 @@ impl Ladder {
                 .iter()
                 .zip(before)
                 .map(|(&change, &before)| {
-                    let ratio = (change / before.max(f64::MIN_POSITIVE)).clamp(0.01, 0.5);
+                    let ratio = (change / before.max(f64::MIN_POSITIVE)).clamp(0.1, 0.5);
                     4.0 * change * ratio / (1.0 - ratio)
                 })
                 .collect(),
