@@ -276,10 +276,11 @@ impl Stepper<'_> {
     }
 }
 
-/// The released parameters of a point, then its monitors.
+/// What must settle: the released parameters of a point and its first monitor. Others may be meant to
+/// vanish there, like a frequency at a fold, and would be compared with rounding.
 fn values<'a>(point: &'a Point, released: &'a [usize]) -> impl Iterator<Item = f64> + 'a {
     let parameters = released.iter().map(|&p| point.parameters[p]);
-    parameters.chain(point.monitors.iter().copied())
+    parameters.chain(point.monitors.first().copied())
 }
 
 /// Values on one discretisation after another, and what is still to come.
