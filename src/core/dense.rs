@@ -58,6 +58,8 @@ pub struct Dense<P> {
     problem: P,
     names: Names,
     jacobian: Vec<f64>,
+    /// Where `jacobian` was assembled last; empty where that failed.
+    assembled: Vec<f64>,
     factors: [BorderedLu; 2],
     plain: Work<f64>,
     chunk: Work<Chunk>,
@@ -76,6 +78,7 @@ impl<P: ZeroProblem> Dense<P> {
         let n = names.dimension();
         Dense {
             jacobian: vec![0.0; n * n],
+            assembled: Vec::with_capacity(names.length()),
             factors: Default::default(),
             plain: Work::new(&names),
             chunk: Work::new(&names),
@@ -131,6 +134,10 @@ impl<P: ZeroProblem> System for Dense<P> {
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        if self.assembled == x {
+            return Ok(());
+        }
+        self.assembled.clear();
         self.check_domain(x)?;
         let n = self.names.dimension();
         for start in (0..n).step_by(CHUNK) {
@@ -148,7 +155,10 @@ impl<P: ZeroProblem> System for Dense<P> {
                 self.jacobian[k],
                 "the residual must be differentiable here (√ at 0 is not)",
             )),
-            None => Ok(()),
+            None => {
+                self.assembled.extend_from_slice(x);
+                Ok(())
+            }
         }
     }
 

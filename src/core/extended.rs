@@ -81,14 +81,19 @@ impl<'a> Extended<'a> {
         Ok(unknowns)
     }
 
-    /// Takes back the condition that was added last, and its unknowns out of `X`.
-    pub fn let_go(&mut self, unknowns: &mut Vec<f64>) -> Option<Box<dyn Condition + 'a>> {
-        let condition = self.conditions.pop()?;
-        let end = self.dimension() + self.own;
-        unknowns.drain(end - condition.unknowns()..end);
-        self.own -= condition.unknowns();
+    /// Takes all conditions away, to be given back to [`resume`](Extended::resume).
+    pub fn suspend(&mut self) -> Vec<Box<dyn Condition + 'a>> {
+        self.own = 0;
+        let conditions = std::mem::take(&mut self.conditions);
         self.resize();
-        Some(condition)
+        conditions
+    }
+
+    /// Holds exactly these conditions, as they are: prepared already.
+    pub fn resume(&mut self, conditions: Vec<Box<dyn Condition + 'a>>) {
+        self.own = conditions.iter().map(|condition| condition.unknowns()).sum();
+        self.conditions = conditions;
+        self.resize();
     }
 
     /// The number `n` of the problem's unknowns.

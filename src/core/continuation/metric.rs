@@ -7,11 +7,15 @@ use crate::core::zero::Names;
 /// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is the
 /// length of the parameter's range. A group that is zero at the start is measured by what the tangent
 /// makes of the parameter's range, and a parameter without a finite range by what the tangent needs to
-/// change the unknowns by their size; only if both are unknown (or below 1e-12) is 1 used. Hence a change of units
-/// changes nothing but the numbers.
+/// change the unknowns by their size; only if both are unknown (or below 1e-12) is 1 used. Hence a change of
+/// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such a
+/// group, if its unit is unusual, is best given a scale
+/// ([`Continuation::scale`](super::Continuation::scale)).
 #[derive(Clone, Debug)]
 pub struct Metric {
     groups: Vec<f64>,
+    /// Groups whose scale the user has given, so that it does not grow.
+    fixed: Vec<bool>,
     parameters: Vec<f64>,
     own: Vec<f64>,
 }
@@ -43,11 +47,12 @@ impl Metric {
                 _ => steepest * slope.abs(),
             })
             .collect();
-        // What the tangent reaches over the first range that is known.
+        // What the tangent reaches over the first range that is known, unless it is vertical there.
+        let steep = z_tangent.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
         let reach = parameters
             .iter()
             .zip(p_tangent)
-            .filter(|(scale, slope)| usable(**scale) && usable(slope.abs()))
+            .filter(|(scale, slope)| usable(**scale) && slope.abs() > VERTICAL * steep)
             .map(|(scale, slope)| scale / slope.abs())
             .next();
         let groups: Vec<f64> = sizes
@@ -75,13 +80,27 @@ impl Metric {
         }
         let own =
             own.iter().map(|y| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y))).collect();
-        Metric { groups, parameters, own }
+        Metric { fixed: vec![false; groups.len()], groups, parameters, own }
+    }
+
+    /// Replaces scales by those that are given: of groups, then of released parameters.
+    pub fn with_scales(mut self, scales: &[Option<f64>]) -> Self {
+        let (groups, parameters) = scales.split_at(self.groups.len().min(scales.len()));
+        for ((scale, fixed), given) in self.groups.iter_mut().zip(&mut self.fixed).zip(groups) {
+            *scale = given.unwrap_or(*scale);
+            *fixed = given.is_some();
+        }
+        for (scale, given) in self.parameters.iter_mut().zip(parameters) {
+            *scale = given.unwrap_or(*scale);
+        }
+        self
     }
 
     /// Lets the scales grow with the unknowns.
     pub fn grow(&mut self, names: &Names, z: &[f64]) {
-        for (scale, size) in self.groups.iter_mut().zip(group_norms(names, z)) {
-            *scale = scale.max(size);
+        let sizes = group_norms(names, z);
+        for ((scale, fixed), size) in self.groups.iter_mut().zip(&self.fixed).zip(sizes) {
+            *scale = if *fixed { *scale } else { scale.max(size) };
         }
     }
 
@@ -106,6 +125,9 @@ const ZERO: f64 = 1e-9;
 
 /// Unknowns this small in their own units, that the tangent does not change either, are rounding.
 const NOTHING: f64 = 1e-12;
+
+/// A parameter's part of the tangent this small, compared with that of the unknowns, is rounding.
+const VERTICAL: f64 = 1e-12;
 
 fn usable(scale: f64) -> bool {
     scale.is_finite() && scale > 0.0
