@@ -3,6 +3,7 @@
 mod branch;
 mod error;
 mod event;
+mod hidden;
 mod locate;
 mod metric;
 mod observer;

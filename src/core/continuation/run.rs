@@ -1,6 +1,7 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
 use super::event::Test;
+use super::hidden::Before;
 use super::locate::Located;
 use super::stepper::{AT_START, Place, Step, Stepper};
 use super::{Branch, End, Kind, Observer, Point, SpecialPoint, TraceError};
@@ -113,12 +114,13 @@ impl Tracer<'_> {
         let settings = &self.stepper.settings;
         let (max_points, max_step) = (settings.max_points, settings.max_step);
         let mut length = settings.initial_step.min(max_step);
+        let mut before: Option<Before> = None;
         loop {
             let points = half.points.len();
             if points >= max_points {
                 return End::PointLimit { points };
             }
-            let step = match self.stepper.step(place, length) {
+            let mut step = match self.stepper.step(place, length) {
                 Ok(step) => step,
                 Err((step, cause)) => {
                     return End::StepTooSmall { step, cause: cause.to_string() };
@@ -129,7 +131,12 @@ impl Tracer<'_> {
             {
                 return end;
             }
-            length = step.next;
+            if let Some(shorter) =
+                before.as_ref().and_then(|before| self.stepper.hidden(before, place, &step))
+            {
+                step = shorter;
+            }
+            length = step.next.clamp(self.stepper.settings.min_step, max_step);
             let mut found = self.events_between(place, &step, backward, points == 0);
             let ending = self.ending(&mut found, place, &step, start, points);
             for Located { mut special, .. } in found {
@@ -137,6 +144,7 @@ impl Tracer<'_> {
                 half.mark(special, &self.branch, observer);
             }
             let Some(Ending { end, at }) = ending else {
+                before = Some(Before { tests: place.tests.clone(), length: step.length });
                 *place = step.place;
                 self.stepper.settle(place);
                 half.points.push(place.point.clone());

@@ -1,6 +1,7 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
 use super::metric::Metric;
+use super::stepper::AT_START;
 use crate::core::bifurcation::generic_vector;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
@@ -78,15 +79,18 @@ impl Starting<'_, '_> {
             }
         }
         let mut outcome = outcome.unwrap_or_else(|| Ok(vec![0.0; length]));
-        if let Err(NewtonError::Singular { iteration: 1, .. }) = outcome {
-            // Singular at the very start: a fold, which a hyperplane across some unknowns passes
-            // through, or a branch point, where this fails as well.
+        if outcome.is_err() {
+            // A start that is a solution already may be a fold, which a hyperplane across some unknowns
+            // passes through, or a branch point, where this fails as well.
             let mut row = generic_vector(length, 1);
             row[n..].fill(0.0);
             row.iter_mut().zip(&weights).for_each(|(r, w)| *r *= w.sqrt());
             unknowns.copy_from_slice(&base);
             if let Ok(tangent) = self.correct(unknowns, &row, &weights, correct) {
-                outcome = Ok(tangent);
+                let moved: Vec<f64> = unknowns.iter().zip(&base).map(|(x, b)| x - b).collect();
+                if scaled_norm(&moved, &weights) <= AT_START {
+                    outcome = Ok(tangent);
+                }
             }
         }
         let mut tangent = outcome?;
