@@ -358,6 +358,16 @@ fn a_terminal_event_ends_the_branch() {
     assert_eq!(branch.ends[1], End::Event { event: "product".into() });
     close(branch.points.last().unwrap().parameters[0], 2.0_f64.sqrt(), 1e-14);
     assert_eq!(branch.special.last().unwrap().kind, Kind::UZ);
+    // In both directions, from the middle.
+    let both = Continuation::of(&mut system)
+        .at("q", 1.0)
+        .along("p", -3.0..=3.0)
+        .event(Event::new("product", || Product).ending())
+        .trace()
+        .unwrap();
+    let kinds: Vec<_> = both.special.iter().map(|s| (s.kind, s.after)).collect();
+    assert_eq!(kinds, [(Kind::UZ, 0), (Kind::UZ, both.points.len() - 1)]);
+    close(both.points[0].parameters[0], -2.0_f64.sqrt(), 1e-14);
     // And can be left from there.
     let on = Continuation::of(&mut system)
         .restart(&branch, branch.special.last().unwrap().label)

@@ -281,7 +281,8 @@ impl Newton {
                 equations.residual(unknowns, closing, &mut self.correction)?;
             }
             let converged = scaled_norm(&self.next, weights) <= tolerances.tolerance;
-            if !converged && contraction.is_nan() || contraction > GOOD_CONTRACTION && !converged {
+            let contracts = contraction <= GOOD_CONTRACTION;
+            if !(converged || contracts) {
                 return Ok(false);
             }
         }

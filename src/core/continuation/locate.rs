@@ -118,7 +118,7 @@ impl Stepper<'_> {
         let outcome = match &event.instead {
             None => {
                 self.equations.resume(curve);
-                let outcome = self.finish_with(&[event.condition.clone()], &guess);
+                let outcome = self.finish_with(std::slice::from_ref(&event.condition), &guess);
                 (outcome, self.equations.suspend())
             }
             Some(instead) => {
@@ -243,7 +243,7 @@ pub(super) fn event_tolerances(settings: &super::Settings) -> Tolerances {
 }
 
 /// Newton on a defining system, and the estimated error of the first released parameter: several
-/// times what one more correction, with a fresh factorisation, would change.
+/// times what one more correction, with a fresh factorisation, changes.
 pub(super) fn converge(
     newton: &mut Newton,
     equations: &mut Extended,
@@ -253,6 +253,8 @@ pub(super) fn converge(
 ) -> Result<f64, NewtonError> {
     newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
-    let left = newton.correction_left(equations, unknowns, None)?[parameter].abs();
+    let correction = newton.correction_left(equations, unknowns, None)?;
+    let left = correction[parameter].abs();
+    unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
     Ok(4.0 * left + 4.0 * f64::EPSILON * unknowns[parameter].abs())
 }

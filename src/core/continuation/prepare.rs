@@ -11,6 +11,7 @@ use crate::core::condition::{At, EvaluationError, Quantity};
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances};
 use crate::core::zero::Dynamics;
+use std::cmp::Ordering;
 
 /// The sides of the levels that bound a branch: −1 for a lower bound, 1 for an upper one. They belong
 /// to the first events.
@@ -51,7 +52,7 @@ impl<'a> Continuation<'a> {
         for (name, [low, high]) in &self.released {
             let p = self.parameter(name)?;
             let (name, value, low, high) = (name.clone(), self.x[n + p], *low, *high);
-            if !(low < high) {
+            if low.partial_cmp(&high) != Some(Ordering::Less) {
                 return Err(TraceError::EmptyRange { name, low, high });
             }
             if !(low..=high).contains(&value) {
@@ -80,7 +81,7 @@ impl<'a> Continuation<'a> {
         let (mut events, mut sides) = (Vec::new(), Vec::new());
         for (name, [low, high]) in self.released.iter().chain(&self.bounds) {
             let quantity = self.quantity(name)?;
-            if !(low < high) {
+            if low.partial_cmp(high) != Some(Ordering::Less) {
                 return Err(TraceError::EmptyRange { name: name.clone(), low: *low, high: *high });
             }
             for (level, side) in [(*low, -1.0), (*high, 1.0)] {
@@ -156,7 +157,8 @@ impl<'a> Continuation<'a> {
     /// The direction in which to leave a branch point: along the branch that one comes from, or along
     /// the other one. `None` if the start is no branch point.
     fn leaving(&mut self, released: &[usize]) -> Result<Option<Vec<f64>>, EvaluationError> {
-        if !self.switched && !(self.at_branch_point && self.held.is_empty()) {
+        let at_branch_point = self.at_branch_point && self.held.is_empty();
+        if !(self.switched || at_branch_point) {
             return Ok(None);
         }
         let at = At { system: &mut *self.system, x: &self.x, released };

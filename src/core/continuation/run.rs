@@ -143,6 +143,10 @@ impl Tracer<'_> {
                 special.after = points;
                 half.mark(special, &self.branch, observer);
             }
+            let at_bound = matches!(
+                &ending,
+                Some(Ending { end: End::ParameterBound { .. } | End::MonitorBound { .. }, .. })
+            );
             let Some(Ending { end, at }) = ending else {
                 before = Some(Before { tests: place.tests.clone(), length: step.length });
                 *place = step.place;
@@ -160,6 +164,9 @@ impl Tracer<'_> {
             match at {
                 Some(Located { mut special, .. }) => {
                     special.after = half.points.len();
+                    if at_bound {
+                        special.event = end.to_string();
+                    }
                     half.mark(special, &self.branch, observer);
                 }
                 None => *place = start.clone(),
@@ -217,7 +224,8 @@ impl Tracer<'_> {
                         || (other.along - located.along).abs() < 1e-3 * length)
             };
             let double = kind == Kind::LP && found.iter().any(same);
-            if !double && !(at_start && located.along <= AT_START) {
+            let of_the_start = at_start && located.along <= AT_START;
+            if !(double || of_the_start) {
                 found.push(located);
             }
         }
@@ -309,7 +317,7 @@ impl Tracer<'_> {
         behind.special.reverse();
         for special in &mut behind.special {
             // Behind point k from the start means before it from the end; an end stays on its point.
-            let on_point = special.after == before && matches!(special.kind, Kind::EP | Kind::MX);
+            let on_point = special.after == before;
             special.after = before - special.after - usize::from(!on_point);
             special.bracket.reverse();
             special.tangent.iter_mut().for_each(|t| *t = -*t);
