@@ -411,3 +411,34 @@ fn a_curve_of_cusps() {
     close(found.parameters[0], -6.0 / 16.0, 1e-12);
     close(found.parameters[2], -3.0 / 256.0, 1e-12);
 }
+
+/// A pitchfork is left in both directions along its vertical branch, here `x = y = ±√(p − 1 + c)`,
+/// whose turning point at the start is a branch point and no fold.
+#[test]
+fn a_pitchfork_is_switched_at() {
+    let mut system = Dense::new(Columns);
+    let trivial =
+        Continuation::of(&mut system).at("c", 0.25).along("p", 0.0..=1.1).trace().unwrap();
+    let branch = Continuation::of(&mut system)
+        .restart(&trivial, first(&trivial, Kind::BP).label)
+        .switch()
+        .along("p", 0.0..=1.1)
+        .trace()
+        .unwrap();
+    assert_eq!(branch.of_kind(Kind::LP).count(), 0);
+    let ends: Vec<_> = branch.of_kind(Kind::EP).collect();
+    assert_eq!(ends.len(), 2);
+    for (end, side) in ends.iter().zip([-1.0, 1.0]) {
+        close(end.parameters[0], 1.1, 1e-14);
+        close(end.state[0].abs(), 0.35_f64.sqrt(), 1e-10);
+        close(end.state[0] * side, ends[1].state[0], 1e-10);
+    }
+    // Restarted there without switching, the trivial branch goes on.
+    let same = Continuation::of(&mut system)
+        .restart(&trivial, first(&trivial, Kind::BP).label)
+        .along("p", 0.0..=1.1)
+        .trace()
+        .unwrap();
+    assert!(same.points.iter().all(|point| (0.0..=1.1).contains(&point.parameters[0])));
+    assert!(same.of_kind(Kind::EP).all(|end| end.state[0].abs() < 1e-9));
+}

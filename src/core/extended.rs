@@ -22,6 +22,31 @@ pub struct Closing<'a> {
 }
 
 /// A zero problem with the conditions that are held.
+///
+/// ```
+/// use tangency::core::{bifurcation::Fold, extended::Extended, dense::Dense};
+/// use tangency::core::{scalar::Scalar, zero::{Names, ZeroProblem}};
+/// /// `p = x²`, with a fold at 0.
+/// struct Parabola;
+/// impl ZeroProblem for Parabola {
+///     fn names(&self) -> Names {
+///         Names::new(["x"], ["p"])
+///     }
+///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+///         r[0] = p[0] - x[0] * x[0];
+///     }
+/// }
+/// let mut system = Dense::new(Parabola);
+/// let mut equations = Extended::new(&mut system, &[0.1, 0.0], vec![0]);
+/// let mut unknowns = equations.hold(Box::<Fold>::default(), &[0.1, 0.0])?;
+/// // One Newton step: the fold's condition is linear in x, and the problem then in p.
+/// let mut correction = [0.0; 2];
+/// equations.residual(&unknowns, None, &mut correction)?;
+/// equations.factor(&unknowns, None)?;
+/// equations.solve(&mut correction);
+/// assert!((unknowns[0] - correction[0]).abs() < 1e-15);
+/// # Ok::<(), tangency::core::condition::EvaluationError>(())
+/// ```
 pub struct Extended<'a> {
     system: &'a mut dyn System,
     conditions: Vec<Box<dyn Condition + 'a>>,

@@ -92,6 +92,13 @@ impl Condition for BranchPoint {
 
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), EvaluationError> {
         let n = at.system.names().dimension();
+        if n + self.parameter >= at.x.len() {
+            return Err(EvaluationError::NotApplicable(format!(
+                "the branch point asks for parameter {}, counted from 0, of {}",
+                self.parameter,
+                at.x.len() - n
+            )));
+        }
         self.unfolding = generic_vector(n, 1);
         self.rows = [generic_vector(n + 1, 2), generic_vector(n + 1, 3)];
         self.right = [vec![0.0; at.x.len()], vec![0.0; at.x.len()]];

@@ -86,6 +86,18 @@ pub enum TraceError {
         /// The event.
         event: String,
     },
+    /// An event that names a parameter or monitor by a position that there is not.
+    #[error("the event `{event}` asks for {what} {position}, counted from 0, of {count}")]
+    Position {
+        /// The event.
+        event: String,
+        /// `parameter`, `monitor` or `own unknown`.
+        what: &'static str,
+        /// The position.
+        position: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// A state of the wrong length.
     #[error(
         "the start has {found} unknowns, the problem {expected}: was it made with other settings?"

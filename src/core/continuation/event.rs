@@ -41,6 +41,15 @@ pub enum Test {
 
 /// Something to be found on a branch: a test function that changes sign, and the condition that
 /// defines the point.
+///
+/// ```
+/// use tangency::core::condition::Quantity;
+/// use tangency::core::continuation::{Direction, Event, Kind};
+/// let event = Event::level("load = 2", Quantity::Parameter(0), 2.0)
+///     .in_direction(Direction::Rising)
+///     .ending();
+/// assert_eq!((event.kind, event.terminal), (Kind::UZ, true));
+/// ```
 #[derive(Clone)]
 pub struct Event {
     /// Its name, which appears with the special point.

@@ -11,6 +11,15 @@ use crate::core::zero::Names;
 /// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such a
 /// group, if its unit is unusual, is best given a scale
 /// ([`Continuation::scale`](super::Continuation::scale)).
+///
+/// ```
+/// use tangency::core::{continuation::Metric, zero::Names};
+/// let names = Names::new([("u", 2), ("v", 1)], ["p"]);
+/// // u = (3, 4) is measured by 5; v = 0 by its slope times the range of p; p by its range.
+/// let metric =
+///     Metric::new(&names, &[3.0, 4.0, 0.0], &[0.0, 0.0, 2.0], &[[0.0, 10.0]], &[1.0], &[]);
+/// assert_eq!(metric.weights(&names, 0), [1.0 / 25.0, 1.0 / 25.0, 1.0 / 400.0, 1.0 / 100.0]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Metric {
     groups: Vec<f64>,

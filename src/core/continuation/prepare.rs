@@ -21,7 +21,7 @@ impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
         let released = self.resolve_released()?;
         let held = self.resolve_held(released[0])?;
-        let sides = self.resolve_events(&released)?;
+        let sides = self.resolve_events(&released, &held)?;
         let scales = self.resolve_scales(&released)?;
         self.start(&released, held, sides, &scales)
     }
@@ -77,7 +77,11 @@ impl<'a> Continuation<'a> {
     }
 
     /// Gathers the events, the bounds first, so that a branch ends before anything beyond.
-    fn resolve_events(&mut self, released: &[usize]) -> Result<Sides, TraceError> {
+    fn resolve_events(
+        &mut self,
+        released: &[usize],
+        held_makes: &[MakeCondition],
+    ) -> Result<Sides, TraceError> {
         let (mut events, mut sides) = (Vec::new(), Vec::new());
         for (name, [low, high]) in self.released.iter().chain(&self.bounds) {
             let quantity = self.quantity(name)?;
@@ -125,8 +129,25 @@ impl<'a> Continuation<'a> {
         if let Some(event) = events.iter().find(untested) {
             return Err(TraceError::NoTest { event: event.name.clone() });
         }
+        let own = held_makes.iter().map(|make| make().unknowns()).sum();
+        events.iter().try_for_each(|event| self.check_position(event, own))?;
         self.events = events;
         Ok(sides)
+    }
+
+    /// Refuses an event at a position that there is not.
+    fn check_position(&self, event: &Event, own: usize) -> Result<(), TraceError> {
+        let names = self.system.names();
+        let (what, position, count) = match event.test {
+            Test::Level(Quantity::Parameter(p), _) => ("parameter", p, names.parameters.len()),
+            Test::Level(Quantity::Monitor(m), _) => ("monitor", m, names.monitors.len()),
+            Test::Own(j) => ("own unknown", j, own),
+            _ => return Ok(()),
+        };
+        if position < count {
+            return Ok(());
+        }
+        Err(TraceError::Position { event: event.name.clone(), what, position, count })
     }
 
     /// Scales that the user gives: of groups first, then of released parameters.

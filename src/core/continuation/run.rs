@@ -214,6 +214,11 @@ impl Tracer<'_> {
             if !event.passed(from.tests[index], to.tests[index], backward) {
                 continue;
             }
+            // At a neutral saddle, λ and −λ, the sign changes as at a Hopf point, but nothing is lost or
+            // gained in stability.
+            if event.test == Test::Hopf && from.point.unstable == to.point.unstable {
+                continue;
+            }
             let kind = event.kind;
             let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
             // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is one

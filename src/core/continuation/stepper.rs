@@ -84,6 +84,16 @@ impl Stepper<'_> {
 
     /// Records a corrected point: tangent (along `row`), monitors, stability, test functions.
     pub fn arrive(&mut self, unknowns: Vec<f64>, row: &[f64]) -> Result<Place, EvaluationError> {
+        self.arrive_with(unknowns, row, self.held.is_empty())
+    }
+
+    /// The same with stability, which costs a spectrum, only if it is asked for.
+    pub fn arrive_with(
+        &mut self,
+        unknowns: Vec<f64>,
+        row: &[f64],
+        stability: bool,
+    ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
         self.equations.residual(&unknowns, None, &mut tangent)?;
         self.equations.factor(&unknowns, Some(row))?;
@@ -95,7 +105,7 @@ impl Stepper<'_> {
         self.equations.solve(&mut tangent);
         let size = scaled_norm(&tangent, &self.weights);
         tangent.iter_mut().for_each(|t| *t /= size);
-        let (point, hopf) = self.record(self.held.is_empty())?;
+        let (point, hopf) = self.record(stability)?;
         let tests = self.tests(&unknowns, &tangent, determinant, hopf, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
     }
