@@ -115,6 +115,12 @@ fn part(number: &Chunk, k: usize) -> f64 {
     number.eps.0.map_or(0.0, |eps| eps[k])
 }
 
+/// Whether a matrix is exactly symmetric, as that of a discretised self-adjoint operator is: its
+/// eigenvalues then cost a fraction.
+fn symmetric(matrix: &[f64], n: usize) -> bool {
+    (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
+}
+
 impl<P: ZeroProblem> System for Dense<P> {
     fn names(&self) -> &Names {
         &self.names
@@ -237,6 +243,10 @@ impl<P: ZeroProblem> System for Dense<P> {
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
         let mut eigenvalues: Spectrum = match self.problem.dynamics() {
             Dynamics::Static => return None,
+            Dynamics::Flow if symmetric(&self.jacobian, n) => {
+                let real = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
+                real.into_iter().map(|l| (l, 0.0)).collect()
+            }
             Dynamics::Flow => {
                 matrix.eigenvalues().ok()?.into_iter().map(|l| (l.re, l.im)).collect()
             }
