@@ -1,8 +1,12 @@
 //! The continuation core. It knows no device: equations come in as zero problems.
 
+pub mod bifurcation;
+pub mod condition;
 pub mod continuation;
 pub mod dense;
+pub mod extended;
 pub mod linear;
+pub mod newton;
 pub mod quadrature;
 pub mod scalar;
 pub mod zero;

@@ -12,7 +12,7 @@ use num_dual::DualNum;
 /// fn load<T: Scalar>(u: T) -> T {
 ///     u * (T::one() - u).powi(2)
 /// }
-/// let slope = num_dual::first_derivative(load, 1.0 / 3.0).1;
+/// let slope = num_dual::first_derivative(load, 1.0_f64 / 3.0).1;
 /// assert!(slope.abs() < 1e-15, "the parallel-plate actuator folds at u = 1/3");
 /// ```
 pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {

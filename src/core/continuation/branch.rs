@@ -92,6 +92,8 @@ pub struct SpecialPoint {
     pub converged: bool,
     /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
     pub state: Vec<f64>,
+    /// The direction of the branch there, `(z, released parameters)`, of scaled length 1.
+    pub tangent: Vec<f64>,
 }
 
 /// Why a branch ended.

@@ -243,7 +243,7 @@ mod tests {
         for (n, m) in [(1, 0), (3, 2), (30, 2), (60, 3)] {
             let size = n + m;
             let entry = |i: usize, j: usize| {
-                ((i * 7 + j * 13 + i * j) as f64).sin() * 10f64.powi((i % 5) as i32)
+                ((i * 7 + j * 13 + i * j) as f64).cos() * 10f64.powi((i % 5) as i32)
             };
             let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
             let columns: Vec<f64> = (0..n * m).map(|k| entry(k % n, n + k / n)).collect();

@@ -12,6 +12,8 @@ mod plane;
 mod residual;
 mod ritz;
 mod shape;
+pub mod sine;
+pub mod strip;
 mod system;
 pub mod tensor;
 

@@ -1,0 +1,193 @@
+//! Branch points: where two branches cross.
+
+use super::{dot, generic_vector, normalise};
+use crate::core::condition::{At, Condition, EvaluationError};
+use crate::core::continuation::Kind;
+use crate::core::zero::{Border, Slot};
+
+/// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
+///
+/// With an unknown `β` of its own that unfolds the problem, `F + β b = 0`, and the bordered matrix
+///
+/// ```text
+///     M = ⎡ J  b ⎤        M ⎡ ζᵢ ⎤ = eₙ₊ᵢ,       Mᵀ (w, g₁, g₂) = e_last
+///         ⎣ C  0 ⎦          ⎣ hᵢ ⎦
+/// ```
+///
+/// with two rows `C`, the branch point is `F + β b = 0, g₁ = g₂ = 0`, and `∇gᵢ = −∇ₓ(wᵀ F_x ζᵢ)`:
+/// two equations and one unknown of its own, so it can be held along a curve like any other condition
+/// (where the branch point persists, as pitchforks of symmetric problems do, `β` stays zero).
+pub struct BranchPoint {
+    /// The parameter `p` of the branch, as a position among all parameters.
+    parameter: usize,
+    /// The unfolding vector `b`.
+    unfolding: Vec<f64>,
+    /// The two rows of `C`, each `(z, p)`.
+    rows: [Vec<f64>; 2],
+    /// Null vectors `ζ₁`, `ζ₂` as directions of `x`.
+    right: [Vec<f64>; 2],
+    left: Vec<f64>,
+    g: [f64; 2],
+    columns: Vec<f64>,
+    border_rows: Vec<f64>,
+    work: Vec<f64>,
+}
+
+impl BranchPoint {
+    /// A branch point of a branch along which this parameter varies.
+    pub fn new(parameter: usize) -> Self {
+        BranchPoint {
+            parameter,
+            unfolding: Vec::new(),
+            rows: Default::default(),
+            right: Default::default(),
+            left: Vec::new(),
+            g: [0.0; 2],
+            columns: Vec::new(),
+            border_rows: Vec::new(),
+            work: Vec::new(),
+        }
+    }
+
+    fn solve(&mut self, at: &mut At) -> Result<(), EvaluationError> {
+        let n = self.left.len();
+        at.system.assemble(at.x)?;
+        let mut direction = vec![0.0; at.x.len()];
+        direction[n + self.parameter] = 1.0;
+        at.system.derivative(at.x, &direction, &mut self.columns[..n]);
+        self.columns[n..].copy_from_slice(&self.unfolding);
+        for (target, row) in self.border_rows.chunks_exact_mut(n).zip(&self.rows) {
+            target.copy_from_slice(&row[..n]);
+        }
+        let corner = [self.rows[0][n], 0.0, self.rows[1][n], 0.0];
+        at.system.factor(
+            Slot::Condition,
+            Border { width: 2, columns: &self.columns, rows: &self.border_rows, corner: &corner },
+        )?;
+        for i in 0..2 {
+            self.work.fill(0.0);
+            self.work[n + i] = 1.0;
+            at.system.solve(Slot::Condition, &mut self.work);
+            self.right[i][..n].copy_from_slice(&self.work[..n]);
+            self.right[i][n + self.parameter] = self.work[n];
+        }
+        self.work.fill(0.0);
+        self.work[n + 1] = 1.0;
+        at.system.solve_transposed(Slot::Condition, &mut self.work);
+        self.left.copy_from_slice(&self.work[..n]);
+        self.g = [self.work[n], self.work[n + 1]];
+        Ok(())
+    }
+}
+
+impl Condition for BranchPoint {
+    fn kind(&self) -> Kind {
+        Kind::BP
+    }
+
+    fn unknowns(&self) -> usize {
+        1
+    }
+
+    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), EvaluationError> {
+        let n = at.system.names().dimension();
+        self.unfolding = generic_vector(n, 1);
+        self.rows = [generic_vector(n + 1, 2), generic_vector(n + 1, 3)];
+        self.right = [vec![0.0; at.x.len()], vec![0.0; at.x.len()]];
+        self.left.resize(n, 0.0);
+        self.columns.resize(2 * n, 0.0);
+        self.border_rows.resize(2 * n, 0.0);
+        self.work.resize(n + 2, 0.0);
+        y[0] = 0.0;
+        for _ in 0..3 {
+            self.solve(&mut at)?;
+            self.adapt();
+        }
+        Ok(())
+    }
+
+    fn values(
+        &mut self,
+        mut at: At,
+        _y: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        self.solve(&mut at)?;
+        values.copy_from_slice(&self.g);
+        Ok(())
+    }
+
+    fn gradients(
+        &mut self,
+        at: At,
+        _y: &[f64],
+        rows: &mut [f64],
+        own: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        own.fill(0.0);
+        for (row, right) in rows.chunks_exact_mut(at.x.len()).zip(&self.right) {
+            at.system.gradient(at.x, &self.left, right, at.released, row);
+            row.iter_mut().for_each(|entry| *entry = -*entry);
+        }
+        Ok(())
+    }
+
+    fn unfolding(&self, _j: usize) -> Option<&[f64]> {
+        Some(&self.unfolding)
+    }
+
+    fn adapt(&mut self) {
+        let n = self.left.len();
+        self.unfolding.copy_from_slice(&self.left);
+        normalise(&mut self.unfolding);
+        for (row, right) in self.rows.iter_mut().zip(&self.right) {
+            row[..n].copy_from_slice(&right[..n]);
+            row[n] = right[n + self.parameter];
+            normalise(row);
+        }
+        // The second row is made orthogonal to the first, lest the border become singular.
+        let [first, second] = &mut self.rows;
+        let overlap = dot(first, second);
+        second.iter_mut().zip(first.iter()).for_each(|(s, f)| *s -= overlap * f);
+        normalise(second);
+    }
+}
+
+/// The tangents, as directions of `x`, of the two branches that cross at a branch point: the
+/// solutions `t = αζ₁ + βζ₂` of the algebraic bifurcation equation
+/// `wᵀF_xx[ζ₁,ζ₁] α² + 2wᵀF_xx[ζ₁,ζ₂] αβ + wᵀF_xx[ζ₂,ζ₂] β² = 0`
+/// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977).
+///
+/// # Errors
+/// [`EvaluationError::NotApplicable`] where it has no two real solutions: the point is isolated or
+/// degenerate.
+pub fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2], EvaluationError> {
+    let mut point = BranchPoint::new(parameter);
+    let mut beta = [0.0];
+    point.start(At { system: at.system, x: at.x, released: at.released }, &mut beta)?;
+    point.solve(&mut at)?;
+    let mut second = vec![0.0; point.left.len()];
+    let mut form = |i: usize, j: usize| {
+        at.system.second_derivative(at.x, &point.right[i], &point.right[j], &mut second);
+        dot(&point.left, &second)
+    };
+    let (a, b, c) = (form(0, 0), form(0, 1), form(1, 1));
+    let discriminant = b * b - a * c;
+    let size = a.abs().max(b.abs()).max(c.abs());
+    if discriminant <= 1e-10 * size * size {
+        return Err(EvaluationError::NotApplicable(format!(
+            "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no two \
+             distinct real solutions: the branch point is isolated or degenerate, and no branch can be \
+             switched to"
+        )));
+    }
+    // Both roots without cancellation: q = −(b + sign(b)√disc), roots (α : β) = (q : a) and (c : q).
+    let q = -(b + discriminant.sqrt().copysign(b));
+    let tangent = |alpha: f64, beta: f64| {
+        let mut t: Vec<f64> =
+            point.right[0].iter().zip(&point.right[1]).map(|(x, y)| alpha * x + beta * y).collect();
+        normalise(&mut t);
+        t
+    };
+    Ok([tangent(q, a), tangent(c, q)])
+}

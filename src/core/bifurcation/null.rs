@@ -1,0 +1,90 @@
+//! Null vectors of `F_z` by bordering.
+
+use super::{generic_vector, normalise};
+use crate::core::condition::{At, EvaluationError};
+use crate::core::zero::{Border, Slot, System};
+
+/// The right and left null vectors of `F_z`, as a bordered system defines them near a fold:
+///
+/// ```text
+///     ⎡ F_z  b ⎤⎡ v ⎤   ⎡ 0 ⎤        ⎡ F_zᵀ c ⎤⎡ w ⎤   ⎡ 0 ⎤
+///     ⎣ cᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦        ⎣ bᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦
+/// ```
+///
+/// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular.
+#[derive(Default)]
+pub(super) struct NullVectors {
+    /// The right null vector, extended by zeros in the parameters: as long as `x`.
+    pub right: Vec<f64>,
+    /// The left null vector.
+    pub left: Vec<f64>,
+    /// The multiplier.
+    pub g: f64,
+    column: Vec<f64>,
+    row: Vec<f64>,
+    work: Vec<f64>,
+}
+
+impl NullVectors {
+    /// Chooses borders near the null vectors at a point.
+    pub fn start(&mut self, at: &mut At) -> Result<(), EvaluationError> {
+        let n = at.system.names().dimension();
+        self.column = generic_vector(n, 1);
+        self.row = generic_vector(n, 2);
+        self.left.resize(n, 0.0);
+        self.right = vec![0.0; at.x.len()];
+        self.work.resize(n + 1, 0.0);
+        at.system.assemble(at.x)?;
+        for _ in 0..3 {
+            self.solve(at.system)?;
+            self.adapt();
+        }
+        Ok(())
+    }
+
+    /// Computes the null vectors at a point.
+    pub fn update(&mut self, at: &mut At) -> Result<(), EvaluationError> {
+        at.system.assemble(at.x)?;
+        self.solve(at.system)
+    }
+
+    /// Turns the borders to the null vectors.
+    pub fn adapt(&mut self) {
+        let n = self.left.len();
+        self.column.copy_from_slice(&self.left);
+        self.row.copy_from_slice(&self.right[..n]);
+        normalise(&mut self.column);
+        normalise(&mut self.row);
+    }
+
+    /// Solves the bordered system with this right side (of length `n + 1`), in place.
+    pub fn solve_with(&self, system: &mut dyn System, right: &mut [f64]) {
+        system.solve(Slot::Condition, right);
+    }
+
+    /// Solves the transposed bordered system, in place.
+    pub fn solve_transposed_with(&self, system: &mut dyn System, right: &mut [f64]) {
+        system.solve_transposed(Slot::Condition, right);
+    }
+
+    fn solve(&mut self, system: &mut dyn System) -> Result<(), EvaluationError> {
+        let n = self.left.len();
+        let border = Border { width: 1, columns: &self.column, rows: &self.row, corner: &[0.0] };
+        system.factor(Slot::Condition, border)?;
+        self.unit();
+        system.solve(Slot::Condition, &mut self.work);
+        self.right[..n].copy_from_slice(&self.work[..n]);
+        self.g = self.work[n];
+        self.unit();
+        system.solve_transposed(Slot::Condition, &mut self.work);
+        self.left.copy_from_slice(&self.work[..n]);
+        Ok(())
+    }
+
+    fn unit(&mut self) {
+        self.work.fill(0.0);
+        if let Some(last) = self.work.last_mut() {
+            *last = 1.0;
+        }
+    }
+}

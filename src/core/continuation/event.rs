@@ -1,0 +1,147 @@
+//! Events: what is looked for along a branch.
+
+use super::Kind;
+use crate::core::bifurcation::{BogdanovTakens, BranchPoint, Cusp, Fold, Hopf};
+use crate::core::condition::{Condition, Level, Quantity};
+use std::rc::Rc;
+
+/// Makes a fresh condition: one for the branch, one for each refinement.
+pub type MakeCondition = Rc<dyn Fn() -> Box<dyn Condition>>;
+
+/// Which change of sign counts, in the direction in which the branch is traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// Any.
+    #[default]
+    Either,
+    /// From negative to positive.
+    Rising,
+    /// From positive to negative.
+    Falling,
+}
+
+/// The function whose change of sign says that an event lies between two points of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Test {
+    /// The component of the tangent along the continued parameter.
+    Fold,
+    /// The determinant of the Jacobian bordered by the tangent.
+    BranchPoint,
+    /// The product of all sums of two eigenvalues.
+    Hopf,
+    /// A parameter or monitor less a level.
+    Level(Quantity, f64),
+    /// The first equation of the condition itself.
+    Condition,
+}
+
+/// Something to be found on a branch: a test function that changes sign, and the condition that
+/// defines the point.
+#[derive(Clone)]
+pub struct Event {
+    /// Its name, which appears with the special point.
+    pub name: String,
+    /// The kind of special point.
+    pub kind: Kind,
+    /// The test function.
+    pub test: Test,
+    /// Which change of sign counts.
+    pub direction: Direction,
+    /// Whether the branch ends there.
+    pub terminal: bool,
+    /// Makes the condition.
+    pub condition: MakeCondition,
+}
+
+impl Event {
+    /// An event with a condition of the user's own, of one equation in `(z, p)`, whose left side is
+    /// the test function.
+    pub fn new<C: Condition + 'static>(
+        name: impl Into<String>,
+        condition: impl Fn() -> C + 'static,
+    ) -> Self {
+        let kind = condition().kind();
+        Self::with_test(name, kind, Test::Condition, condition)
+    }
+
+    /// A fold with respect to the continued parameter.
+    pub fn fold() -> Self {
+        Self::with_test("fold", Kind::LP, Test::Fold, Fold::default)
+    }
+
+    /// A branch point of branches in this parameter (a position among the parameters).
+    pub fn branch_point(parameter: usize) -> Self {
+        let make = move || BranchPoint::new(parameter);
+        Self::with_test("branch point", Kind::BP, Test::BranchPoint, make)
+    }
+
+    /// A Hopf point.
+    pub fn hopf() -> Self {
+        Self::with_test("Hopf point", Kind::HB, Test::Hopf, Hopf::default)
+    }
+
+    /// A cusp on a curve of folds.
+    pub fn cusp() -> Self {
+        Self::new("cusp", Cusp::default)
+    }
+
+    /// A Bogdanov–Takens point on a curve of folds.
+    pub fn bogdanov_takens() -> Self {
+        Self::new("Bogdanov–Takens point", BogdanovTakens::default)
+    }
+
+    /// A parameter or monitor at a level, marked `UZ`.
+    pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
+        let make = move || Level::new(quantity, level, Kind::UZ);
+        Self::with_test(name, Kind::UZ, Test::Level(quantity, level), make)
+    }
+
+    /// Counts one direction only.
+    pub fn in_direction(mut self, direction: Direction) -> Self {
+        self.direction = direction;
+        self
+    }
+
+    /// Ends the branch at this event.
+    pub fn ending(mut self) -> Self {
+        self.terminal = true;
+        self
+    }
+
+    fn with_test<C: Condition + 'static>(
+        name: impl Into<String>,
+        kind: Kind,
+        test: Test,
+        condition: impl Fn() -> C + 'static,
+    ) -> Self {
+        Event {
+            name: name.into(),
+            kind,
+            test,
+            direction: Direction::Either,
+            terminal: false,
+            condition: Rc::new(move || Box::new(condition())),
+        }
+    }
+
+    /// Whether a test function that goes from `before` to `after` passes this event.
+    pub(super) fn passed(&self, before: f64, after: f64) -> bool {
+        let rising = before < 0.0 && after >= 0.0;
+        let falling = before > 0.0 && after <= 0.0;
+        match self.direction {
+            Direction::Either => rising || falling,
+            Direction::Rising => rising,
+            Direction::Falling => falling,
+        }
+    }
+}
+
+/// The condition that a kind of special point stands for, if it can be held along a curve.
+pub(super) fn condition_of(kind: Kind, parameter: usize) -> Option<MakeCondition> {
+    match kind {
+        Kind::LP => Some(Event::fold().condition),
+        Kind::BP => Some(Event::branch_point(parameter).condition),
+        Kind::HB => Some(Event::hopf().condition),
+        _ => None,
+    }
+}

@@ -1,0 +1,217 @@
+//! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
+
+use super::event::{Event, MakeCondition, Test};
+use super::metric::Metric;
+use super::{Point, Settings};
+use crate::core::bifurcation::hopf_test;
+use crate::core::condition::{Condition, EvaluationError, Quantity};
+use crate::core::extended::{Closing, Extended};
+use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
+
+/// A point of the curve with everything that the next step, and the events, need of it.
+#[derive(Clone)]
+pub(super) struct Place {
+    pub unknowns: Vec<f64>,
+    /// The tangent, of scaled length 1.
+    pub tangent: Vec<f64>,
+    /// Values of the events' test functions.
+    pub tests: Vec<f64>,
+    pub point: Point,
+}
+
+/// The curve, the scales on it, and the events looked for.
+pub(super) struct Stepper<'a> {
+    pub equations: Extended<'a>,
+    pub newton: Newton,
+    pub settings: Settings,
+    pub metric: Metric,
+    pub weights: Vec<f64>,
+    pub events: Vec<Event>,
+    /// Makers of the conditions held along the curve.
+    pub held: Vec<MakeCondition>,
+    /// Conditions whose values are test functions, one for each event that needs it.
+    pub tested: Vec<Option<Box<dyn Condition>>>,
+}
+
+/// How a step went.
+pub(super) struct Step {
+    pub place: Place,
+    /// The length of the step.
+    pub length: f64,
+    /// The length proposed for the next step.
+    pub next: f64,
+}
+
+impl Stepper<'_> {
+    /// The covector of a direction: `rowᵢ = wᵢ tᵢ`.
+    pub fn covector(&self, direction: &[f64]) -> Vec<f64> {
+        direction.iter().zip(&self.weights).map(|(t, w)| t * w).collect()
+    }
+
+    /// Prepares the conditions whose values are test functions.
+    pub fn prepare_tests(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+        self.equations.load(unknowns);
+        for condition in self.tested.iter_mut().flatten() {
+            condition.start(self.equations.at(), &mut [])?;
+        }
+        Ok(())
+    }
+
+    /// The same place, seen in the other direction.
+    pub fn turn(&self, place: &mut Place) {
+        place.tangent.iter_mut().for_each(|t| *t = -*t);
+        for (test, event) in place.tests.iter_mut().zip(&self.events) {
+            if matches!(event.test, Test::Fold | Test::BranchPoint) {
+                *test = -*test;
+            }
+        }
+    }
+
+    /// Corrects `X` on a hyperplane.
+    pub fn correct(&mut self, unknowns: &mut [f64], closing: Closing) -> Result<f64, NewtonError> {
+        let tolerances = Tolerances {
+            tolerance: self.settings.tolerance,
+            max_iterations: self.settings.max_iterations,
+        };
+        let weights = &self.weights;
+        let report =
+            self.newton.solve(&mut self.equations, unknowns, Some(closing), weights, tolerances)?;
+        Ok(report.contraction)
+    }
+
+    /// Records a corrected point: tangent (along `row`), monitors, stability, test functions.
+    pub fn arrive(&mut self, unknowns: Vec<f64>, row: &[f64]) -> Result<Place, EvaluationError> {
+        let mut tangent = vec![0.0; unknowns.len()];
+        self.equations.residual(&unknowns, None, &mut tangent)?;
+        self.equations.factor(&unknowns, Some(row))?;
+        let determinant = self.equations.determinant_sign();
+        tangent.fill(0.0);
+        if let Some(last) = tangent.last_mut() {
+            *last = 1.0;
+        }
+        self.equations.solve(&mut tangent);
+        let size = scaled_norm(&tangent, &self.weights);
+        tangent.iter_mut().for_each(|t| *t /= size);
+        let (point, hopf) = self.record(self.held.is_empty())?;
+        let tests = self.tests(&tangent, determinant, hopf, &point)?;
+        Ok(Place { unknowns, tangent, tests, point })
+    }
+
+    /// Records a branch point that the curve is to leave in this direction: its own tangent is not
+    /// unique there.
+    pub fn arrive_at_branch_point(
+        &mut self,
+        unknowns: Vec<f64>,
+        tangent: Vec<f64>,
+    ) -> Result<Place, EvaluationError> {
+        self.equations.load(&unknowns);
+        let at = self.equations.at();
+        at.system.assemble(at.x)?;
+        let (point, hopf) = self.record(self.held.is_empty())?;
+        let tests = self.tests(&tangent, 0.0, hopf, &point)?;
+        Ok(Place { unknowns, tangent, tests, point })
+    }
+
+    /// A curve that starts on a level, but for rounding, does not pass it in its first step.
+    pub fn forget_levels_at(&self, place: &mut Place) {
+        for (test, event) in place.tests.iter_mut().zip(&self.events) {
+            if let Test::Level(_, level) = event.test
+                && test.abs() <= 1e-9 * level.abs().max(self.settings.tolerance)
+            {
+                *test = 0.0;
+            }
+        }
+    }
+
+    /// One step of at most this length; shorter ones are tried down to `min_step`.
+    pub fn step(&mut self, from: &Place, length: f64) -> Result<Step, (f64, NewtonError)> {
+        let row = self.covector(&from.tangent);
+        let mut length = length;
+        loop {
+            let failure = match self.try_step(from, &row, length) {
+                Ok(step) => return Ok(step),
+                Err(failure) => failure,
+            };
+            if length * 0.5 < self.settings.min_step {
+                return Err((length, failure));
+            }
+            length *= 0.5;
+        }
+    }
+
+    fn try_step(&mut self, from: &Place, row: &[f64], length: f64) -> Result<Step, NewtonError> {
+        let mut unknowns: Vec<f64> =
+            from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect();
+        let closing = Closing { row, base: &from.unknowns, length };
+        let contraction = self.correct(&mut unknowns, closing)?;
+        let place =
+            self.arrive(unknowns, row).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        let cosine: f64 = row.iter().zip(&place.tangent).map(|(r, t)| r * t).sum();
+        let angle = cosine.clamp(-1.0, 1.0).acos();
+        if angle > self.settings.max_angle && length > 2.0 * self.settings.min_step {
+            return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
+        }
+        Ok(Step { place, length, next: self.next_length(length, contraction, angle) })
+    }
+
+    /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the square
+    /// of the step's length times curvature, the angle like its first power.
+    fn next_length(&self, length: f64, contraction: f64, angle: f64) -> f64 {
+        let by_angle = 0.5 * self.settings.max_angle / angle.max(1e-9);
+        let by_contraction = (0.1 / contraction.max(1e-9)).sqrt();
+        let factor = by_angle.min(by_contraction).clamp(0.5, 2.0);
+        (length * factor).clamp(self.settings.min_step, self.settings.max_step)
+    }
+
+    /// Lets scales and borders follow the branch after a step was accepted.
+    pub fn settle(&mut self, place: &mut Place) {
+        let n = self.equations.dimension();
+        self.metric.grow(self.equations.names(), &place.unknowns[..n]);
+        self.weights = self.metric.weights(self.equations.names(), 0);
+        self.equations.adapt();
+        let size = scaled_norm(&place.tangent, &self.weights);
+        place.tangent.iter_mut().for_each(|t| *t /= size);
+    }
+
+    /// Parameters, monitors and stability at the point assembled last, and the Hopf test.
+    pub fn record(&mut self, stability: bool) -> Result<(Point, f64), EvaluationError> {
+        let at = self.equations.at();
+        let n = at.system.names().dimension();
+        let mut monitors = vec![0.0; at.system.names().monitors.len()];
+        at.system.monitors(at.x, &mut monitors)?;
+        let spectrum = if stability { at.system.spectrum(at.x) } else { None };
+        let dynamics = at.system.dynamics();
+        let hopf = spectrum.as_ref().map_or(0.0, |spectrum| hopf_test(dynamics, spectrum));
+        let unstable = spectrum.map(|spectrum| spectrum.iter().filter(|l| l.0 > 0.0).count());
+        Ok((Point { parameters: at.x[n..].to_vec(), monitors, unstable }, hopf))
+    }
+
+    fn tests(
+        &mut self,
+        tangent: &[f64],
+        determinant: f64,
+        hopf: f64,
+        point: &Point,
+    ) -> Result<Vec<f64>, EvaluationError> {
+        let parameter = tangent[self.equations.parameters_at()];
+        let mut value = [0.0];
+        let mut tests = Vec::with_capacity(self.events.len());
+        for (event, condition) in self.events.iter().zip(&mut self.tested) {
+            tests.push(match event.test {
+                Test::Fold => parameter,
+                Test::BranchPoint => determinant,
+                Test::Hopf => hopf,
+                Test::Level(Quantity::Parameter(p), level) => point.parameters[p] - level,
+                Test::Level(Quantity::Monitor(m), level) => point.monitors[m] - level,
+                Test::Condition => {
+                    if let Some(condition) = condition {
+                        condition.values(self.equations.at(), &[], &mut value)?;
+                        condition.adapt();
+                    }
+                    value[0]
+                }
+            });
+        }
+        Ok(tests)
+    }
+}

@@ -1,0 +1,294 @@
+//! The system that Newton's iteration and the tangent see: a zero problem with the conditions held
+//! along the curve, in the unknowns `X = (z, y, p)` with `p` the released parameters only.
+//!
+//! ```text
+//!     F(z, p) + Σ yⱼ bⱼ = 0      n equations
+//!     conditions(z, p, y) = 0    k + 1 for each condition with k unknowns of its own
+//!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
+//! ```
+
+use super::condition::{At, Condition, EvaluationError};
+use super::zero::{Border, Slot, System};
+
+/// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
+#[derive(Clone, Copy)]
+pub struct Closing<'a> {
+    /// The covector of the hyperplane, as long as `X`.
+    pub row: &'a [f64],
+    /// A point.
+    pub base: &'a [f64],
+    /// The hyperplane's distance from the point.
+    pub length: f64,
+}
+
+/// A zero problem with the conditions that are held.
+pub struct Extended<'a> {
+    system: &'a mut dyn System,
+    conditions: Vec<Box<dyn Condition + 'a>>,
+    released: Vec<usize>,
+    /// `x = (z, p)` with all parameters, held ones included.
+    x: Vec<f64>,
+    /// The number of conditions' own unknowns.
+    own: usize,
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    corner: Vec<f64>,
+    gradients: Vec<f64>,
+    own_gradients: Vec<f64>,
+    direction: Vec<f64>,
+}
+
+impl<'a> Extended<'a> {
+    /// The problem at `x = (z, p)` with these parameters released and no condition.
+    pub fn new(system: &'a mut dyn System, x: &[f64], released: Vec<usize>) -> Self {
+        let x = x.to_vec();
+        let mut extended = Extended {
+            direction: vec![0.0; x.len()],
+            x,
+            system,
+            conditions: Vec::new(),
+            released,
+            own: 0,
+            columns: Vec::new(),
+            rows: Vec::new(),
+            corner: Vec::new(),
+            gradients: Vec::new(),
+            own_gradients: Vec::new(),
+        };
+        extended.resize();
+        extended
+    }
+
+    /// Adds a condition, prepared at `X`, and returns `X` with the condition's own unknowns.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if the condition cannot be stated there.
+    pub fn hold(
+        &mut self,
+        mut condition: Box<dyn Condition + 'a>,
+        unknowns: &[f64],
+    ) -> Result<Vec<f64>, EvaluationError> {
+        self.load(unknowns);
+        let mut y = vec![0.0; condition.unknowns()];
+        condition
+            .start(At { system: self.system, x: &self.x, released: &self.released }, &mut y)?;
+        let place = self.dimension() + self.own;
+        let mut unknowns = unknowns.to_vec();
+        unknowns.splice(place..place, y.iter().copied());
+        self.own += y.len();
+        self.conditions.push(condition);
+        self.resize();
+        Ok(unknowns)
+    }
+
+    /// Takes back the condition that was added last, and its unknowns out of `X`.
+    pub fn let_go(&mut self, unknowns: &mut Vec<f64>) -> Option<Box<dyn Condition + 'a>> {
+        let condition = self.conditions.pop()?;
+        let end = self.dimension() + self.own;
+        unknowns.drain(end - condition.unknowns()..end);
+        self.own -= condition.unknowns();
+        self.resize();
+        Some(condition)
+    }
+
+    /// The number `n` of the problem's unknowns.
+    pub fn dimension(&self) -> usize {
+        self.x.len() - self.system.names().parameters.len()
+    }
+
+    /// The length of `X`.
+    pub fn length(&self) -> usize {
+        self.dimension() + self.own + self.released.len()
+    }
+
+    /// The position of the first released parameter in `X`.
+    pub fn parameters_at(&self) -> usize {
+        self.dimension() + self.own
+    }
+
+    /// The released parameters, as positions among all parameters.
+    pub fn released(&self) -> &[usize] {
+        &self.released
+    }
+
+    /// The system.
+    pub fn system(&mut self) -> &mut dyn System {
+        self.system
+    }
+
+    /// Names of the system.
+    pub fn names(&self) -> &super::zero::Names {
+        self.system.names()
+    }
+
+    /// The system together with `x = (z, p)` as loaded last, and the released parameters.
+    pub fn at(&mut self) -> At<'_> {
+        At { system: self.system, x: &self.x, released: &self.released }
+    }
+
+    /// Writes `X` into `x = (z, p)`, and returns that.
+    pub fn load(&mut self, unknowns: &[f64]) -> &[f64] {
+        let n = self.dimension();
+        self.x[..n].copy_from_slice(&unknowns[..n]);
+        for (&p, value) in self.released.iter().zip(&unknowns[n + self.own..]) {
+            self.x[n + p] = *value;
+        }
+        &self.x
+    }
+
+    /// `X` from `x = (z, p)`, with the conditions' own unknowns zero.
+    pub fn unload(&self, x: &[f64]) -> Vec<f64> {
+        let n = self.dimension();
+        let own = std::iter::repeat_n(0.0, self.own);
+        let released = self.released.iter().map(|&p| x[n + p]);
+        x[..n].iter().copied().chain(own).chain(released).collect()
+    }
+
+    /// The sizes of the conditions' own unknowns, `None` for those that unfold the problem and so
+    /// are zero in the end.
+    pub fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
+        let place = self.dimension();
+        self.conditions
+            .iter()
+            .flat_map(|c| (0..c.unknowns()).map(|j| c.unfolding(j).is_none()))
+            .zip(&unknowns[place..])
+            .map(|(measured, y)| measured.then_some(y.abs()))
+            .collect()
+    }
+
+    /// Turns the borders of all conditions.
+    pub fn adapt(&mut self) {
+        self.conditions.iter_mut().for_each(|condition| condition.adapt());
+    }
+
+    /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
+    /// equation, with nothing written there).
+    ///
+    /// # Errors
+    /// [`EvaluationError`] outside the domain or where a condition cannot be evaluated.
+    pub fn residual(
+        &mut self,
+        unknowns: &[f64],
+        closing: Option<Closing>,
+        out: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        let n = self.dimension();
+        self.load(unknowns);
+        self.system.residual(&self.x, &mut out[..n])?;
+        let (mut row, mut place) = (n, n);
+        for condition in &mut self.conditions {
+            let k = condition.unknowns();
+            let y = &unknowns[place..place + k];
+            for (j, y) in y.iter().enumerate() {
+                if let Some(b) = condition.unfolding(j) {
+                    out[..n].iter_mut().zip(b).for_each(|(r, b)| *r += y * b);
+                }
+            }
+            let at = At { system: self.system, x: &self.x, released: &self.released };
+            condition.values(at, y, &mut out[row..row + k + 1])?;
+            row += k + 1;
+            place += k;
+        }
+        if let Some(Closing { row: covector, base, length }) = closing {
+            let along: f64 =
+                covector.iter().zip(unknowns.iter().zip(base)).map(|(c, (x, b))| c * (x - b)).sum();
+            out[row] = along - length;
+        }
+        Ok(())
+    }
+
+    /// Assembles and factors the matrix of all equations at the point where
+    /// [`residual`](Extended::residual) was called last.
+    ///
+    /// # Errors
+    /// [`EvaluationError`], `Singular` among others.
+    pub fn factor(
+        &mut self,
+        unknowns: &[f64],
+        closing_row: Option<&[f64]>,
+    ) -> Result<(), EvaluationError> {
+        let n = self.dimension();
+        let width = self.own + self.released.len();
+        self.fill_gradients(unknowns)?;
+        self.fill_columns();
+        if let Some(row) = closing_row {
+            self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
+            self.corner[(width - 1) * width..].copy_from_slice(&row[n..]);
+        }
+        self.system.assemble(&self.x)?;
+        let border =
+            Border { width, columns: &self.columns, rows: &self.rows, corner: &self.corner };
+        Ok(self.system.factor(Slot::Curve, border)?)
+    }
+
+    /// Solves with the factored matrix, in place.
+    pub fn solve(&mut self, right: &mut [f64]) {
+        self.system.solve(Slot::Curve, right);
+    }
+
+    /// The sign of the determinant of the factored matrix.
+    pub fn determinant_sign(&self) -> f64 {
+        self.system.determinant_sign(Slot::Curve)
+    }
+
+    /// Rows of the conditions, and their part of the corner.
+    fn fill_gradients(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+        let (n, length) = (self.dimension(), self.x.len());
+        let width = self.own + self.released.len();
+        self.corner.fill(0.0);
+        let (mut row, mut place) = (0, 0);
+        for condition in &mut self.conditions {
+            let k = condition.unknowns();
+            let at = At { system: self.system, x: &self.x, released: &self.released };
+            let gradients = &mut self.gradients[..(k + 1) * length];
+            let own = &mut self.own_gradients[..(k + 1) * k];
+            condition.gradients(at, &unknowns[n + place..n + place + k], gradients, own)?;
+            for i in 0..=k {
+                let gradient = &gradients[i * length..(i + 1) * length];
+                self.rows[(row + i) * n..(row + i + 1) * n].copy_from_slice(&gradient[..n]);
+                let corner = &mut self.corner[(row + i) * width..(row + i + 1) * width];
+                corner[place..place + k].copy_from_slice(&own[i * k..(i + 1) * k]);
+                for (entry, &p) in corner[self.own..].iter_mut().zip(&self.released) {
+                    *entry = gradient[n + p];
+                }
+            }
+            row += k + 1;
+            place += k;
+        }
+        Ok(())
+    }
+
+    /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
+    fn fill_columns(&mut self) {
+        let n = self.dimension();
+        let mut column = 0;
+        for condition in &self.conditions {
+            for j in 0..condition.unknowns() {
+                let target = &mut self.columns[column * n..(column + 1) * n];
+                match condition.unfolding(j) {
+                    Some(b) => target.copy_from_slice(b),
+                    None => target.fill(0.0),
+                }
+                column += 1;
+            }
+        }
+        for &p in &self.released {
+            self.direction[n + p] = 1.0;
+            let target = &mut self.columns[column * n..(column + 1) * n];
+            self.system.derivative(&self.x, &self.direction, target);
+            self.direction[n + p] = 0.0;
+            column += 1;
+        }
+    }
+
+    fn resize(&mut self) {
+        let (n, length) = (self.dimension(), self.x.len());
+        let width = self.own + self.released.len();
+        let most = self.conditions.iter().map(|c| c.unknowns()).max().unwrap_or(0);
+        self.columns.resize(n * width, 0.0);
+        self.rows.resize(n * width, 0.0);
+        self.corner.resize(width * width, 0.0);
+        self.gradients.resize((most + 1) * length, 0.0);
+        self.own_gradients.resize((most + 1) * most.max(1), 0.0);
+    }
+}

@@ -1,0 +1,300 @@
+//! Newton's iteration on the bordered system, damped, with an affine-invariant test of convergence.
+//!
+//! A correction `Δ = −M⁻¹G(X)` is followed by the simplified one at the new point,
+//! `Δ̄ = −M⁻¹G(X + λΔ)`, with the same factorisation: the residual, measured by the correction that
+//! it would cause, which is independent of the units of equations (P. Deuflhard, *Newton Methods for
+//! Nonlinear Problems*, 2004, sections 2.1 and 3.3). The step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`,
+//! else λ is halved. While the simplified corrections contract well they are used as they are:
+//! most points of a branch cost one factorisation. Converged means that a correction *and* the
+//! residual so measured are below the tolerance, in the scaled norm of the branch.
+
+use super::condition::EvaluationError;
+use super::extended::{Closing, Extended};
+use super::zero::{LeftDomain, Singular};
+
+/// When Newton's iteration stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// The largest scaled correction, and scaled residual, of a converged point.
+    pub tolerance: f64,
+    /// The largest number of factorisations.
+    pub max_iterations: usize,
+}
+
+/// Why Newton's iteration failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NewtonError {
+    /// The corrections do not shrink, even when damped.
+    #[error(
+        "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} \
+         (damping {damping:.1e}): start nearer to a solution, or at a fold continue by arclength"
+    )]
+    Stagnation {
+        /// Factorisations spent.
+        iterations: usize,
+        /// The scaled norm of the last correction.
+        correction: f64,
+        /// The last damping factor.
+        damping: f64,
+    },
+    /// The bordered matrix is singular.
+    #[error(
+        "{cause} in iteration {iteration}: the point is singular in the released parameters (a fold or branch point?)"
+    )]
+    Singular {
+        /// The iteration.
+        iteration: usize,
+        /// The pivots.
+        #[source]
+        cause: Singular,
+    },
+    /// The iteration left the domain of the equations.
+    #[error("{cause} (in iteration {iteration})")]
+    LeftDomain {
+        /// The iteration.
+        iteration: usize,
+        /// The quantity and its value.
+        #[source]
+        cause: LeftDomain,
+    },
+    /// As many iterations as allowed.
+    #[error(
+        "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, \
+         contraction {contraction:.2}; raise `max_iterations` or loosen `tolerance`"
+    )]
+    IterationLimit {
+        /// Factorisations spent.
+        iterations: usize,
+        /// The scaled norm of the last correction.
+        correction: f64,
+        /// The ratio of the last two corrections.
+        contraction: f64,
+    },
+    /// The tangent turned too far in one step.
+    #[error(
+        "the tangent turned by {angle:.2} where `max_angle` is {largest:.2}: the curve is sharper than \
+         the step; lower `min_step` or raise `max_angle`"
+    )]
+    Turned {
+        /// The angle in radians.
+        angle: f64,
+        /// The largest allowed.
+        largest: f64,
+    },
+    /// A condition does not apply at this point.
+    #[error("{reason}")]
+    NotApplicable {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl NewtonError {
+    pub(super) fn from_evaluation(iteration: usize, cause: EvaluationError) -> Self {
+        match cause {
+            EvaluationError::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
+            EvaluationError::Singular(cause) => NewtonError::Singular { iteration, cause },
+            EvaluationError::NotApplicable(reason) => NewtonError::NotApplicable { reason },
+        }
+    }
+}
+
+/// How Newton's iteration went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Convergence {
+    /// Factorisations spent.
+    pub iterations: usize,
+    /// The contraction of the first step, `‖Δ̄‖/‖Δ‖`: a measure of nonlinearity.
+    pub contraction: f64,
+    /// The scaled norm of the last correction.
+    pub correction: f64,
+}
+
+/// Newton's iteration with its buffers: it allocates nothing after its first use at a given size.
+#[derive(Default)]
+pub struct Newton {
+    correction: Vec<f64>,
+    next: Vec<f64>,
+    trial: Vec<f64>,
+}
+
+/// Damping factors below this are hopeless.
+const LEAST_DAMPING: f64 = 1.0 / 256.0;
+/// Simplified corrections go on while they contract at least this well.
+const GOOD_CONTRACTION: f64 = 0.25;
+/// Scaled corrections this small that shrink no more have met rounding: the point is as good as
+/// arithmetic allows, and its error estimate says how good that is.
+const ROUNDING: f64 = 1e-9;
+
+impl Newton {
+    /// Solves for `X`, which holds the start and, on success, the solution. `weights` are those of
+    /// the scaled norm `‖Δ‖² = Σ wᵢ Δᵢ²`.
+    ///
+    /// # Errors
+    /// [`NewtonError`]; `X` is then left where the iteration stopped.
+    pub fn solve(
+        &mut self,
+        equations: &mut Extended,
+        unknowns: &mut [f64],
+        closing: Option<Closing>,
+        weights: &[f64],
+        tolerances: Tolerances,
+    ) -> Result<Convergence, NewtonError> {
+        self.resize(unknowns.len());
+        let mut report = Convergence::default();
+        let mut previous = f64::INFINITY;
+        equations
+            .residual(unknowns, closing, &mut self.correction)
+            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        for iteration in 1..=tolerances.max_iterations {
+            report.iterations = iteration;
+            equations
+                .factor(unknowns, closing.map(|c| c.row))
+                .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?;
+            equations.solve(&mut self.correction);
+            let size = scaled_norm(&self.correction, weights);
+            if size <= ROUNDING && size > GOOD_CONTRACTION * previous {
+                report.correction = size;
+                return Ok(report);
+            }
+            previous = size;
+            let contraction =
+                self.damped_step(equations, unknowns, closing, weights, iteration, tolerances)?;
+            if iteration == 1 {
+                // The ratio of two numbers near rounding says nothing.
+                report.contraction = if size > tolerances.tolerance { contraction } else { 0.0 };
+            }
+            if self
+                .simplified_steps(equations, unknowns, closing, weights, tolerances, &mut report)
+                .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?
+            {
+                return Ok(report);
+            }
+        }
+        Err(NewtonError::IterationLimit {
+            iterations: tolerances.max_iterations,
+            correction: report.correction,
+            contraction: report.contraction,
+        })
+    }
+
+    /// One factorisation and one correction at a solution: what Newton would still change, which is
+    /// the error left, rounding included.
+    ///
+    /// # Errors
+    /// [`NewtonError`] if the equations cannot be evaluated there.
+    pub fn correction_left(
+        &mut self,
+        equations: &mut Extended,
+        unknowns: &[f64],
+        closing: Option<Closing>,
+    ) -> Result<&[f64], NewtonError> {
+        self.resize(unknowns.len());
+        equations
+            .residual(unknowns, closing, &mut self.correction)
+            .and_then(|()| equations.factor(unknowns, closing.map(|c| c.row)))
+            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        equations.solve(&mut self.correction);
+        Ok(&self.correction)
+    }
+
+    /// Applies the correction, damped as far as needed; leaves the simplified correction at the new
+    /// point in `next` and returns its contraction.
+    fn damped_step(
+        &mut self,
+        equations: &mut Extended,
+        unknowns: &mut [f64],
+        closing: Option<Closing>,
+        weights: &[f64],
+        iteration: usize,
+        tolerances: Tolerances,
+    ) -> Result<f64, NewtonError> {
+        let size = scaled_norm(&self.correction, weights);
+        let mut damping = 1.0;
+        loop {
+            for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.correction) {
+                *trial = x - damping * d;
+            }
+            let outcome = equations.residual(&self.trial, closing, &mut self.next);
+            if outcome.is_ok() {
+                equations.solve(&mut self.next);
+                let contraction = scaled_norm(&self.next, weights) / size.max(f64::MIN_POSITIVE);
+                let settled = size <= tolerances.tolerance.max(ROUNDING);
+                if settled || contraction <= 1.0 - damping / 4.0 {
+                    unknowns.copy_from_slice(&self.trial);
+                    return Ok(contraction);
+                }
+            }
+            damping *= 0.5;
+            if damping < LEAST_DAMPING {
+                return Err(match outcome {
+                    Err(cause) => NewtonError::from_evaluation(iteration, cause),
+                    Ok(()) if size.is_finite() => {
+                        NewtonError::Stagnation { iterations: iteration, correction: size, damping }
+                    }
+                    Ok(()) => NewtonError::LeftDomain {
+                        iteration,
+                        cause: LeftDomain::new(
+                            "the correction",
+                            size,
+                            "the equations must be finite near the solution",
+                        ),
+                    },
+                });
+            }
+        }
+    }
+
+    /// Goes on with simplified corrections while they contract well; true if converged.
+    fn simplified_steps(
+        &mut self,
+        equations: &mut Extended,
+        unknowns: &mut [f64],
+        closing: Option<Closing>,
+        weights: &[f64],
+        tolerances: Tolerances,
+        report: &mut Convergence,
+    ) -> Result<bool, EvaluationError> {
+        loop {
+            let size = scaled_norm(&self.next, weights);
+            report.correction = size;
+            for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.next) {
+                *trial = x - d;
+            }
+            if size <= tolerances.tolerance {
+                unknowns.copy_from_slice(&self.trial);
+                return Ok(true);
+            }
+            // Outside the domain the simplified correction is simply not used.
+            if equations.residual(&self.trial, closing, &mut self.correction).is_err() {
+                equations.residual(unknowns, closing, &mut self.correction)?;
+                return Ok(false);
+            }
+            // `correction` becomes the next simplified correction; if it does not contract, it is
+            // recomputed from the residual after a new factorisation.
+            self.next.copy_from_slice(&self.correction);
+            equations.solve(&mut self.next);
+            let contraction = scaled_norm(&self.next, weights) / size;
+            if contraction < 1.0 {
+                unknowns.copy_from_slice(&self.trial);
+            } else {
+                equations.residual(unknowns, closing, &mut self.correction)?;
+            }
+            let converged = scaled_norm(&self.next, weights) <= tolerances.tolerance;
+            if !converged && contraction.is_nan() || contraction > GOOD_CONTRACTION && !converged {
+                return Ok(false);
+            }
+        }
+    }
+
+    fn resize(&mut self, length: usize) {
+        for buffer in [&mut self.correction, &mut self.next, &mut self.trial] {
+            buffer.resize(length, 0.0);
+        }
+    }
+}
+
+/// `√(Σ wᵢ dᵢ²)`.
+pub fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
+    d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
+}

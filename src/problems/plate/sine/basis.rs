@@ -1,0 +1,132 @@
+//! Odd sines, even cosines and the quadrature of the plate's symmetric half intervals.
+
+use crate::core::{quadrature::gauss_legendre, scalar::Scalar};
+use std::f64::consts::PI;
+
+/// Odd wave numbers `1, 3, …, 2K − 1` at most: the width of a row of coefficients.
+pub(super) const LARGEST: usize = 64;
+
+/// The first `count` pairs of odd wave numbers by `m² + n²`, then by `m`; as `((m−1)/2, (n−1)/2)`.
+pub(super) fn ordered_modes(count: usize) -> Vec<(usize, usize)> {
+    // All pairs with m² + n² ≤ (2K+1)² lie in the square m, n ≤ 2K+1, of which they fill about π/4.
+    let side = (count as f64 * 4.0 / PI).sqrt().ceil() as usize + 3;
+    let mut modes: Vec<_> = (0..side).flat_map(|k| (0..side).map(move |l| (k, l))).collect();
+    modes.sort_by_key(|&(k, l)| ((2 * k + 1).pow(2) + (2 * l + 1).pow(2), k));
+    modes.truncate(count);
+    modes
+}
+
+/// The sines and cosines at Gauss points of the half interval [0, ½]; integrals are over [0, 1].
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    /// The number of odd wave numbers in use.
+    pub width: usize,
+    /// Abscissae in (0, ½).
+    pub points: Vec<f64>,
+    /// Weights, which sum to 1: functions are even about ½.
+    pub weights: Vec<f64>,
+    /// `sin (2k+1)πx`, the abscissa running slowest.
+    sines: Vec<f64>,
+    /// `cos (2k+1)πx`.
+    cosines: Vec<f64>,
+    /// `cos 2kπx`, `k < 2·width`.
+    even_cosines: Vec<f64>,
+    /// `sin 2kπx`, `k < 2·width`.
+    even_sines: Vec<f64>,
+}
+
+impl Grid {
+    pub fn new(width: usize, count: usize) -> Self {
+        let (nodes, weights) = gauss_legendre(count);
+        let points: Vec<f64> = nodes.iter().map(|node| 0.25 * (1.0 + node)).collect();
+        let table = |count: usize, function: &dyn Fn(usize, f64) -> f64| -> Vec<f64> {
+            points.iter().flat_map(|&x| (0..count).map(move |k| function(k, x))).collect()
+        };
+        let even = |k: usize, x: f64| 2.0 * PI * k as f64 * x;
+        Grid {
+            width,
+            sines: table(width, &|k, x| (wave(k) * x).sin()),
+            cosines: table(width, &|k, x| (wave(k) * x).cos()),
+            even_cosines: table(2 * width, &|k, x| even(k, x).cos()),
+            even_sines: table(2 * width, &|k, x| even(k, x).sin()),
+            weights: weights.iter().map(|weight| 0.5 * weight).collect(),
+            points,
+        }
+    }
+
+    pub fn sines(&self, point: usize) -> &[f64] {
+        &self.sines[point * self.width..][..self.width]
+    }
+
+    pub fn cosines(&self, point: usize) -> &[f64] {
+        &self.cosines[point * self.width..][..self.width]
+    }
+
+    pub fn even_cosines(&self, point: usize) -> &[f64] {
+        &self.even_cosines[2 * point * self.width..][..2 * self.width]
+    }
+
+    pub fn even_sines(&self, point: usize) -> &[f64] {
+        &self.even_sines[2 * point * self.width..][..2 * self.width]
+    }
+}
+
+/// `Σ_k a_k f_k`.
+pub(super) fn dot<T: Scalar>(coefficients: &[T], functions: &[f64]) -> T {
+    coefficients.iter().zip(functions).fold(T::zero(), |sum, (&a, &f)| sum + a * f)
+}
+
+/// `Σ_i z_i φ_{m_i}(x) f(n_i, y)` as coefficients of the functions of x, for one y.
+pub(super) fn row<T: Scalar>(
+    modes: &[(usize, usize)],
+    z: &[T],
+    functions: impl Fn(usize) -> f64,
+) -> [T; LARGEST] {
+    let mut row = [T::zero(); LARGEST];
+    for (&(k, l), &z) in modes.iter().zip(z) {
+        row[k] += z * functions(l);
+    }
+    row
+}
+
+/// `(2k + 1)π`.
+pub(super) fn wave(k: usize) -> f64 {
+    (2 * k + 1) as f64 * PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_is_that_of_section_3_2() {
+        let expected = [
+            (1, 1),
+            (1, 3),
+            (3, 1),
+            (3, 3),
+            (1, 5),
+            (5, 1),
+            (3, 5),
+            (5, 3),
+            (1, 7),
+            (5, 5),
+            (7, 1),
+            (3, 7),
+            (7, 3),
+            (5, 7),
+            (7, 5),
+        ];
+        let modes: Vec<_> =
+            ordered_modes(15).into_iter().map(|(k, l)| (2 * k + 1, 2 * l + 1)).collect();
+        assert_eq!(modes, expected);
+    }
+
+    #[test]
+    fn longer_lists_only_append() {
+        let long = ordered_modes(900);
+        for count in [1, 2, 16, 40, 200, 500] {
+            assert_eq!(ordered_modes(count), long[..count]);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The two projections of eq. 3.12 on the sines.
+
+use super::SinePlate;
+use super::basis::{LARGEST, dot, row, wave};
+use crate::core::scalar::Scalar;
+use crate::problems::plate::Parameters;
+use nalgebra::DMatrix;
+use std::f64::consts::PI;
+
+impl SinePlate {
+    /// `(κp_x − P_x, κp_y − P_y/α²)`: what multiplies `w_ξξ` and `w_ηη`, the uniform part of the
+    /// in-plane forces.
+    pub(super) fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
+        let [x, y] = self.immovable_tension(z, plate);
+        [x - plate.compression_x, y - plate.compression_y / (plate.aspect * plate.aspect)]
+    }
+
+    /// `ω_mn = π²(m² + n²/α²)`, of the flat plate without forces in its plane.
+    pub(super) fn flat_frequency<T: Scalar>((k, l): (usize, usize), aspect: T) -> T {
+        (aspect * aspect).recip() * wave(l).powi(2) + wave(k).powi(2)
+    }
+
+    /// `∫∫ φ_mn = 4/(π²mn)`.
+    fn mean((k, l): (usize, usize)) -> f64 {
+        4.0 / (wave(k) * wave(l))
+    }
+
+    /// `r_i = ∫∫ φ_i [L(w) − κΦ(w,F) − pressure − λ/(1−w)²]`: all exact but the electrostatic load.
+    pub(super) fn direct<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
+        let [tension_x, tension_y] = self.tension(z, plate);
+        for ((&mode, &z), r) in self.modes.iter().zip(z).zip(r.iter_mut()) {
+            let (k, l) = mode;
+            let stiffness = Self::flat_frequency(mode, plate.aspect).powi(2)
+                + tension_x * wave(k).powi(2)
+                + tension_y * wave(l).powi(2);
+            *r = stiffness * z * 0.25 - plate.pressure * Self::mean(mode);
+        }
+        if let Some(airy) = &self.airy {
+            airy.add_force(z, plate.aspect, kappa(plate), r);
+        }
+        let grid = &self.grid;
+        for y in 0..grid.points.len() {
+            let in_y = grid.sines(y);
+            let deflections = row(&self.modes, z, |l| in_y[l]);
+            let mut projected = [T::zero(); LARGEST];
+            for (x, &weight) in grid.weights.iter().enumerate() {
+                let in_x = grid.sines(x);
+                let gap = T::one() - dot(&deflections[..grid.width], in_x);
+                let load = plate.load * (weight * grid.weights[y]) / (gap * gap);
+                for (projected, &function) in projected.iter_mut().zip(in_x) {
+                    *projected += load * function;
+                }
+            }
+            for (&(k, l), r) in self.modes.iter().zip(r.iter_mut()) {
+                *r -= projected[k] * in_y[l];
+            }
+        }
+    }
+
+    /// `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`, eq. 3.26 without its tensors: the
+    /// trigonometric polynomial is integrated at points enough to be exact to rounding.
+    pub(super) fn multiplied<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
+        for (&mode, r) in self.modes.iter().zip(r.iter_mut()) {
+            *r = -plate.load * Self::mean(mode);
+        }
+        let [tension_x, tension_y] = self.tension(z, plate);
+        let bending: Vec<T> = (self.modes.iter().zip(z))
+            .map(|(&mode, &z)| Self::flat_frequency(mode, plate.aspect).powi(2) * z)
+            .collect();
+        let kappa = kappa(plate);
+        let grid = &self.grid;
+        let (width, stresses) = (grid.width, 2 * grid.width);
+        let mut stress = vec![T::zero(); stresses * stresses];
+        for (m, n, f) in self.airy.iter().flat_map(|airy| airy.coefficients(z, plate.aspect)) {
+            stress[(m / 2) * stresses + n / 2] = f * kappa;
+        }
+        let mut stress_rows =
+            [vec![T::zero(); stresses], vec![T::zero(); stresses], vec![T::zero(); stresses]];
+        for y in 0..grid.points.len() {
+            let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
+            let deflection = row(&self.modes, z, |l| in_y[l]);
+            let deflection_y = row(&self.modes, z, |l| slope_in_y[l] * wave(l));
+            let deflection_yy = row(&self.modes, z, |l| -in_y[l] * wave(l).powi(2));
+            let bending = row(&self.modes, &bending, |l| in_y[l]);
+            for (j, coefficients) in stress.chunks_exact(stresses).enumerate() {
+                let (cosines, sines) = (grid.even_cosines(y), grid.even_sines(y));
+                let [plain, first, second] = &mut stress_rows;
+                (plain[j], first[j], second[j]) = (T::zero(), T::zero(), T::zero());
+                for (l, &f) in coefficients.iter().enumerate() {
+                    plain[j] += f * cosines[l];
+                    first[j] -= f * (sines[l] * even_wave(l));
+                    second[j] -= f * (cosines[l] * even_wave(l).powi(2));
+                }
+            }
+            let mut projected = [T::zero(); LARGEST];
+            for (x, &weight) in grid.weights.iter().enumerate() {
+                let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
+                let w = dot(&deflection[..width], in_x);
+                let w_yy = dot(&deflection_yy[..width], in_x);
+                let (mut w_xx, mut w_xy) = (T::zero(), T::zero());
+                for k in 0..width {
+                    w_xx -= deflection[k] * (in_x[k] * wave(k).powi(2));
+                    w_xy += deflection_y[k] * (slope_in_x[k] * wave(k));
+                }
+                let (mut f_xx, mut f_xy) = (T::zero(), T::zero());
+                let (cosines, sines) = (grid.even_cosines(x), grid.even_sines(x));
+                for j in 0..stresses {
+                    f_xx -= stress_rows[0][j] * (cosines[j] * even_wave(j).powi(2));
+                    f_xy -= stress_rows[1][j] * (sines[j] * even_wave(j));
+                }
+                let f_yy = dot(&stress_rows[2], cosines);
+                let bracket =
+                    w_xx * (f_yy + tension_x) + w_yy * (f_xx + tension_y) - w_xy * f_xy * 2.0;
+                let forces = dot(&bending[..width], in_x) - bracket - plate.pressure;
+                let scaled = forces * (T::one() - w).powi(2) * (weight * grid.weights[y]);
+                for (projected, &function) in projected.iter_mut().zip(in_x) {
+                    *projected += scaled * function;
+                }
+            }
+            for (&(k, l), r) in self.modes.iter().zip(r.iter_mut()) {
+                *r += projected[k] * in_y[l];
+            }
+        }
+    }
+
+    /// `∫∫ φ_ℓ φ_r (1−w)²` for two fields given by their coefficients: the inertia of eq. 3.26.
+    pub(super) fn inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
+        let grid = &self.grid;
+        let mut sum = T::zero();
+        for y in 0..grid.points.len() {
+            let in_y = grid.sines(y);
+            let deflection = row(&self.modes, z, |l| in_y[l]);
+            let [left, right] = [left, right].map(|field| row(&self.modes, field, |l| in_y[l]));
+            for (x, &weight) in grid.weights.iter().enumerate() {
+                let in_x = grid.sines(x);
+                let fields = dot(&left[..grid.width], in_x) * dot(&right[..grid.width], in_x);
+                let gap = T::one() - dot(&deflection[..grid.width], in_x);
+                sum += gap * gap * (fields * weight * grid.weights[y]);
+            }
+        }
+        sum
+    }
+
+    /// The matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
+    pub(super) fn mass(&self, z: &[f64]) -> DMatrix<f64> {
+        let grid = &self.grid;
+        let count = grid.points.len();
+        let scaled = DMatrix::from_fn(count * count, 1, |point, _| {
+            let (x, y) = (point % count, point / count);
+            let in_y = grid.sines(y);
+            let deflection = row(&self.modes, z, |l| in_y[l]);
+            let gap = 1.0 - dot(&deflection[..grid.width], grid.sines(x));
+            gap * (grid.weights[x] * grid.weights[y]).sqrt()
+        });
+        let functions = DMatrix::from_fn(count * count, z.len(), |point, i| {
+            let (k, l) = self.modes[i];
+            scaled[point] * grid.sines(point % count)[k] * grid.sines(point / count)[l]
+        });
+        functions.tr_mul(&functions)
+    }
+
+    /// The largest deflection at the quadrature points and the centre, and where: `(w, x, y)`.
+    pub(super) fn largest(&self, z: &[f64]) -> (f64, f64, f64) {
+        let grid = &self.grid;
+        let mut largest = (self.deflection(z, 0.5, 0.5), 0.5, 0.5);
+        for y in 0..grid.points.len() {
+            let in_y = grid.sines(y);
+            let deflection = row(&self.modes, z, |l| in_y[l]);
+            for x in 0..grid.points.len() {
+                let w = dot(&deflection[..grid.width], grid.sines(x));
+                if w > largest.0 {
+                    largest = (w, grid.points[x], grid.points[y]);
+                }
+            }
+        }
+        largest
+    }
+}
+
+/// `κ = 12(1−ν²)α₁²/α²` of eq. 3.26.
+fn kappa<T: Scalar>(plate: &Parameters<T>) -> T {
+    let ratio = plate.gap_ratio / plate.aspect;
+    (T::one() - plate.nu * plate.nu) * ratio * ratio * 12.0
+}
+
+/// `2kπ`.
+fn even_wave(k: usize) -> f64 {
+    2.0 * PI * k as f64
+}
