@@ -123,6 +123,12 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
         };
         plate.factor(Slot::Curve, border).unwrap();
         plate.solve(Slot::Curve, &mut r);
+        if std::env::var("DEBUG").is_ok() {
+            let mut f = vec![0.0; n]; plate.residual(x, &mut f).unwrap();
+            let mut kv = vec![0.0; n]; plate.derivative(x, &along, &mut kv);
+            println!("load {} F {:e} dq {:e} dl {:e} g={:e} scale {scale:e} slope {:e} {:e} Kv+bg {:e} col {:e} {:?}", x[n+LOAD], norm(&f), norm(&r[..n]), r[n], null[n],
+              norm(&slope[..n]), slope[n+LOAD], kv.iter().zip(&b).map(|(k,b)| (k+b*null[n]).abs()).fold(0.0,f64::max), norm(&column), &r[..3]);
+        }
         (0..n).for_each(|i| x[i] -= r[i]);
         x[n + LOAD] -= r[n];
         b.iter_mut().zip(&null).for_each(|(b, null)| *b = null / scale);

@@ -90,12 +90,20 @@ impl Assembly {
             self.condense(model, membrane, factor, work, &parameters);
         }
         self.attract(model, work, &parameters, largest);
+        self.scale(&model.scale);
+    }
+
+    fn scale(&mut self, scale: &[f64]) {
+        for (column, by) in self.matrix.chunks_exact_mut(scale.len()).zip(scale) {
+            column.iter_mut().zip(scale).for_each(|(entry, scale)| *entry *= scale * by);
+        }
     }
 
     /// Assembles at `w = 0` without any load: bending alone.
     pub fn assemble_flat(&mut self, model: &Model, parameters: &Parameters<f64>) {
         self.matrix.fill(0.0);
         self.bend(model, parameters);
+        self.scale(&model.scale);
     }
 
     fn bend(&mut self, model: &Model, parameters: &Parameters<f64>) {

@@ -56,7 +56,9 @@ impl Vibration {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         let entry = |k: usize| {
             let (row, column) = (k % n, k / n);
-            x.values[(row / ny) * nx + column / ny] * y.values[(row % ny) * ny + column % ny]
+            let products =
+                x.values[(row / ny) * nx + column / ny] * y.values[(row % ny) * ny + column % ny];
+            products * model.scale[row] * model.scale[column]
         };
         let need = StackReq::any_of(&[
             cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()),

@@ -104,6 +104,8 @@ pub(super) struct Model {
     pub loads: Vec<LoadRule>,
     pub membrane: Option<Membrane>,
     pub plane: PlaneSpace,
+    /// What each product `f_i g_j` is multiplied by, see [`scales`].
+    pub scale: Vec<f64>,
 }
 
 /// Deflections beyond this one are refused: the electrostatic load is no longer integrated to 1e-11.
@@ -120,6 +122,7 @@ impl Model {
         let ends = [supports.x(), supports.y()];
         let transverse = [0, 1].map(|axis| {
             Basis::transverse(ends[axis], symmetric[axis], orders.transverse[axis])
+                .into_beam_modes(symmetric[axis])
         });
         let plane = PlaneSpace::new(supports, settings.in_plane, symmetric, orders.in_plane);
         let membrane = (settings.theory == Theory::VonKarman)
@@ -128,7 +131,8 @@ impl Model {
         let loads = [(16, 0.5), (24, 0.75), (32, 0.88), (48, LARGEST_DEFLECTION)]
             .map(|(count, largest)| LoadRule::new(&transverse, symmetric, count, largest))
             .into();
-        Ok(Model { settings, orders, symmetric, transverse, lines, loads, membrane, plane })
+        let scale = scales(&lines);
+        Ok(Model { settings, orders, symmetric, transverse, lines, loads, membrane, plane, scale })
     }
 
     /// The number of unknowns.
@@ -141,6 +145,29 @@ impl Model {
         let good = self.loads.iter().find(|rule| largest <= rule.largest);
         good.unwrap_or(&self.loads[self.loads.len() - 1])
     }
+}
+
+/// The unknowns are the coefficients of `d_ij f_i g_j` with
+///
+/// ```text
+/// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
+/// ```
+///
+/// (a unit of an unknown is then a deflection of some gap in the lowest modes). Products of two high
+/// functions have next to no bending energy; unscaled, rounding would fill their coefficients with noise
+/// that no norm of the unknowns could tell from a correction.
+fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
+    let count = [x, y].map(|line| line.means.len());
+    let mut scales = Vec::with_capacity(count[0] * count[1]);
+    for i in (0..count[0]).map(|i| i * (count[0] + 1)) {
+        for j in (0..count[1]).map(|j| j * (count[1] + 1)) {
+            let bending = x.curvatures[i] * y.values[j]
+                + x.values[i] * y.curvatures[j]
+                + 2.0 * x.slopes[i] * y.slopes[j];
+            scales.push(10.0 / (16.0 * bending + 100.0 * x.values[i] * y.values[j]).sqrt());
+        }
+    }
+    scales
 }
 
 /// Three of the four quantities deflection, two slopes and twist may be rigid motions.

@@ -61,7 +61,8 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// `F` at `self.q`, `self.p` into `self.r`. `largest` is the largest deflection; `plane_fixed` says
+    /// `F` at the unknowns in `self.q` and the parameters in `self.p`, into `self.r`. Leaves the coefficients
+    /// of the products of functions in `self.q`. `largest` is the largest deflection; `plane_fixed` says
     /// that `α` and `ν` have no derivative, so that one solution is exact to every order. Returns the
     /// largest deflection at the nodes where the load is evaluated.
     pub fn evaluate(
@@ -72,6 +73,7 @@ impl<T: Scalar> Workspace<T> {
         plane_fixed: bool,
     ) -> f64 {
         let parameters = model.settings.units.parameters(&self.p);
+        self.q.iter_mut().zip(&model.scale).for_each(|(q, scale)| *q *= *scale);
         self.r.fill(T::zero());
         self.bend(model, &parameters);
         if let Some(membrane) = &model.membrane {
@@ -79,7 +81,9 @@ impl<T: Scalar> Workspace<T> {
             self.solve_plane(model, membrane, factor, &parameters, solutions);
             self.stretch(membrane, &parameters);
         }
-        self.attract(model, &parameters, largest)
+        let nearest = self.attract(model, &parameters, largest);
+        self.r.iter_mut().zip(&model.scale).for_each(|(r, scale)| *r *= *scale);
+        nearest
     }
 
     /// The field with coefficients `self.q`, into `field`.

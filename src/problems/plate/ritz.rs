@@ -174,7 +174,7 @@ impl Ritz {
             let remedy = "shear breaks the plate's symmetry: build the plate with symmetric = false";
             return Err(LeftDomain::new("edge_shear", parameters.shear, remedy));
         }
-        let largest = self.search.on_grid(q).0;
+        let largest = self.search.on_grid(&self.model, q).0;
         if largest.is_nan() || largest > LARGEST_DEFLECTION {
             return Err(too_deep(largest));
         }

@@ -9,7 +9,8 @@ const NODES: usize = 17;
 pub(super) fn local(model: &Model, q: &[f64], xi: f64, zeta: f64) -> [f64; 6] {
     let (f, g) = (model.transverse[0].at(xi), model.transverse[1].at(zeta));
     let mut sums = [0.0; 6];
-    for (f, row) in f.iter().zip(q.chunks_exact(g.len().max(1))) {
+    let coefficients: Vec<f64> = q.iter().zip(&model.scale).map(|(q, scale)| q * scale).collect();
+    for (f, row) in f.iter().zip(coefficients.chunks_exact(g.len().max(1))) {
         for (g, q) in g.iter().zip(row) {
             let orders = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]];
             for (sum, [a, b]) in sums.iter_mut().zip(orders) {
@@ -28,12 +29,14 @@ pub(super) fn products(model: &Model, xi: f64, zeta: f64, out: &mut [f64]) {
             *out = f[0] * g[0];
         }
     }
+    out.iter_mut().zip(&model.scale).for_each(|(out, scale)| *out *= scale);
 }
 
 /// A grid of nodes, with tables, on which deflections are searched.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
     tables: [super::basis::Table; 2],
+    coefficients: Vec<f64>,
     half: Vec<f64>,
     field: Vec<f64>,
 }
@@ -48,6 +51,7 @@ impl Search {
         });
         let tables = [0, 1].map(|axis| model.transverse[axis].table(&nodes[axis]));
         Search {
+            coefficients: vec![0.0; model.unknowns()],
             half: vec![0.0; tables[0].functions * nodes[1].len()],
             field: vec![0.0; nodes[0].len() * nodes[1].len()],
             tables,
@@ -56,14 +60,17 @@ impl Search {
     }
 
     /// The largest deflection on the grid and where it is, `(w, ξ, ζ)`; not a number if any is not.
-    pub fn on_grid(&mut self, q: &[f64]) -> (f64, f64, f64) {
+    pub fn on_grid(&mut self, model: &Model, q: &[f64]) -> (f64, f64, f64) {
+        for ((out, q), scale) in self.coefficients.iter_mut().zip(q).zip(&model.scale) {
+            *out = q * scale;
+        }
         let points = [self.nodes[0].len(), self.nodes[1].len()];
         let product = super::tensor::Product {
             x: &self.tables[0].values,
             y: &self.tables[1].values,
             points,
         };
-        product.expand(q, &mut self.half, &mut self.field);
+        product.expand(&self.coefficients, &mut self.half, &mut self.field);
         let mut best = (f64::NEG_INFINITY, 0);
         for (k, w) in self.field.iter().enumerate() {
             if w.is_nan() {
@@ -79,7 +86,7 @@ impl Search {
     /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's iteration in
     /// the variables that are not at an end which the deflection still rises towards.
     pub fn largest(&mut self, model: &Model, q: &[f64]) -> (f64, f64, f64) {
-        let (best, xi, zeta) = self.on_grid(q);
+        let (best, xi, zeta) = self.on_grid(model, q);
         let held = |axis: usize| model.symmetric[axis];
         if best.is_nan() || (held(0) && held(1) && xi == 0.0 && zeta == 0.0) {
             return (best, xi, zeta);

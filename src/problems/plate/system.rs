@@ -16,8 +16,7 @@ const REPORTED: usize = 4;
 /// The most unknowns of a rung of the ladder.
 const LARGEST_RUNG: usize = 500;
 
-/// The mixed derivative of `F` along `directions` (each as long as `x`), left in `work.r`; `false` outside
-/// the domain.
+/// The mixed derivative of `F` along `directions` (each as long as `x`), left in `work.r`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
     model: &Model,
@@ -41,6 +40,38 @@ fn differentiate<T: Directional>(
     }
     let fixed = plane_fixed(model.settings.units, p, &of_parameters[..directions.len()]);
     work.evaluate(model, factor, largest, fixed);
+}
+
+/// The unknowns of the same deflection in a larger space of polynomials.
+fn prolonged(from: &Model, to: &Model, z: &[f64]) -> Vec<f64> {
+    let [nx, ny] = [0, 1].map(|axis| from.transverse[axis].len());
+    let [mx, my] = [0, 1].map(|axis| to.transverse[axis].len());
+    // One direction: functions of the coarse basis in those of the fine one, `(coarse, fine)`.
+    let carry = |axis: usize| -> Vec<f64> {
+        let (n, m) = (from.transverse[axis].len(), to.transverse[axis].len());
+        let [coarse, fine] = [from, to].map(|model| model.transverse[axis].conversions());
+        let entry = |coarse_function: usize, fine_function: usize| match (coarse, fine) {
+            (Some([to_coarse, _]), Some([_, to_fine])) => (0..n)
+                .map(|k| to_coarse[coarse_function * n + k] * to_fine[fine_function * m + k])
+                .sum(),
+            _ => f64::from(u8::from(coarse_function == fine_function)),
+        };
+        (0..n * m).map(|e| entry(e / m, e % m)).collect()
+    };
+    let (carry_x, carry_y) = (carry(0), carry(1));
+    let mut out = vec![0.0; mx * my];
+    for i in 0..nx {
+        for j in 0..ny {
+            let q = z[i * ny + j] * from.scale[i * ny + j];
+            for k in 0..mx {
+                for l in 0..my {
+                    out[k * my + l] += carry_x[i * mx + k] * q * carry_y[j * my + l];
+                }
+            }
+        }
+    }
+    out.iter_mut().zip(&to.scale).for_each(|(out, scale)| *out /= scale);
+    out
 }
 
 impl Ritz {
@@ -331,13 +362,9 @@ impl System for Ritz {
         let mut settings = self.model.settings;
         settings.orders = Some(orders);
         let finer = Ritz::new(settings).ok()?;
-        let [nx, ny] = orders.transverse;
-        let [old_nx, old_ny] = self.model.orders.transverse;
-        let mut finer_x = vec![0.0; nx * ny];
-        for i in 0..old_nx {
-            finer_x[i * ny..i * ny + old_ny].copy_from_slice(&x[i * old_ny..(i + 1) * old_ny]);
-        }
-        finer_x.extend_from_slice(&x[old_nx * old_ny..]);
+        let n = self.model.unknowns();
+        let mut finer_x = prolonged(&self.model, &finer.model, &x[..n]);
+        finer_x.extend_from_slice(&x[n..]);
         Some(Refinement { system: Box::new(finer), x: finer_x })
     }
 }
