@@ -5,6 +5,7 @@ pub mod basis;
 mod edges;
 mod error;
 mod frequency;
+pub mod modal;
 mod model;
 mod orders;
 mod parameters;

@@ -1,0 +1,258 @@
+//! The two projections on the modes.
+
+use super::membrane::{self, Pairs};
+use super::spectrum::FlatModes;
+use super::tables::{self, Nodes, sum};
+use super::{ModalError, ModalSettings};
+use crate::core::scalar::Scalar;
+use crate::problems::plate::Parameters;
+use crate::problems::plate::edges::Support;
+use crate::problems::plate::model::{LARGEST_DEFLECTION, Theory};
+use crate::problems::plate::tensor::Rule;
+
+/// Nodes in each half direction for the multiplied projection, at least: its integrands are polynomials
+/// in the modes, without the pole at 1.
+const MULTIPLIED_NODES: usize = 32;
+
+/// What both projections need.
+pub(super) struct Linear {
+    /// `ω_i²`.
+    pub squares: Vec<f64>,
+    /// `⟨φ_i⟩`.
+    pub means: Vec<f64>,
+    /// `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`; zero where a free edge carries no force.
+    pub slopes: [Vec<f64>; 3],
+    /// Which of the three edge forces are carried.
+    carried: [f64; 3],
+}
+
+/// `r_i = ∂Π/∂q_i`.
+pub(super) struct Direct {
+    /// `A_PQ`; absent from linear theory.
+    form: Option<Vec<f64>>,
+    /// Rules for the load, each with the deflection up to which it is good for 1e-11.
+    loads: Vec<(f64, Nodes)>,
+}
+
+/// `r_i = ⟨φ_i (1−w)² · equation⟩`.
+pub(super) struct Multiplied {
+    nodes: Nodes,
+    /// `φ_ix`, `φ_iy` at the nodes.
+    slopes: [Vec<f64>; 2],
+    /// Rows of `N₁`, `N₂`, `N₆` of all pairs, node by node; absent from linear theory.
+    stress: Option<[Vec<f64>; 3]>,
+}
+
+impl Linear {
+    pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Linear {
+        let FlatModes { model, shapes, .. } = flat;
+        let rules = [0, 1]
+            .map(|axis| Rule::exact(2 * model.transverse[axis].degree(), model.symmetric[axis]));
+        let nodes = Nodes::new(model, shapes, &rules);
+        let count = shapes.len();
+        let [x, y] = membrane::slopes(model, shapes, &rules, settings.plate.aspect);
+        let gram = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<f64> {
+            let entry = |i: usize, k: usize| -> f64 {
+                a[i].iter().zip(&b[k]).zip(&nodes.weights).map(|((a, b), w)| a * b * w).sum()
+            };
+            (0..count * count).map(|e| entry(e / count, e % count)).collect()
+        };
+        let both: Vec<f64> = {
+            let xy = gram(&x, &y);
+            (0..count * count).map(|e| xy[e] + xy[e % count * count + e / count]).collect()
+        };
+        let supports = settings.plate.supports;
+        // Where symmetry is used a sheared plate is refused; see `domain`.
+        let sheared = !supports.any_free() && model.symmetric == [false; 2];
+        let carried = [
+            !supports.x().contains(&Support::Free),
+            !supports.y().contains(&Support::Free),
+            sheared,
+        ]
+        .map(|carried| f64::from(u8::from(carried)));
+        let means = (0..count).map(|i| {
+            let values = nodes.values.chunks_exact(count).zip(&nodes.weights);
+            values.map(|(values, weight)| values[i] * weight).sum()
+        });
+        let mut slopes = [gram(&x, &x), gram(&y, &y), both];
+        for (matrix, carried) in slopes.iter_mut().zip(carried) {
+            matrix.iter_mut().for_each(|entry| *entry *= carried);
+        }
+        Linear { squares: flat.squares.clone(), means: means.collect(), slopes, carried }
+    }
+
+    /// Applied forces along x, y and in shear, as far as the plate carries them.
+    fn forces<T: Scalar>(&self, plate: &Parameters<T>) -> [T; 3] {
+        let [x, y, shear] = self.carried;
+        [plate.compression_x * x, plate.compression_y * y, plate.shear * shear]
+    }
+}
+
+impl Direct {
+    pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Result<Direct, ModalError> {
+        let form = if settings.plate.theory == Theory::VonKarman {
+            let plane = membrane::plane_space(settings, flat);
+            let rules = membrane::exact_rules(flat, &plane);
+            Some(Pairs::new(settings, flat, &plane, &rules)?.quartic_form())
+        } else {
+            None
+        };
+        let loads = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
+        let nodes = |(largest, count)| {
+            (largest, Nodes::new(&flat.model, &flat.shapes, &halves(flat, count)))
+        };
+        Ok(Direct { form, loads: loads.map(nodes).into() })
+    }
+
+    /// ```text
+    /// r_i = ω_i² q_i + ∂U_m/∂q_i − Σ_k (P_x⟨φ_ix φ_kx⟩ + …) q_k − λ⟨φ_i/(1−w)²⟩ − P⟨φ_i⟩
+    /// ```
+    pub fn residual<T: Scalar>(
+        &self,
+        linear: &Linear,
+        q: &[T],
+        plate: &Parameters<T>,
+        largest: f64,
+        r: &mut [T],
+    ) {
+        let n = q.len();
+        let forces = linear.forces(plate);
+        for i in 0..n {
+            r[i] = q[i] * linear.squares[i] - plate.pressure * linear.means[i];
+            for (force, matrix) in forces.iter().zip(&linear.slopes) {
+                if force.real() != 0.0 || T::NDERIV > 0 {
+                    r[i] -= *force * sum(q, &matrix[i * n..(i + 1) * n]);
+                }
+            }
+        }
+        if let Some(form) = &self.form {
+            membrane::add_force(form, q, plate.gap_ratio * plate.gap_ratio * 24.0, r);
+        }
+        let good = self.loads.iter().find(|(good, _)| largest <= *good);
+        let Some((_, nodes)) = good.or(self.loads.last()) else { return };
+        for (values, weight) in nodes.values.chunks_exact(n).zip(&nodes.weights) {
+            let closeness = (T::one() - sum(q, values)).recip();
+            let load = plate.load * closeness * closeness * *weight;
+            for (r, value) in r.iter_mut().zip(values) {
+                *r -= load * *value;
+            }
+        }
+    }
+}
+
+impl Multiplied {
+    pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Result<Multiplied, ModalError> {
+        let rules = halves(flat, MULTIPLIED_NODES);
+        let aspect = settings.plate.aspect;
+        let slopes = membrane::slopes(&flat.model, &flat.shapes, &rules, aspect);
+        let stress = if settings.plate.theory == Theory::VonKarman {
+            let plane = membrane::plane_space(settings, flat);
+            let pairs = Pairs::new(settings, flat, &plane, &rules)?;
+            let length = pairs.weights.len();
+            Some([0, 1, 2].map(|component| {
+                let fields: Vec<Vec<f64>> = (pairs.stress.chunks_exact(3 * length))
+                    .map(|fields| fields[component * length..(component + 1) * length].to_vec())
+                    .collect();
+                tables::by_node(&fields)
+            }))
+        } else {
+            None
+        };
+        Ok(Multiplied {
+            nodes: Nodes::new(&flat.model, &flat.shapes, &rules),
+            slopes: slopes.map(|slopes| tables::by_node(&slopes)),
+            stress,
+        })
+    }
+
+    /// With `L(w) = Σ ω_k² q_k φ_k` (true of flat modes at every point) and the whole resultant
+    /// `S = 12α₁² N ∇w − P∇w`, whose divergence is the lateral force,
+    ///
+    /// ```text
+    /// r_i = ⟨φ_i {(1−w)² [L(w) − pressure] − λ} + S·∇[φ_i (1−w)²]⟩
+    /// ```
+    ///
+    /// integrated by parts: `φ_i` vanishes where an edge carries a force. That takes no second
+    /// derivatives, and equilibrium in the plane only in the mean.
+    pub fn residual<T: Scalar>(
+        &self,
+        linear: &Linear,
+        q: &[T],
+        plate: &Parameters<T>,
+        r: &mut [T],
+    ) {
+        let n = q.len();
+        let [compression_x, compression_y, shear] = linear.forces(plate);
+        let stiffness = plate.gap_ratio * plate.gap_ratio * 12.0;
+        let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
+        membrane::products(q, &mut pairs);
+        pairs.iter_mut().for_each(|pair| *pair *= stiffness);
+        let bending: Vec<T> =
+            q.iter().zip(&linear.squares).map(|(q, square)| *q * *square).collect();
+        for (r, mean) in r.iter_mut().zip(&linear.means) {
+            *r = -plate.load * *mean;
+        }
+        for (node, weight) in self.nodes.weights.iter().enumerate() {
+            let row = |table: &'_ [f64]| -> std::ops::Range<usize> {
+                let width = table.len() / self.nodes.weights.len();
+                node * width..(node + 1) * width
+            };
+            let of_modes = row(&self.nodes.values);
+            let [values, slopes_x, slopes_y] =
+                [&self.nodes.values, &self.slopes[0], &self.slopes[1]]
+                    .map(|table| &table[of_modes.clone()]);
+            let (w_x, w_y) = (sum(q, slopes_x), sum(q, slopes_y));
+            let gap = T::one() - sum(q, values);
+            let mut force_x = -(compression_x * w_x + shear * w_y);
+            let mut force_y = -(compression_y * w_y + shear * w_x);
+            if let Some(stress) = &self.stress {
+                let [n1, n2, n6] = [0, 1, 2].map(|k| sum(&pairs, &stress[k][row(&stress[k])]));
+                force_x += n1 * w_x + n6 * w_y;
+                force_y += n2 * w_y + n6 * w_x;
+            }
+            let gap_squared = gap * gap;
+            let along = (force_x * w_x + force_y * w_y) * gap * 2.0;
+            let plain = (gap_squared * (sum(&bending, values) - plate.pressure) - along) * *weight;
+            let in_x = gap_squared * force_x * *weight;
+            let in_y = gap_squared * force_y * *weight;
+            for (i, r) in r.iter_mut().enumerate() {
+                *r += plain * values[i] + in_x * slopes_x[i] + in_y * slopes_y[i];
+            }
+        }
+    }
+
+    /// `⟨(1−w)² φ_l φ_r⟩` of two combinations of modes: the inertia that belongs to the multiplied
+    /// equations.
+    pub fn inertia<T: Scalar>(&self, q: &[T], left: &[f64], right: &[f64]) -> T {
+        let mut total = T::zero();
+        for (values, weight) in self.nodes.values.chunks_exact(q.len()).zip(&self.nodes.weights) {
+            let gap = T::one() - sum(q, values);
+            let [left, right] = [left, right].map(|field| sum(field, values));
+            total += gap * gap * (left * right * weight);
+        }
+        total
+    }
+
+    /// The matrix of [`inertia`](Self::inertia).
+    pub fn mass(&self, q: &[f64]) -> nalgebra::DMatrix<f64> {
+        let n = q.len();
+        let mut matrix = nalgebra::DMatrix::zeros(n, n);
+        for (values, weight) in self.nodes.values.chunks_exact(n).zip(&self.nodes.weights) {
+            let factor = weight * (1.0 - sum(q, values)).powi(2);
+            for i in 0..n {
+                for k in 0..n {
+                    matrix[(i, k)] += factor * values[i] * values[k];
+                }
+            }
+        }
+        matrix
+    }
+}
+
+/// Rules with `count` nodes in each half direction, or as many as the modes' polynomials need.
+fn halves(flat: &FlatModes, count: usize) -> [Rule; 2] {
+    let FlatModes { model, .. } = flat;
+    [0, 1].map(|axis| {
+        Rule::halves(count.max(model.transverse[axis].degree() / 2 + 2), model.symmetric[axis])
+    })
+}
