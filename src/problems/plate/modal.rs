@@ -14,14 +14,17 @@
 //! The modes and `A` belong to one aspect ratio and one Poisson's ratio. To vary these, use the full
 //! model, [`Ritz`](super::Ritz).
 
+mod assembly;
 mod error;
 mod membrane;
 mod motion;
 mod projection;
 mod spectrum;
+mod system;
 mod tables;
 
 pub use error::ModalError;
+pub use system::ModalSystem;
 
 use super::model::{LARGEST_DEFLECTION, Model};
 use super::orders::Orders;
@@ -77,16 +80,18 @@ impl ModalSettings {
 /// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the source's
 /// method, the equation is multiplied by `(1−w)²` before it is projected.
 ///
+/// [`ModalSystem`] is the faster of its two faces for the stepper; [`Dense`](crate::core::dense::Dense) is the other.
+///
 /// The monitors' first derivatives are exact; second derivatives of the two frequencies leave out
 /// that the mode of vibration changes.
 ///
 /// ```
-/// use tangency::core::{continuation::{Continuation, Kind}, dense::Dense};
-/// use tangency::problems::plate::modal::{Modal, ModalSettings};
+/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::problems::plate::modal::{Modal, ModalSettings, ModalSystem};
 /// let one_mode = ModalSettings { modes: 1, ..ModalSettings::new("CCCC".parse()?) };
 /// let plate = Modal::new(one_mode)?;
 /// assert!((plate.frequencies()[0] - 35.985191115).abs() < 1e-6);
-/// let branch = Continuation::of(&mut Dense::new(plate))
+/// let branch = Continuation::of(&mut ModalSystem::new(plate))
 ///     .at("aspect", 1.0)
 ///     .at("nu", 0.3)
 ///     .at("gap_ratio", 1.0)
@@ -188,10 +193,18 @@ impl Modal {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
-        let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
-        self.shapes.iter().zip(z).fold(T::zero(), |sum, (shape, z)| {
-            sum + *z * shape::local(&self.model, shape, at[0], at[1])[0]
-        })
+        let mut values = vec![0.0; self.shapes.len()];
+        self.modes_at([x, y], &mut values);
+        tables::sum(z, &values)
+    }
+
+    /// `φ_i` of all modes at a point.
+    fn modes_at(&self, [x, y]: [f64; 2], out: &mut [f64]) {
+        let mut products = vec![0.0; self.model.unknowns()];
+        shape::products(&self.model, 2.0 * x - 1.0, 2.0 * y - 1.0, &mut products);
+        for (out, shape) in out.iter_mut().zip(&self.shapes) {
+            *out = tables::sum(shape, &products);
+        }
     }
 
     /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.

@@ -246,3 +246,39 @@ pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut 
         }
     }
 }
+
+/// Adds `Σ_P row_P ∂s_P/∂q_k` to `out`.
+pub(super) fn add_product_slopes(row: &[f64], q: &[f64], out: &mut [f64]) {
+    let mut row = row.iter();
+    for i in 0..q.len() {
+        for (j, entry) in (i..q.len()).zip(&mut row) {
+            out[i] += 2.0 * entry * q[j];
+            if j > i {
+                out[j] += 2.0 * entry * q[i];
+            }
+        }
+    }
+}
+
+/// Adds the derivative of [`add_force`] by `q` to `out` (`N × N`, symmetric).
+pub(super) fn add_stiffness(form: &[f64], q: &[f64], stiffness: f64, out: &mut [f64]) {
+    let n = q.len();
+    let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
+    products(q, &mut pairs);
+    let mut slopes = vec![0.0; n];
+    let mut rows = form.chunks_exact(pairs.len());
+    for i in 0..n {
+        for (j, row) in (i..n).zip(&mut rows) {
+            let tension = stiffness * super::tables::sum(&pairs, row);
+            slopes.fill(0.0);
+            add_product_slopes(row, q, &mut slopes);
+            out[i * n + j] += tension;
+            let [qi, qj] = [i, j].map(|k| stiffness * q[k]);
+            out[i * n..(i + 1) * n].iter_mut().zip(&slopes).for_each(|(o, s)| *o += qj * s);
+            if j > i {
+                out[j * n + i] += tension;
+                out[j * n..(j + 1) * n].iter_mut().zip(&slopes).for_each(|(o, s)| *o += qi * s);
+            }
+        }
+    }
+}

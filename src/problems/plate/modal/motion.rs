@@ -60,10 +60,22 @@ impl Modal {
     }
 
     fn stiffness(&self, z: &[f64], p: &[f64]) -> DMatrix<f64> {
-        vibration::jacobian(z, |z, r| {
-            let p: Vec<_> = p.iter().map(|&value| value.into()).collect();
-            self.residual(z, &p, r);
-        })
+        let mut entries = vec![0.0; z.len() * z.len()];
+        self.assemble(z, p, &mut entries);
+        DMatrix::from_vec(z.len(), z.len(), entries)
+    }
+
+    /// `∂r/∂z`, one column after the other.
+    pub(super) fn assemble(&self, z: &[f64], p: &[f64], out: &mut [f64]) {
+        let plate = self.parameters(p);
+        match &self.projected {
+            Projected::Direct(direct) => {
+                direct.stiffness(&self.linear, z, &plate, self.grid.largest(z).0, out);
+            }
+            Projected::Multiplied(multiplied) => {
+                multiplied.stiffness(&self.linear, z, &plate, out);
+            }
+        }
     }
 
     /// The eigenvectors of the lowest eigenvalue of the linearised motion.
@@ -82,7 +94,7 @@ impl Modal {
 
     /// Rayleigh's quotient for `ω²` between two eigenvectors: stationary, so that its first derivatives
     /// are those of the eigenvalue.
-    fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
+    pub(super) fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
         let stiffness = vibration::product(z, vectors, |z, r| {
             let p: Vec<_> = p.iter().map(|&value| num_dual::Dual::from_re(value)).collect();
             self.residual(z, &p, r);

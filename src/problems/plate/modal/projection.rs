@@ -10,9 +10,14 @@ use crate::problems::plate::edges::Support;
 use crate::problems::plate::model::{LARGEST_DEFLECTION, Theory};
 use crate::problems::plate::tensor::Rule;
 
-/// Nodes in each half direction for the multiplied projection, at least: its integrands are polynomials
-/// in the modes, without the pole at 1.
-const MULTIPLIED_NODES: usize = 32;
+/// Nodes in each half direction for the load, and for each half wave of the highest mode, which enters by
+/// itself: deflections are mostly the lowest mode.
+const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
+const LOAD_NODES_PER_WAVE: f64 = 0.8;
+
+/// The same for the multiplied projection, whose integrands are products of six modes and their slopes:
+/// `m` half waves in each turn by `3mπ` on a half side, and `n` nodes follow some `4n` radians less a few.
+const MULTIPLIED_NODES: (usize, f64) = (10, 2.4);
 
 /// What both projections need.
 pub(super) struct Linear {
@@ -29,18 +34,18 @@ pub(super) struct Linear {
 /// `r_i = ∂Π/∂q_i`.
 pub(super) struct Direct {
     /// `A_PQ`; absent from linear theory.
-    form: Option<Vec<f64>>,
+    pub(super) form: Option<Vec<f64>>,
     /// Rules for the load, each with the deflection up to which it is good for 1e-11.
-    loads: Vec<(f64, Nodes)>,
+    pub(super) loads: [(f64, Nodes); LOAD_NODES.len()],
 }
 
 /// `r_i = ⟨φ_i (1−w)² · equation⟩`.
 pub(super) struct Multiplied {
-    nodes: Nodes,
+    pub(super) nodes: Nodes,
     /// `φ_ix`, `φ_iy` at the nodes.
     slopes: [Vec<f64>; 2],
     /// Rows of `N₁`, `N₂`, `N₆` of all pairs, node by node; absent from linear theory.
-    stress: Option<[Vec<f64>; 3]>,
+    pub(super) stress: Option<[Vec<f64>; 3]>,
 }
 
 impl Linear {
@@ -82,7 +87,7 @@ impl Linear {
     }
 
     /// Applied forces along x, y and in shear, as far as the plate carries them.
-    fn forces<T: Scalar>(&self, plate: &Parameters<T>) -> [T; 3] {
+    pub(super) fn forces<T: Scalar>(&self, plate: &Parameters<T>) -> [T; 3] {
         let [x, y, shear] = self.carried;
         [plate.compression_x * x, plate.compression_y * y, plate.shear * shear]
     }
@@ -97,11 +102,11 @@ impl Direct {
         } else {
             None
         };
-        let loads = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
-        let nodes = |(largest, count)| {
-            (largest, Nodes::new(&flat.model, &flat.shapes, &halves(flat, count)))
-        };
-        Ok(Direct { form, loads: loads.map(nodes).into() })
+        let loads = LOAD_NODES.map(|(largest, base)| {
+            let rules = halves(settings, flat, base, LOAD_NODES_PER_WAVE);
+            (largest, Nodes::new(&flat.model, &flat.shapes, &rules))
+        });
+        Ok(Direct { form, loads })
     }
 
     /// ```text
@@ -128,8 +133,7 @@ impl Direct {
         if let Some(form) = &self.form {
             membrane::add_force(form, q, plate.gap_ratio * plate.gap_ratio * 24.0, r);
         }
-        let good = self.loads.iter().find(|(good, _)| largest <= *good);
-        let Some((_, nodes)) = good.or(self.loads.last()) else { return };
+        let nodes = self.load_nodes(largest);
         for (values, weight) in nodes.values.chunks_exact(n).zip(&nodes.weights) {
             let closeness = (T::one() - sum(q, values)).recip();
             let load = plate.load * closeness * closeness * *weight;
@@ -140,9 +144,17 @@ impl Direct {
     }
 }
 
+impl Direct {
+    /// The nodes for the load where the deflection is at most `largest`.
+    pub(super) fn load_nodes(&self, largest: f64) -> &Nodes {
+        let good = self.loads.iter().find(|(good, _)| largest <= *good);
+        &good.unwrap_or(&self.loads[self.loads.len() - 1]).1
+    }
+}
+
 impl Multiplied {
     pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Result<Multiplied, ModalError> {
-        let rules = halves(flat, MULTIPLIED_NODES);
+        let rules = halves(settings, flat, MULTIPLIED_NODES.0, MULTIPLIED_NODES.1);
         let aspect = settings.plate.aspect;
         let slopes = membrane::slopes(&flat.model, &flat.shapes, &rules, aspect);
         let stress = if settings.plate.theory == Theory::VonKarman {
@@ -182,7 +194,7 @@ impl Multiplied {
         r: &mut [T],
     ) {
         let n = q.len();
-        let [compression_x, compression_y, shear] = linear.forces(plate);
+        let forces = linear.forces(plate);
         let stiffness = plate.gap_ratio * plate.gap_ratio * 12.0;
         let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
         membrane::products(q, &mut pairs);
@@ -193,32 +205,25 @@ impl Multiplied {
             *r = -plate.load * *mean;
         }
         for (node, weight) in self.nodes.weights.iter().enumerate() {
-            let row = |table: &'_ [f64]| -> std::ops::Range<usize> {
-                let width = table.len() / self.nodes.weights.len();
-                node * width..(node + 1) * width
+            let [values, slopes_x, slopes_y] = self.modes_at(node, n);
+            let [n1, n2, n6] = match &self.stress {
+                Some(stress) => {
+                    stress.each_ref().map(|rows| sum(&pairs, at(rows, node, pairs.len())))
+                }
+                None => [T::zero(); 3],
             };
-            let of_modes = row(&self.nodes.values);
-            let [values, slopes_x, slopes_y] =
-                [&self.nodes.values, &self.slopes[0], &self.slopes[1]]
-                    .map(|table| &table[of_modes.clone()]);
-            let (w_x, w_y) = (sum(q, slopes_x), sum(q, slopes_y));
-            let gap = T::one() - sum(q, values);
-            let mut force_x = -(compression_x * w_x + shear * w_y);
-            let mut force_y = -(compression_y * w_y + shear * w_x);
-            if let Some(stress) = &self.stress {
-                let [n1, n2, n6] = [0, 1, 2].map(|k| sum(&pairs, &stress[k][row(&stress[k])]));
-                force_x += n1 * w_x + n6 * w_y;
-                force_y += n2 * w_y + n6 * w_x;
-            }
-            let gap_squared = gap * gap;
-            let along = (force_x * w_x + force_y * w_y) * gap * 2.0;
-            let plain = (gap_squared * (sum(&bending, values) - plate.pressure) - along) * *weight;
-            let in_x = gap_squared * force_x * *weight;
-            let in_y = gap_squared * force_y * *weight;
+            let [w, w_x, w_y] = [values, slopes_x, slopes_y].map(|table| sum(q, table));
+            let local = [w, w_x, w_y, sum(&bending, values), n1, n2, n6];
+            let parts = integrand(local, forces, plate.pressure).map(|part| part * *weight);
             for (i, r) in r.iter_mut().enumerate() {
-                *r += plain * values[i] + in_x * slopes_x[i] + in_y * slopes_y[i];
+                *r += parts[0] * values[i] + parts[1] * slopes_x[i] + parts[2] * slopes_y[i];
             }
         }
+    }
+
+    /// `φ_i`, `φ_ix`, `φ_iy` at a node.
+    pub(super) fn modes_at(&self, node: usize, modes: usize) -> [&[f64]; 3] {
+        [&self.nodes.values, &self.slopes[0], &self.slopes[1]].map(|rows| at(rows, node, modes))
     }
 
     /// `⟨(1−w)² φ_l φ_r⟩` of two combinations of modes: the inertia that belongs to the multiplied
@@ -249,10 +254,35 @@ impl Multiplied {
     }
 }
 
-/// Rules with `count` nodes in each half direction, or as many as the modes' polynomials need.
-fn halves(flat: &FlatModes, count: usize) -> [Rule; 2] {
-    let FlatModes { model, .. } = flat;
+/// Row `node` of a table.
+pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
+    &rows[node * width..(node + 1) * width]
+}
+
+/// What `φ_i`, `φ_ix`, `φ_iy` are multiplied by in the multiplied projection (the load, a constant, apart),
+/// from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and the pressure.
+pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -> [T; 3] {
+    let [w, w_x, w_y, bending, n1, n2, n6] = local;
+    let [compression_x, compression_y, shear] = forces;
+    let force_x = (n1 - compression_x) * w_x + (n6 - shear) * w_y;
+    let force_y = (n2 - compression_y) * w_y + (n6 - shear) * w_x;
+    let gap = T::one() - w;
+    let gap_squared = gap * gap;
+    let along = (force_x * w_x + force_y * w_y) * gap * 2.0;
+    [gap_squared * (bending - pressure) - along, gap_squared * force_x, gap_squared * force_y]
+}
+
+/// Rules with `base` nodes in each half direction, and `per_wave` more for each half wave that the highest
+/// mode may have along the whole side: `ω = k²` of a mode of wave number `k`.
+fn halves(settings: &ModalSettings, flat: &FlatModes, base: usize, per_wave: f64) -> [Rule; 2] {
+    let highest = flat.squares.last().map_or(0.0, |square| square.max(0.0).sqrt().sqrt());
+    let sides = [1.0, settings.plate.aspect];
     [0, 1].map(|axis| {
-        Rule::halves(count.max(model.transverse[axis].degree() / 2 + 2), model.symmetric[axis])
+        let more = (per_wave * highest * sides[axis] / std::f64::consts::PI).ceil() as usize;
+        Rule::halves(base + more + env("MORE_NODES"), flat.model.symmetric[axis])
     })
+}
+
+pub(super) fn env(name: &str) -> usize {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(0)
 }

@@ -71,7 +71,12 @@ fn fine_orders(orders: Orders) -> Orders {
 }
 
 fn with_in_plane(orders: Orders) -> Orders {
-    Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
+    Orders {
+        in_plane: orders
+            .transverse
+            .map(|n| n + IN_PLANE_BEYOND + super::projection::env("MORE_PLANE")),
+        ..orders
+    }
 }
 
 /// The usual orders, or the first ones above with more functions than modes and their equals.
