@@ -216,6 +216,19 @@ pub enum Slot {
 /// potential.
 pub type Spectrum = Vec<(f64, f64)>;
 
+/// A curve that belongs to a solution and is drawn for special points: a mode shape along a line, a
+/// field, a time history.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// What it shows, for example `mode shape`.
+    pub name: String,
+    /// The name of its abscissa, for example `x/a`.
+    pub along: String,
+    /// Points (abscissa, ordinate).
+    pub points: Vec<[f64; 2]>,
+}
+
 /// The same zero problem on a finer discretisation, and a point of it.
 pub struct Refinement {
     /// The finer system; its parameters and monitors have the same names.
@@ -300,6 +313,11 @@ pub trait System {
 
     /// The gradient of one monitor with respect to `x` (all of it).
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]);
+
+    /// Curves that are kept with special points and drawn for them.
+    fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {
+        Vec::new()
+    }
 
     /// The same problem on a finer discretisation: special points are finished on it, and the
     /// difference is the discretisation's share of their `error`. `None` where the equations are

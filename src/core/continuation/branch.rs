@@ -1,7 +1,7 @@
 //! Branches as data: what a trace leaves behind, to be saved, drawn, restarted and tested.
 
 use super::settings::Settings;
-use crate::core::zero::Group;
+use crate::core::zero::{Group, Profile};
 use serde::{Deserialize, Serialize};
 
 /// The kind of a special point, written as the two letters that the field reads at a glance.
@@ -68,7 +68,7 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecialPoint {
-    /// Its label, unique within its branch, counted from 1.
+    /// Its label, unique within its branch: 1, 2, … in the order in which they were found.
     pub label: usize,
     /// Its kind.
     pub kind: Kind,
@@ -94,6 +94,8 @@ pub struct SpecialPoint {
     pub state: Vec<f64>,
     /// The direction of the branch there, `(z, released parameters)`, of scaled length 1.
     pub tangent: Vec<f64>,
+    /// Curves that belong to the solution, as the problem offers them.
+    pub profiles: Vec<Profile>,
 }
 
 /// Why a branch ended.

@@ -153,6 +153,8 @@ impl Stepper<'_> {
             // At a bifurcation an eigenvalue is zero but for rounding and would be counted at random.
             point.unstable = from.point.unstable.min(to.point.unstable);
         }
+        let at = self.equations.at();
+        let profiles = at.system.profiles(at.x);
         let converged = error.is_some();
         let width = (bracket[1] - bracket[0]).abs();
         let mut error = error.unwrap_or(width);
@@ -180,6 +182,7 @@ impl Stepper<'_> {
             converged,
             state,
             tangent,
+            profiles,
         };
         Some(Located { event: index, along, special })
     }

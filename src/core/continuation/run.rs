@@ -18,6 +18,8 @@ pub(super) struct Tracer<'a> {
     pub skip_first: bool,
     /// Whether to trace backward, forward.
     pub directions: [bool; 2],
+    /// How many labels have been given.
+    pub labels: usize,
 }
 
 /// One of the two halves of a branch, from the start outward. `after` of its special points counts
@@ -44,23 +46,51 @@ impl Tracer<'_> {
         self.stepper.turn(&mut turned);
         let _ = observer.point(&start.point);
         let [backward, forward] = self.directions;
-        let ahead = if forward { self.half(start.clone(), observer) } else { self.no_half() };
+        // The start is the first point that is labelled, if it is an end.
+        let behind = match self.outward(&turned) {
+            Some(end) => Some(self.no_half(end, observer)),
+            None if backward => None,
+            None => Some(self.no_half(End::Start, observer)),
+        };
+        let ahead = match forward {
+            true => self.half(start.clone(), observer),
+            false => self.no_half(End::Start, observer),
+        };
         let closed = matches!(ahead.end, End::Closed { .. });
         let interrupted = ahead.end == End::Interrupted;
-        let behind = if closed {
-            Half { end: ahead.end.clone(), ..self.no_half() }
-        } else if backward && !interrupted {
-            self.half(turned, observer)
+        let behind: Half = if closed {
+            Half { places: Vec::new(), special: Vec::new(), end: ahead.end.clone() }
         } else {
-            self.no_half()
+            match behind {
+                Some(behind) => behind,
+                None if interrupted => self.no_half(End::Interrupted, observer),
+                None => self.half(turned, observer),
+            }
         };
         self.join(behind, start, ahead);
         self.branch
     }
 
-    fn no_half(&self) -> Half {
-        let end = self.end_point(&self.start, &End::Start, 0);
-        Half { places: Vec::new(), special: vec![end], end: End::Start }
+    /// Nothing but the start, as an end of the branch.
+    fn no_half(&mut self, end: End, observer: &mut dyn Observer) -> Half {
+        let start = self.start.clone();
+        let special = self.end_point(&start, &end, 0);
+        let mut half = Half { places: Vec::new(), special: Vec::new(), end };
+        self.announce(&mut half, special, observer);
+        half
+    }
+
+    /// Labels a special point and shows it.
+    fn announce(
+        &mut self,
+        half: &mut Half,
+        mut special: SpecialPoint,
+        observer: &mut dyn Observer,
+    ) {
+        self.labels += 1;
+        special.label = self.labels;
+        observer.special(&self.branch, &special);
+        half.special.push(special);
     }
 
     fn half(&mut self, start: Place, observer: &mut dyn Observer) -> Half {
@@ -87,18 +117,14 @@ impl Tracer<'_> {
                 let after = half.places.len();
                 for Located { mut special, .. } in found {
                     special.after = after;
-                    special.label = half.special.len() + 1;
-                    observer.special(&self.branch, &special);
-                    half.special.push(special);
+                    self.announce(&mut half, special, observer);
                 }
                 match ending {
                     Some(Ending { end, at }) => {
                         if let Some(Located { mut special, .. }) = at {
                             half.places.push(point_of(&special));
                             special.after = half.places.len();
-                            special.label = half.special.len() + 1;
-                            observer.special(&self.branch, &special);
-                            half.special.push(special);
+                            self.announce(&mut half, special, observer);
                         }
                         break end;
                     }
@@ -117,8 +143,7 @@ impl Tracer<'_> {
             half.special.last().is_some_and(|s| s.after == half.places.len() && s.after > 0);
         if !ended && !matches!(half.end, End::Closed { .. }) {
             let special = self.end_point(&place, &half.end, half.places.len());
-            observer.special(&self.branch, &special);
-            half.special.push(special);
+            self.announce(&mut half, special, observer);
         }
         half
     }
@@ -245,8 +270,14 @@ impl Tracer<'_> {
         scaled_norm(&unknowns, &stepper.weights) < 1e3 * stepper.settings.tolerance.max(1e-12)
     }
 
-    fn end_point(&self, place: &Place, end: &End, after: usize) -> SpecialPoint {
-        let equations = &self.stepper.equations;
+    fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
+        let equations = &mut self.stepper.equations;
+        equations.load(&place.unknowns);
+        let at = equations.at();
+        let profiles = match at.system.assemble(at.x) {
+            Ok(()) => at.system.profiles(at.x),
+            Err(_) => Vec::new(),
+        };
         let (n, first) = (equations.dimension(), equations.parameters_at());
         let failed = matches!(end, End::StepTooSmall { .. });
         let parameter = place.unknowns[first];
@@ -265,6 +296,7 @@ impl Tracer<'_> {
             converged: true,
             state: place.unknowns[..n].to_vec(),
             tangent,
+            profiles,
         }
     }
 
@@ -283,9 +315,6 @@ impl Tracer<'_> {
             special.after += before;
             special
         }));
-        for (i, special) in special.iter_mut().enumerate() {
-            special.label = i + 1;
-        }
         self.branch.points = behind.places;
         self.branch.points.push(start.point);
         self.branch.points.extend(ahead.places);

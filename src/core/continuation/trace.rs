@@ -85,7 +85,7 @@ pub trait Observer {
         ControlFlow::Continue(())
     }
 
-    /// A special point was found. Labels are final only when the branch is complete.
+    /// A special point was found, and labelled.
     fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
 }
 
@@ -475,6 +475,7 @@ impl<'a> Continuation<'a> {
             start: place,
             skip_first: self.switched || self.from_special,
             directions: [self.backward, self.forward],
+            labels: 0,
         })
     }
 }

@@ -26,11 +26,11 @@ mod tables;
 pub use error::ModalError;
 pub use system::ModalSystem;
 
-use super::model::{LARGEST_DEFLECTION, Model};
-use super::orders::Orders;
+use super::model::LARGEST_DEFLECTION;
 use super::shape::{self, Search};
 use super::sine::{MONITORS, Projection};
-use super::{Parameters, RitzSettings, Supports, Units, signed_root};
+use super::tensor::Rule;
+use super::{Orders, Parameters, Ritz, RitzSettings, Supports, Units, signed_root};
 use crate::core::scalar::Scalar;
 use crate::core::zero::{Dynamics, LeftDomain, Names, ZeroProblem};
 use projection::{Direct, Linear, Multiplied};
@@ -59,14 +59,16 @@ pub struct ModalSettings {
 }
 
 impl ModalSettings {
-    /// Eight modes of a square plate with `ν = 0.3`, in the direct projection, accurate to 1e-8.
+    /// Eight modes of a square plate with `ν = 0.3`, in the direct projection, accurate to 1e-8, or to 1e-4
+    /// if some edge is free: where it meets a clamped one, or another free one, the modes have
+    /// singularities that polynomials approach slowly.
     pub fn new(supports: Supports) -> ModalSettings {
         ModalSettings {
             plate: RitzSettings::new(supports),
             nu: 0.3,
             modes: 8,
             projection: Projection::Direct,
-            mode_accuracy: 1e-8,
+            mode_accuracy: if supports.any_free() { 1e-4 } else { 1e-8 },
         }
     }
 }
@@ -104,9 +106,8 @@ impl ModalSettings {
 /// ```
 pub struct Modal {
     settings: ModalSettings,
-    model: Model,
-    orders: Orders,
-    /// Coefficients of the modes in the functions of `model`.
+    plate: Ritz,
+    /// Coefficients of the modes in the unknowns of `plate`.
     shapes: Vec<Vec<f64>>,
     linear: Linear,
     projected: Projected,
@@ -139,15 +140,15 @@ impl Modal {
         if !(1e-12..=0.1).contains(&accuracy) {
             return Err(ModalError::AccuracyRange { accuracy });
         }
-        let flat = FlatModes::new(&settings)?;
+        let mut flat = FlatModes::new(&settings)?;
         let linear = Linear::new(&settings, &flat);
         let projected = match settings.projection {
-            Projection::Direct => Projected::Direct(Direct::new(&settings, &flat)?),
-            Projection::Multiplied => Projected::Multiplied(Multiplied::new(&settings, &flat)?),
+            Projection::Direct => Projected::Direct(Direct::new(&settings, &mut flat)?),
+            Projection::Multiplied => Projected::Multiplied(Multiplied::new(&settings, &mut flat)?),
         };
-        let grid = Grid::new(&flat);
-        let FlatModes { model, orders, shapes, .. } = flat;
-        Ok(Modal { settings, model, orders, shapes, linear, projected, grid })
+        let grid = Grid::new(&flat, settings.plate.aspect);
+        let FlatModes { plate, shapes, .. } = flat;
+        Ok(Modal { settings, plate, shapes, linear, projected, grid })
     }
 
     /// What the model was made from.
@@ -157,7 +158,7 @@ impl Modal {
 
     /// The numbers of functions that the modes are combinations of, and of in-plane functions.
     pub fn orders(&self) -> Orders {
-        self.orders
+        self.plate.orders()
     }
 
     /// `ω_i a²√(ρh/D)` of the modes of the flat plate, ascending.
@@ -200,8 +201,9 @@ impl Modal {
 
     /// `φ_i` of all modes at a point.
     fn modes_at(&self, [x, y]: [f64; 2], out: &mut [f64]) {
-        let mut products = vec![0.0; self.model.unknowns()];
-        shape::products(&self.model, 2.0 * x - 1.0, 2.0 * y - 1.0, &mut products);
+        let mut products = vec![0.0; self.plate.model.unknowns()];
+        let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
+        shape::products(&self.plate.model, at, &mut Default::default(), &mut products);
         for (out, shape) in out.iter_mut().zip(&self.shapes) {
             *out = tables::sum(shape, &products);
         }
@@ -209,15 +211,12 @@ impl Modal {
 
     /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
     pub fn centre_line(&self, z: &[f64], points: usize) -> Vec<(f64, f64)> {
-        let step = 1.0 / points.saturating_sub(1).max(1) as f64;
-        let coefficients = self.coefficients(z);
-        let at = |x: f64| shape::local(&self.model, &coefficients, 2.0 * x - 1.0, 0.0)[0];
-        (0..points).map(|i| i as f64 * step).map(|x| (x, at(x))).collect()
+        self.plate.centre_line(&self.coefficients(z), points)
     }
 
-    /// `Σ z_i φ_i` in the functions that the modes are combinations of.
+    /// `Σ z_i φ_i` in the unknowns of the plate that the modes are taken from.
     fn coefficients(&self, z: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.model.unknowns()];
+        let mut sum = vec![0.0; self.plate.model.unknowns()];
         for (shape, z) in self.shapes.iter().zip(z) {
             sum.iter_mut().zip(shape).for_each(|(sum, c)| *sum += z * c);
         }
@@ -231,11 +230,12 @@ impl Modal {
     /// The largest deflection and where it is, along the sides from 0 to 1.
     fn largest(&self, z: &[f64]) -> [f64; 3] {
         let (best, [xi, zeta]) = self.grid.largest(z);
-        let held = [0, 1].map(|axis| self.model.symmetric[axis]);
+        let model = &self.plate.model;
+        let held = model.symmetric;
         let (w, xi, zeta) = if best.is_nan() || (held == [true; 2] && xi == 0.0 && zeta == 0.0) {
             (best, xi, zeta)
         } else {
-            Search::new(&self.model).largest(&self.model, &self.coefficients(z))
+            Search::new(model).largest(model, &self.coefficients(z))
         };
         [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
     }
@@ -261,7 +261,8 @@ impl Modal {
                 return Err(LeftDomain::new(*name, *value, "it must be positive"));
             }
         }
-        let loses_shear = self.model.symmetric != [false; 2] && !settings.plate.supports.any_free();
+        let loses_shear =
+            self.plate.model.symmetric != [false; 2] && !settings.plate.supports.any_free();
         if plate.shear != 0.0 && loses_shear {
             let remedy =
                 "shear breaks the plate's symmetry: build the plate with symmetric = false";
@@ -273,17 +274,16 @@ impl Modal {
 
 impl Grid {
     /// From the middle (or one end) to the end, in steps of 1/16 of the half side.
-    fn new(flat: &FlatModes) -> Grid {
-        let model = &flat.model;
-        let nodes = model.symmetric.map(|symmetric| -> Vec<f64> {
+    fn new(flat: &FlatModes, aspect: f64) -> Grid {
+        let nodes = flat.plate.model.symmetric.map(|symmetric| -> Vec<f64> {
             let first = if symmetric { 0 } else { -16 };
             (first..=16).map(|i| f64::from(i) / 16.0).collect()
         });
         let rules = nodes.clone().map(|nodes| {
             let weights = vec![0.0; nodes.len()];
-            super::tensor::Rule { nodes, weights }
+            Rule { nodes, weights }
         });
-        let values = tables::Nodes::new(model, &flat.shapes, &rules).values;
+        let values = tables::Nodes::new(&flat.plate, &flat.shapes, &rules, aspect).values;
         let points = nodes[0].iter().flat_map(|x| nodes[1].iter().map(|y| [*x, *y])).collect();
         Grid { points, values }
     }

@@ -115,8 +115,7 @@ impl Model {
     pub fn new(settings: RitzSettings) -> Result<Model, PlateError> {
         let supports = settings.supports;
         let symmetric = supports.alike().map(|alike| alike && settings.symmetric);
-        let orders =
-            settings.orders.unwrap_or_else(|| Orders::usual(supports, symmetric, settings.aspect));
+        let orders = settings.orders.unwrap_or_else(|| Orders::usual(symmetric, settings.aspect));
         orders.check()?;
         check_held(supports)?;
         let ends = [supports.x(), supports.y()];
@@ -186,8 +185,7 @@ impl LineMoments {
     fn new(basis: &Basis, symmetric: bool) -> LineMoments {
         let rule = Rule::exact(2 * basis.degree(), symmetric);
         let Table { values, slopes, curvatures, .. } = basis.table(&rule.nodes);
-        let mut skew =
-            [moments(&rule, &slopes, &values), moments(&rule, &values, &slopes)];
+        let mut skew = [moments(&rule, &slopes, &values), moments(&rule, &values, &slopes)];
         if symmetric {
             skew.iter_mut().for_each(|matrix| matrix.fill(0.0));
         }
@@ -238,9 +236,8 @@ impl Membrane {
         let with_w = |others: &[Table; 2]| {
             [0, 1].map(|axis| {
                 let (points, w) = (rules[axis].len(), &w[axis]);
-                [&others[axis].values, &others[axis].slopes].map(|other| {
-                    [pairs(points, other, &w.values), pairs(points, other, &w.slopes)]
-                })
+                [&others[axis].values, &others[axis].slopes]
+                    .map(|other| [pairs(points, other, &w.values), pairs(points, other, &w.slopes)])
             })
         };
         let (ww, uw, vw) = (with_w(&w), with_w(&u), with_w(&v));

@@ -157,8 +157,7 @@ impl PlaneSpace {
     fn stiffness(&self, alpha: f64, nu: f64, k: &mut [f64]) {
         let (n, nu_count) = (self.len(), self.u_active.len());
         let m = &self.moments;
-        let (ux, uy, vx, vy) =
-            (self.u[0].len(), self.u[1].len(), self.v[0].len(), self.v[1].len());
+        let (ux, uy, vx, vy) = (self.u[0].len(), self.u[1].len(), self.v[0].len(), self.v[1].len());
         let shear = 2.0 * (1.0 - nu);
         for (row, i) in self.u_active.iter().enumerate() {
             let [a, b] = [i / uy, i % uy];
@@ -274,13 +273,8 @@ impl PlaneFactor {
         space.stiffness(alpha, nu, &mut self.factor);
         let matrix = MatMut::from_column_major_slice_mut(&mut self.factor, self.size, self.size);
         let stack = MemStack::new(&mut self.scratch);
-        let done = cholesky_in_place(
-            matrix,
-            Default::default(),
-            Par::Seq,
-            stack,
-            Default::default(),
-        );
+        let done =
+            cholesky_in_place(matrix, Default::default(), Par::Seq, stack, Default::default());
         self.at = done.is_ok().then_some((alpha, nu));
         done.is_ok()
     }

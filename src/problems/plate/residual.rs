@@ -124,7 +124,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// `s = −K_uv⁻¹ r(w)` by refinement with the `f64` factor, each turn exact to one order more.
-    fn solve_plane(
+    pub fn solve_plane(
         &mut self,
         model: &Model,
         membrane: &Membrane,
@@ -193,12 +193,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// `K_uv s + r(w)` of the present stresses into `right`.
-    fn project_on_plane(
-        &mut self,
-        model: &Model,
-        membrane: &Membrane,
-        parameters: &Parameters<T>,
-    ) {
+    fn project_on_plane(&mut self, model: &Model, membrane: &Membrane, parameters: &Parameters<T>) {
         let along = parameters.aspect.recip() * 2.0;
         let two = T::from(2.0);
         let [u_x, u_y] = membrane.slopes(&membrane.u);
@@ -282,7 +277,11 @@ pub(super) fn quadratic_terms<'a, T: Scalar>(
         (poisson, &x.mixed[1], &y.mixed[1]),
         ((T::one() - parameters.nu) * along2 * 32.0, &x.slopes, &y.slopes),
         (parameters.compression_x * -4.0, left(&x.slopes, carried(supports.x())), &y.values),
-        (parameters.compression_y * along2 * -4.0, left(&x.values, carried(supports.y())), &y.slopes),
+        (
+            parameters.compression_y * along2 * -4.0,
+            left(&x.values, carried(supports.y())),
+            &y.slopes,
+        ),
         (shear, left(&x.skew[0], sheared), &y.skew[0]),
         (shear, left(&x.skew[1], sheared), &y.skew[1]),
     ]

@@ -5,8 +5,8 @@
 //! derivative of the residual by dual numbers.
 
 use super::membrane;
-use super::projection::{Direct, Linear, Multiplied, at, integrand};
-use super::tables::sum;
+use super::projection::{Direct, Linear, Multiplied, integrand};
+use super::tables::{at, sum};
 use crate::problems::plate::Parameters;
 use num_dual::DualSVec64;
 

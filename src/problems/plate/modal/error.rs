@@ -38,15 +38,6 @@ pub enum ModalError {
         /// How many of the lowest modes are accurate enough.
         accurate: usize,
     },
-    /// An in-plane stiffness without an inverse.
-    #[error(
-        "the in-plane stiffness is singular to working accuracy with {} × {} functions: use fewer",
-        functions[0], functions[1]
-    )]
-    Plane {
-        /// The numbers of in-plane functions along x and y.
-        functions: [usize; 2],
-    },
     /// A plate that cannot be set up.
     #[error(transparent)]
     Plate(#[from] PlateError),

@@ -1,23 +1,17 @@
 //! The two projections on the modes.
 
-use super::membrane::{self, Pairs};
 use super::spectrum::FlatModes;
-use super::tables::{self, Nodes, sum};
-use super::{ModalError, ModalSettings};
+use super::tables::{Nodes, at, sum};
+use super::{ModalError, ModalSettings, membrane};
 use crate::core::scalar::Scalar;
-use crate::problems::plate::Parameters;
-use crate::problems::plate::edges::Support;
-use crate::problems::plate::model::{LARGEST_DEFLECTION, Theory};
+use crate::problems::plate::model::LARGEST_DEFLECTION;
 use crate::problems::plate::tensor::Rule;
+use crate::problems::plate::{MembraneForm, Parameters, Support, Theory};
 
 /// Nodes in each half direction for the load, and for each half wave of the highest mode, which enters by
 /// itself: deflections are mostly the lowest mode.
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
-
-/// The same for the multiplied projection, whose integrands are products of six modes and their slopes:
-/// `m` half waves in each turn by `3mπ` on a half side, and `n` nodes follow some `4n` radians less a few.
-const MULTIPLIED_NODES: (usize, f64) = (10, 2.4);
 
 /// What both projections need.
 pub(super) struct Linear {
@@ -42,30 +36,32 @@ pub(super) struct Direct {
 /// `r_i = ⟨φ_i (1−w)² · equation⟩`.
 pub(super) struct Multiplied {
     pub(super) nodes: Nodes,
-    /// `φ_ix`, `φ_iy` at the nodes.
-    slopes: [Vec<f64>; 2],
     /// Rows of `N₁`, `N₂`, `N₆` of all pairs, node by node; absent from linear theory.
     pub(super) stress: Option<[Vec<f64>; 3]>,
 }
 
+/// The response in the plane; none in linear theory.
+fn membrane_form(
+    settings: &ModalSettings,
+    flat: &mut FlatModes,
+) -> Result<Option<MembraneForm>, ModalError> {
+    if settings.plate.theory == Theory::Linear {
+        return Ok(None);
+    }
+    Ok(Some(flat.plate.membrane_form(&flat.shapes, settings.plate.aspect, settings.nu)?))
+}
+
 impl Linear {
     pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Linear {
-        let FlatModes { model, shapes, .. } = flat;
+        let FlatModes { plate, shapes, .. } = flat;
+        let model = &plate.model;
         let rules = [0, 1]
             .map(|axis| Rule::exact(2 * model.transverse[axis].degree(), model.symmetric[axis]));
-        let nodes = Nodes::new(model, shapes, &rules);
+        let nodes = Nodes::new(plate, shapes, &rules, settings.plate.aspect);
         let count = shapes.len();
-        let [x, y] = membrane::slopes(model, shapes, &rules, settings.plate.aspect);
-        let gram = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<f64> {
-            let entry = |i: usize, k: usize| -> f64 {
-                a[i].iter().zip(&b[k]).zip(&nodes.weights).map(|((a, b), w)| a * b * w).sum()
-            };
-            (0..count * count).map(|e| entry(e / count, e % count)).collect()
-        };
-        let both: Vec<f64> = {
-            let xy = gram(&x, &y);
-            (0..count * count).map(|e| xy[e] + xy[e % count * count + e / count]).collect()
-        };
+        let [x, y] = &nodes.slopes;
+        let mixed = nodes.gram(x, y);
+        let both = (0..count * count).map(|e| mixed[e] + mixed[e % count * count + e / count]);
         let supports = settings.plate.supports;
         // Where symmetry is used a sheared plate is refused; see `domain`.
         let sheared = !supports.any_free() && model.symmetric == [false; 2];
@@ -79,10 +75,7 @@ impl Linear {
             let values = nodes.values.chunks_exact(count).zip(&nodes.weights);
             values.map(|(values, weight)| values[i] * weight).sum()
         });
-        let mut slopes = [gram(&x, &x), gram(&y, &y), both];
-        for (matrix, carried) in slopes.iter_mut().zip(carried) {
-            matrix.iter_mut().for_each(|entry| *entry *= carried);
-        }
+        let slopes = [nodes.gram(x, x), nodes.gram(y, y), both.collect()];
         Linear { squares: flat.squares.clone(), means: means.collect(), slopes, carried }
     }
 
@@ -94,17 +87,11 @@ impl Linear {
 }
 
 impl Direct {
-    pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Result<Direct, ModalError> {
-        let form = if settings.plate.theory == Theory::VonKarman {
-            let plane = membrane::plane_space(settings, flat);
-            let rules = membrane::exact_rules(flat, &plane);
-            Some(Pairs::new(settings, flat, &plane, &rules)?.quartic_form())
-        } else {
-            None
-        };
+    pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Direct, ModalError> {
+        let form = membrane_form(settings, flat)?.map(|form| form.quartic);
         let loads = LOAD_NODES.map(|(largest, base)| {
             let rules = halves(settings, flat, base, LOAD_NODES_PER_WAVE);
-            (largest, Nodes::new(&flat.model, &flat.shapes, &rules))
+            (largest, Nodes::new(&flat.plate, &flat.shapes, &rules, settings.plate.aspect))
         });
         Ok(Direct { form, loads })
     }
@@ -153,28 +140,23 @@ impl Direct {
 }
 
 impl Multiplied {
-    pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Result<Multiplied, ModalError> {
-        let rules = halves(settings, flat, MULTIPLIED_NODES.0, MULTIPLIED_NODES.1);
-        let aspect = settings.plate.aspect;
-        let slopes = membrane::slopes(&flat.model, &flat.shapes, &rules, aspect);
-        let stress = if settings.plate.theory == Theory::VonKarman {
-            let plane = membrane::plane_space(settings, flat);
-            let pairs = Pairs::new(settings, flat, &plane, &rules)?;
-            let length = pairs.weights.len();
-            Some([0, 1, 2].map(|component| {
-                let fields: Vec<Vec<f64>> = (pairs.stress.chunks_exact(3 * length))
-                    .map(|fields| fields[component * length..(component + 1) * length].to_vec())
-                    .collect();
-                tables::by_node(&fields)
-            }))
-        } else {
-            None
+    pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Multiplied, ModalError> {
+        // Integrands are products of six modes or slopes. The rule for products of four is made for the
+        // polynomials' degrees, twice what the modes themselves need.
+        let (rules, stress) = match membrane_form(settings, flat)? {
+            Some(form) => {
+                let nodes = form.rules[0].len() * form.rules[1].len();
+                let by_node = |component: usize| -> Vec<f64> {
+                    let row = |node| form.stress.iter().map(move |fields| fields[component][node]);
+                    (0..nodes).flat_map(row).collect()
+                };
+                let stress = [by_node(0), by_node(1), by_node(2)];
+                (form.rules, Some(stress))
+            }
+            None => (flat.plate.load_rules(0.5).clone(), None),
         };
-        Ok(Multiplied {
-            nodes: Nodes::new(&flat.model, &flat.shapes, &rules),
-            slopes: slopes.map(|slopes| tables::by_node(&slopes)),
-            stress,
-        })
+        let nodes = Nodes::new(&flat.plate, &flat.shapes, &rules, settings.plate.aspect);
+        Ok(Multiplied { nodes, stress })
     }
 
     /// With `L(w) = Σ ω_k² q_k φ_k` (true of flat modes at every point) and the whole resultant
@@ -223,7 +205,8 @@ impl Multiplied {
 
     /// `φ_i`, `φ_ix`, `φ_iy` at a node.
     pub(super) fn modes_at(&self, node: usize, modes: usize) -> [&[f64]; 3] {
-        [&self.nodes.values, &self.slopes[0], &self.slopes[1]].map(|rows| at(rows, node, modes))
+        [&self.nodes.values, &self.nodes.slopes[0], &self.nodes.slopes[1]]
+            .map(|rows| at(rows, node, modes))
     }
 
     /// `⟨(1−w)² φ_l φ_r⟩` of two combinations of modes: the inertia that belongs to the multiplied
@@ -254,11 +237,6 @@ impl Multiplied {
     }
 }
 
-/// Row `node` of a table.
-pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
-    &rows[node * width..(node + 1) * width]
-}
-
 /// What `φ_i`, `φ_ix`, `φ_iy` are multiplied by in the multiplied projection (the load, a constant, apart),
 /// from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and the pressure.
 pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -> [T; 3] {
@@ -275,14 +253,11 @@ pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -
 /// Rules with `base` nodes in each half direction, and `per_wave` more for each half wave that the highest
 /// mode may have along the whole side: `ω = k²` of a mode of wave number `k`.
 fn halves(settings: &ModalSettings, flat: &FlatModes, base: usize, per_wave: f64) -> [Rule; 2] {
+    let symmetric = flat.plate.model.symmetric;
     let highest = flat.squares.last().map_or(0.0, |square| square.max(0.0).sqrt().sqrt());
     let sides = [1.0, settings.plate.aspect];
     [0, 1].map(|axis| {
         let more = (per_wave * highest * sides[axis] / std::f64::consts::PI).ceil() as usize;
-        Rule::halves(base + more + env("MORE_NODES"), flat.model.symmetric[axis])
+        Rule::halves(base + more, symmetric[axis])
     })
-}
-
-pub(super) fn env(name: &str) -> usize {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(0)
 }

@@ -1,12 +1,10 @@
 //! The flat plate's modes, accurate to what is asked for and in a reproducible order.
 
+use super::ModalSettings;
 use super::error::ModalError;
-use super::{ModalSettings, tables};
-use crate::problems::plate::Modes;
-use crate::problems::plate::model::{Model, RitzSettings, Theory};
-use crate::problems::plate::orders::Orders;
-use crate::problems::plate::ritz::Ritz;
+use super::tables::Nodes;
 use crate::problems::plate::tensor::Rule;
+use crate::problems::plate::{Modes, Orders, PlateError, Ritz, RitzSettings, Theory};
 use faer::{Mat, Side};
 
 /// The most transverse functions tried: the eigenproblem of the next rung would take seconds.
@@ -20,13 +18,11 @@ const IN_PLANE_BEYOND: usize = 6;
 
 /// The lowest modes of the flat plate.
 pub(super) struct FlatModes {
-    /// Functions that the modes are combinations of.
-    pub model: Model,
-    /// Numbers of functions, for the deflection and in the plane.
-    pub orders: Orders,
+    /// The plate in whose unknowns the modes are written.
+    pub plate: Ritz,
     /// `ω²`.
     pub squares: Vec<f64>,
-    /// Coefficients in the unknowns of `model`, of mean square 1 over the plate.
+    /// Coefficients in the unknowns of `plate`, of mean square 1 over the plate.
     pub shapes: Vec<Vec<f64>>,
 }
 
@@ -42,11 +38,11 @@ impl FlatModes {
             let error = coarse.error(&fine, asked);
             let fits = error <= settings.mode_accuracy;
             if fits && settings.plate.orders.is_some() {
-                return Ok(coarse.ordered(settings, orders));
+                return coarse.ordered(settings, orders);
             }
-            orders = fine_orders(orders);
+            orders = with_in_plane(orders.finer());
             if fits {
-                return Ok(fine.ordered(settings, orders));
+                return fine.ordered(settings, orders);
             }
             let [x, y] = orders.finer().transverse;
             if settings.plate.orders.is_some() || x * y > LARGEST_RUNG {
@@ -65,25 +61,16 @@ impl FlatModes {
     }
 }
 
-/// The next rung, with in-plane functions to go with it.
-fn fine_orders(orders: Orders) -> Orders {
-    with_in_plane(orders.finer())
-}
-
+/// In-plane functions to go with the transverse ones.
 fn with_in_plane(orders: Orders) -> Orders {
-    Orders {
-        in_plane: orders
-            .transverse
-            .map(|n| n + IN_PLANE_BEYOND + super::projection::env("MORE_PLANE")),
-        ..orders
-    }
+    Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
 }
 
 /// The usual orders, or the first ones above with more functions than modes and their equals.
 fn first_rung(settings: &ModalSettings) -> Orders {
     let RitzSettings { supports, symmetric, aspect, .. } = settings.plate;
     let symmetric = supports.alike().map(|alike| alike && symmetric);
-    let mut orders = Orders::usual(supports, symmetric, aspect);
+    let mut orders = Orders::usual(symmetric, aspect);
     while orders.transverse[0] * orders.transverse[1] < settings.modes + BEYOND {
         orders = orders.finer();
     }
@@ -92,7 +79,7 @@ fn first_rung(settings: &ModalSettings) -> Orders {
 
 /// The modes in one space of polynomials.
 struct Rung {
-    model: Model,
+    plate: Ritz,
     modes: Modes,
 }
 
@@ -105,9 +92,9 @@ impl Rung {
             ..settings.plate
         };
         let mut plate = Ritz::new(bending)?;
-        let modes = plate.flat_modes(settings.plate.aspect, settings.nu, settings.modes + BEYOND);
-        let modes = modes.map_err(crate::problems::plate::PlateError::from)?;
-        Ok(Rung { model: plate.model, modes })
+        let (aspect, count) = (settings.plate.aspect, settings.modes + BEYOND);
+        let modes = plate.flat_modes(aspect, settings.nu, count).map_err(PlateError::from)?;
+        Ok(Rung { plate, modes })
     }
 
     /// The largest relative difference of `ω²` among the lowest modes; infinite where there are not as many.
@@ -123,37 +110,39 @@ impl Rung {
     /// Chooses among modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending order.
     /// The eigenproblem leaves their combination to rounding; a supported square plate's become
     /// (1,3), (3,1). Signs are such that the first of some moments that is not zero is positive.
-    fn ordered(self, settings: &ModalSettings, orders: Orders) -> FlatModes {
-        let Rung { model, modes: Modes { squares, mut shapes } } = self;
+    fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, ModalError> {
+        let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
+        let model = &bending.model;
         let rules = [0, 1]
             .map(|axis| Rule::exact(2 * model.transverse[axis].degree(), model.symmetric[axis]));
+        let nodes =
+            |shapes: &[Vec<f64>]| Nodes::new(&bending, shapes, &rules, settings.plate.aspect);
         let mut first = 0;
         while first < squares.len() {
             let equal = |square: f64| square <= squares[first] * (1.0 + settings.mode_accuracy);
             let last = first + squares[first..].iter().take_while(|s| equal(**s)).count().max(1);
             if last > first + 1 {
-                separate(&model, &rules, &mut shapes[first..last]);
+                separate(&nodes(&shapes[first..last]), &mut shapes[first..last]);
             }
             first = last;
         }
         shapes.truncate(settings.modes);
-        for shape in &mut shapes {
-            let sign = sign(&model, &rules, shape);
+        let at_nodes = nodes(&shapes);
+        for (mode, shape) in shapes.iter_mut().enumerate() {
+            let sign = sign(&at_nodes, mode, &rules);
             shape.iter_mut().for_each(|c| *c *= sign);
         }
-        FlatModes { model, orders, squares: squares[..settings.modes].to_vec(), shapes }
+        // The same transverse functions, and in-plane ones beside them.
+        let plate = Ritz::new(RitzSettings { orders: Some(orders), ..settings.plate })?;
+        Ok(FlatModes { plate, squares: squares[..settings.modes].to_vec(), shapes })
     }
 }
 
 /// Turns orthonormal shapes within the space they span until `⟨φ_x²⟩` is diagonal and ascends.
-fn separate(model: &Model, rules: &[Rule; 2], shapes: &mut [Vec<f64>]) {
-    let slopes = tables::fields(model, shapes, rules, [1, 0]);
-    let weights = tables::weights(rules);
+fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
     let count = shapes.len();
-    let gram = Mat::from_fn(count, count, |i, k| {
-        let products = slopes[i].iter().zip(&slopes[k]).zip(&weights);
-        products.map(|((a, b), w)| a * b * w).sum::<f64>()
-    });
+    let gram = nodes.gram(&nodes.slopes[0], &nodes.slopes[0]);
+    let gram = Mat::from_fn(count, count, |i, k| gram[i * count + k]);
     // Without a solution (values that are not finite) the shapes stay as they are.
     let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return };
     let turned: Vec<Vec<f64>> = (0..count)
@@ -170,12 +159,12 @@ fn separate(model: &Model, rules: &[Rule; 2], shapes: &mut [Vec<f64>]) {
 }
 
 /// The sign of the first moment of a mode that is not zero to rounding.
-fn sign(model: &Model, rules: &[Rule; 2], shape: &[f64]) -> f64 {
-    let field = &tables::fields(model, &[shape.to_vec()], rules, [0, 0])[0];
-    let weights = tables::weights(rules);
-    let columns = rules[1].len();
+fn sign(nodes: &Nodes, mode: usize, rules: &[Rule; 2]) -> f64 {
+    let modes = nodes.values.len() / nodes.weights.len();
     let moment = |[i, j]: [i32; 2]| -> f64 {
-        let terms = field.iter().zip(&weights).enumerate().map(|(node, (w, weight))| {
+        let terms = nodes.values.iter().skip(mode).step_by(modes).zip(&nodes.weights).enumerate();
+        let columns = rules[1].len();
+        let terms = terms.map(|(node, (w, weight))| {
             let [x, y] = [rules[0].nodes[node / columns], rules[1].nodes[node % columns]];
             w * weight * x.powi(i) * y.powi(j)
         });

@@ -1,0 +1,56 @@
+//! Why a command failed.
+
+use std::path::PathBuf;
+use tangency::output::{FigureError, FileError, UnknownName, UnknownPoint};
+use tangency::scene::SceneError;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// A file cannot be read, understood or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The output would replace an input.
+    #[error("{} is an input and is not overwritten; name another place with --out", path.display())]
+    OutputIsInput {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The scene, or what was asked of it, is at fault.
+    #[error("{place}: {cause}")]
+    Scene {
+        /// The scene or its file.
+        place: String,
+        /// What is wrong.
+        #[source]
+        cause: SceneError,
+    },
+    /// There is no built-in scene of this name, and no such file.
+    #[error("{0}; a scene is a built-in name (see `tangency scenes`) or the path of a RON file")]
+    UnknownScene(UnknownName),
+    /// The point to start from does not exist.
+    #[error("{}: {cause}", file.display())]
+    Start {
+        /// The document.
+        file: PathBuf,
+        /// What is missing.
+        #[source]
+        cause: UnknownPoint,
+    },
+    /// Ctrl-C.
+    #[error("interrupted; what was traced until then is kept")]
+    Interrupted,
+    /// The standard output cannot be written to.
+    #[error("cannot write to the standard output: {0}")]
+    Output(#[from] std::io::Error),
+}
+
+impl CommandError {
+    /// Whether the reader of the standard output has left, as `head` does: that is no failure.
+    pub fn reader_left(&self) -> bool {
+        matches!(self, CommandError::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe)
+    }
+}

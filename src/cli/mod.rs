@@ -1,0 +1,62 @@
+//! Arguments, exit codes and messages; no mathematics.
+
+mod error;
+mod plot;
+mod points;
+mod scenes;
+mod trace;
+mod watch;
+
+use clap::{Parser, Subcommand};
+use error::CommandError;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Follow curves of solutions, and find the folds and other special points on them.
+#[derive(Debug, Parser)]
+#[command(version, about, disable_help_subcommand = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Scenes(scenes::Scenes),
+    Trace(trace::Trace),
+    Points(points::Points),
+    Plot(plot::Plot),
+}
+
+/// Runs the command line. The exit code is 0 on success and where the reader of the output has left,
+/// 1 after an error, 2 for arguments that cannot be understood.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut out = std::io::stdout().lock();
+    let result = match &arguments.command {
+        Command::Scenes(scenes) => scenes.run(&mut out),
+        Command::Trace(trace) => trace.run(&mut out),
+        Command::Points(points) => points.run(&mut out),
+        Command::Plot(plot) => plot.run(&mut out),
+    };
+    match result.and_then(|()| Ok(out.flush()?)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.reader_left() => ExitCode::SUCCESS,
+        Err(error) => {
+            // Nothing can be done where even the error stream is closed.
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,59 @@
+//! `tangency plot FILE…`: the diagram of one or several documents.
+
+use super::CommandError;
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tangency::output::{Document, draw, figures, write_atomically};
+
+/// Draw the branches of one or several documents as SVG
+#[derive(Debug, Args)]
+pub struct Plot {
+    /// The documents (.ron)
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The parameter or monitor on the horizontal axis [default: as the first document says]
+    #[arg(long, value_name = "NAME")]
+    x: Option<String>,
+    /// The parameter or monitor on the vertical axis [default: as the first document says]
+    #[arg(long, value_name = "NAME")]
+    y: Option<String>,
+    /// Where the diagram goes [default: beside the first document, with the ending .svg]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Plot {
+    /// Draws the diagram and says where it is.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let target = self.target()?;
+        let documents =
+            self.files.iter().map(Document::load).collect::<Result<Vec<Document>, _>>()?;
+        let names: Vec<String> = self.files.iter().map(|file| stem(file)).collect();
+        let named: Vec<(&str, &Document)> =
+            names.iter().map(String::as_str).zip(&documents).collect();
+        let figures = figures(&named, self.x.as_deref(), self.y.as_deref())?;
+        write_atomically(&target, &draw(&figures)?)?;
+        Ok(writeln!(out, "{}", target.display())?)
+    }
+
+    fn target(&self) -> Result<PathBuf, CommandError> {
+        // Clap refuses an empty list.
+        let beside = self.files.first().map(|file| file.with_extension("svg"));
+        let target = self.out.clone().or(beside).unwrap_or_default();
+        match self.files.iter().any(|file| same_file(file, &target)) {
+            true => Err(CommandError::OutputIsInput { path: target }),
+            false => Ok(target),
+        }
+    }
+}
+
+/// Whether two paths lead to one file, also by way of links.
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    a == b || real(a).is_some_and(|a| Some(a) == real(b))
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

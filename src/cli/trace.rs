@@ -1,0 +1,226 @@
+//! `tangency trace SCENE`: traces a scene, saves its branches, draws them.
+
+use super::CommandError;
+use super::plot::same_file;
+use super::watch::Watch;
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use tangency::output::{Document, FileError, UnknownName, draw, figures, write_atomically};
+use tangency::scene::{BUILT_IN, Scene, StartPoint, execute};
+
+/// Trace a scene, and save its branches
+#[derive(Debug, Args)]
+pub struct Trace {
+    /// The name of a scene (see `tangency scenes`), or the path of a RON file
+    pub scene: String,
+    /// Change a value of the scene; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub settings: Vec<Setting>,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Start from a special point of an earlier result
+    #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL")]
+    pub start: Option<Start>,
+}
+
+impl Trace {
+    /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, text) = self.text()?;
+        let at_fault = |cause| CommandError::Scene { place: self.scene.clone(), cause };
+        let mut scene = Scene::parse(&text).map_err(at_fault)?;
+        for Setting { name, value } in &self.settings {
+            scene.set(name, value).map_err(at_fault)?;
+        }
+        let start = self.start.as_ref().map(Start::point).transpose()?;
+        let document = self.out.join(format!("{name}.ron"));
+        self.refuse_inputs(&document)?;
+        let mut watch = Watch::new(out);
+        let outcome = execute(&scene, start.as_ref(), &mut watch);
+        let interrupted = watch.finish()?;
+        if !outcome.document.branches.is_empty() {
+            self.save(&name, &outcome.document, &document, out)?;
+        }
+        match outcome.error {
+            Some(cause) => Err(at_fault(cause)),
+            None if interrupted => Err(CommandError::Interrupted),
+            None => Ok(()),
+        }
+    }
+
+    fn save(
+        &self,
+        name: &str,
+        document: &Document,
+        path: &Path,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
+        document.save(path)?;
+        let svg = path.with_extension("svg");
+        write_atomically(&svg, &draw(&figures(&[(name, document)], None, None)?)?)?;
+        for branch in &document.branches {
+            writeln!(
+                out,
+                "{}: {} points; ends: {}; {}",
+                branch.name,
+                branch.points.len(),
+                branch.ends[0],
+                branch.ends[1]
+            )?;
+        }
+        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
+    }
+
+    /// The name of the scene and its text: a built-in one, or a file.
+    fn text(&self) -> Result<(String, String), CommandError> {
+        if let Some(scene) = BUILT_IN.iter().find(|scene| scene.name == self.scene) {
+            return Ok((scene.name.into(), scene.text.into()));
+        }
+        let path = Path::new(&self.scene);
+        let is_path = path.extension().is_some() || path.components().count() > 1;
+        if !is_path && !path.exists() {
+            let names = BUILT_IN.iter().map(|scene| scene.name);
+            let unknown = UnknownName::new("scene", &self.scene, names);
+            return Err(CommandError::UnknownScene(unknown));
+        }
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| FileError::Read { path: path.into(), source })?;
+        Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
+    }
+
+    /// The results must not replace the scene's file or the document that is started from.
+    fn refuse_inputs(&self, document: &Path) -> Result<(), CommandError> {
+        let start = self.start.as_ref().map(|start| start.file.as_path());
+        for input in [Some(Path::new(&self.scene)), start].into_iter().flatten() {
+            for output in [document.to_path_buf(), document.with_extension("svg")] {
+                if same_file(input, &output) {
+                    return Err(CommandError::OutputIsInput { path: output });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Start {
+    fn point(&self) -> Result<StartPoint, CommandError> {
+        let document = Document::load(&self.file)?;
+        let (branch, special) = document
+            .special_point(self.branch.as_deref(), self.label)
+            .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;
+        Ok(StartPoint { branch: branch.clone(), label: special.label })
+    }
+}
+
+/// `NAME=VALUE`: what `--set` changes. The value may hold further equals signs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// The name, without blanks around it.
+    pub name: String,
+    /// The value as text, without blanks around it.
+    pub value: String,
+}
+
+/// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins. The colon is the last one, the slash
+/// the last one behind it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// The document.
+    pub file: PathBuf,
+    /// The branch; not needed where only one has the label.
+    pub branch: Option<String>,
+    /// The label of the special point.
+    pub label: usize,
+}
+
+/// An argument that cannot be understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ArgumentError {
+    /// `--set` without a name, an equals sign or a value.
+    #[error("`{0}` is not of the form NAME=VALUE, for example load=0.1")]
+    Setting(String),
+    /// `--start` without a file or a label.
+    #[error(
+        "`{0}` is not of the form FILE:LABEL or FILE:BRANCH/LABEL, for example pull-in.ron:3; \
+         labels are counted from 1"
+    )]
+    Start(String),
+}
+
+impl FromStr for Setting {
+    type Err = ArgumentError;
+
+    fn from_str(text: &str) -> Result<Self, ArgumentError> {
+        match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
+            Some((name, value)) if !name.is_empty() && !value.is_empty() => {
+                Ok(Setting { name: name.into(), value: value.into() })
+            }
+            _ => Err(ArgumentError::Setting(text.into())),
+        }
+    }
+}
+
+impl FromStr for Start {
+    type Err = ArgumentError;
+
+    fn from_str(text: &str) -> Result<Self, ArgumentError> {
+        let parts = || {
+            let (file, point) = text.rsplit_once(':')?;
+            let (branch, label) = match point.rsplit_once('/') {
+                Some((branch, label)) => (Some(branch), label),
+                None => (None, point),
+            };
+            let label = label.parse().ok().filter(|label| *label > 0)?;
+            let named = !file.is_empty() && branch != Some("");
+            named.then(|| Start { file: file.into(), branch: branch.map(String::from), label })
+        };
+        parts().ok_or_else(|| ArgumentError::Start(text.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        trace: Trace,
+    }
+
+    #[test]
+    fn a_whole_line() {
+        let line =
+            ["trace", "plate", "--set", "modes=3", "--set", "k = a=b", "--start", "a/b.ron:x/2"];
+        let trace = Line::try_parse_from(line).unwrap().trace;
+        assert_eq!((trace.scene.as_str(), trace.out), ("plate", PathBuf::from("out")));
+        assert_eq!(trace.settings[1], Setting { name: "k".into(), value: "a=b".into() });
+        let start = Start { file: "a/b.ron".into(), branch: Some("x".into()), label: 2 };
+        assert_eq!(trace.start, Some(start));
+    }
+
+    #[test]
+    fn a_file_in_a_folder_without_a_branch() {
+        let start: Start = "C:/results/a.ron:12".parse().unwrap();
+        assert_eq!(start, Start { file: "C:/results/a.ron".into(), branch: None, label: 12 });
+    }
+
+    #[test]
+    fn bad_syntax_is_explained() {
+        for text in ["load", "=3", "load=", " = "] {
+            let error = text.parse::<Setting>().unwrap_err();
+            assert_eq!(error, ArgumentError::Setting(text.into()));
+        }
+        for text in ["a.ron", "a.ron:", "a.ron:x", ":3", "a.ron:0", "a.ron:/3", "a.ron:b/-1"] {
+            assert_eq!(text.parse::<Start>().unwrap_err(), ArgumentError::Start(text.into()));
+        }
+        let Err(error) = Line::try_parse_from(["trace", "plate", "--set", "load"]) else {
+            panic!("accepted")
+        };
+        assert!(error.to_string().contains("`load` is not of the form NAME=VALUE"), "{error}");
+    }
+}

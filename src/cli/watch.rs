@@ -1,0 +1,98 @@
+//! Watching a trace: lines of special points, a progress bar on a terminal, Ctrl-C.
+
+use super::CommandError;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use tangency::core::continuation::{Branch, Observer, Point, SpecialPoint};
+use tangency::output::Screen;
+use tangency::scene::{Run, SceneObserver};
+
+/// Set by Ctrl-C; looked at after every point. A second Ctrl-C ends the program at once.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Prints special points as they are found.
+pub struct Watch<'a, W: Write> {
+    out: &'a mut W,
+    screen: Option<Screen>,
+    bar: ProgressBar,
+    points: u64,
+    shown: bool,
+    failure: Option<std::io::Error>,
+}
+
+impl<'a, W: Write> Watch<'a, W> {
+    /// Prints to `out`; shows a progress bar if the error stream is a terminal.
+    pub fn new(out: &'a mut W) -> Self {
+        // Without a handler Ctrl-C ends the program: partial results are lost, nothing worse.
+        let _ = ctrlc::set_handler(|| {
+            if INTERRUPTED.swap(true, Ordering::SeqCst) {
+                std::process::exit(130);
+            }
+        });
+        let bar = match std::io::stderr().is_terminal() {
+            true => ProgressBar::new_spinner(),
+            false => ProgressBar::hidden(),
+        };
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(120));
+        Watch { out, screen: None, bar, points: 0, shown: true, failure: None }
+    }
+
+    /// Ends the watch: whether Ctrl-C was pressed.
+    ///
+    /// # Errors
+    /// [`CommandError::Output`] if the standard output could not be written to.
+    pub fn finish(self) -> Result<bool, CommandError> {
+        self.bar.finish_and_clear();
+        match self.failure {
+            Some(failure) => Err(failure.into()),
+            None => Ok(INTERRUPTED.load(Ordering::SeqCst)),
+        }
+    }
+
+    fn line(&mut self, text: &str) {
+        if self.failure.is_none() {
+            let out = &mut self.out;
+            self.failure =
+                self.bar.suspend(|| writeln!(out, "{text}").and_then(|()| out.flush())).err();
+        }
+    }
+}
+
+impl<W: Write> Observer for Watch<'_, W> {
+    fn begin(&mut self, branch: &Branch) {
+        let screen = Screen::of(branch);
+        if self.shown {
+            self.line(&branch.name);
+            self.line(&screen.header());
+        }
+        self.screen = Some(screen);
+    }
+
+    fn point(&mut self, _point: &Point) -> ControlFlow<()> {
+        self.points += 1;
+        self.bar.set_message(format!("{} points", self.points));
+        match INTERRUPTED.load(Ordering::SeqCst) || self.failure.is_some() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    fn special(&mut self, _branch: &Branch, special: &SpecialPoint) {
+        if let (Some(screen), true) = (&self.screen, self.shown) {
+            let line = screen.line(special);
+            self.line(&line);
+        }
+    }
+}
+
+impl<W: Write> SceneObserver for Watch<'_, W> {
+    fn run(&mut self, run: &Run, _number: usize, _of: usize) {
+        self.shown = run.shown;
+    }
+}

@@ -1,0 +1,152 @@
+//! What a document must satisfy beyond its form.
+
+use super::document::{Document, FORMAT};
+use super::error::{FormatError, Invalid};
+use crate::core::continuation::{Branch, End, SpecialPoint};
+use std::collections::HashSet;
+
+/// Checks a document's tag, that its names are unique, its lists as long as their names, and its
+/// numbers finite.
+pub(super) fn document(document: &Document) -> Result<(), FormatError> {
+    if document.format != FORMAT {
+        return Err(FormatError::Version { found: document.format.clone() });
+    }
+    let settings = document.settings.iter().map(|(name, _)| name);
+    unique("the name of a setting", settings)?;
+    unique("the column of a label", document.plot.labels.iter().map(|(column, _)| column))?;
+    unique("the name of a branch", document.branches.iter().map(|branch| &branch.name))?;
+    Ok(document.branches.iter().try_for_each(branch)?)
+}
+
+fn branch(branch: &Branch) -> Result<(), Invalid> {
+    let place = format!("branch `{}`", branch.name);
+    unique(&format!("{place}: a column"), branch.columns())?;
+    unique(&format!("{place}: a label"), branch.special.iter().map(|point| point.label))?;
+    for name in &branch.released {
+        require(branch.parameters.contains(name), &format!("{place}: released"), name, || {
+            format!("must be one of the parameters {}", branch.parameters.join(", "))
+        })?;
+    }
+    for (index, point) in branch.points.iter().enumerate() {
+        let place = format!("{place}, point {index}");
+        values(&place, branch, &point.parameters, &point.monitors)?;
+    }
+    let dimension: usize = branch.unknowns.iter().map(|group| group.length).sum();
+    for point in &branch.special {
+        special(&format!("{place}, label {}", point.label), branch, dimension, point)?;
+    }
+    let order = branch.special.windows(2).find(|pair| pair[1].after < pair[0].after);
+    if let Some([first, second]) = order {
+        let place = format!("{place}, label {}: after", second.label);
+        require(false, &place, second.after, || {
+            format!("must not be less than {}, as for label {} before it", first.after, first.label)
+        })?;
+    }
+    branch.ends.iter().try_for_each(|e| end(&place, e))?;
+    branch.settings.check().map_err(|error| Invalid {
+        place: format!("{place}: the setting `{}`", error.name),
+        found: error.value.to_string(),
+        rule: format!("must be {}", error.range),
+    })
+}
+
+fn special(
+    place: &str,
+    branch: &Branch,
+    dimension: usize,
+    point: &SpecialPoint,
+) -> Result<(), Invalid> {
+    require(point.label > 0, place, point.label, || "must be counted from 1".into())?;
+    let last = branch.points.len().saturating_sub(1);
+    require(point.after <= last, &format!("{place}: after"), point.after, || {
+        format!("must be at most {last}, the last point")
+    })?;
+    values(place, branch, &point.parameters, &point.monitors)?;
+    finite(&format!("{place}, error"), point.error)?;
+    for bracket in point.bracket {
+        finite(&format!("{place}, bracket"), bracket)?;
+    }
+    length(&format!("{place}, state"), point.state.len(), dimension, "the unknowns")?;
+    for (index, &value) in point.state.iter().enumerate() {
+        finite(&format!("{place}, state, component {index}"), value)?;
+    }
+    let directions = dimension + branch.released.len();
+    let names = "the unknowns and released parameters";
+    length(&format!("{place}, tangent"), point.tangent.len(), directions, names)?;
+    for (index, &value) in point.tangent.iter().enumerate() {
+        finite(&format!("{place}, tangent, component {index}"), value)?;
+    }
+    for profile in &point.profiles {
+        for (index, value) in profile.points.iter().flatten().enumerate() {
+            finite(&format!("{place}, profile `{}`, number {index}", profile.name), *value)?;
+        }
+    }
+    Ok(())
+}
+
+fn values(
+    place: &str,
+    branch: &Branch,
+    parameters: &[f64],
+    monitors: &[f64],
+) -> Result<(), Invalid> {
+    let lists =
+        [("parameters", &branch.parameters, parameters), ("monitors", &branch.monitors, monitors)];
+    for (what, names, values) in lists {
+        length(&format!("{place}, {what}"), values.len(), names.len(), "the names")?;
+        for (name, &value) in names.iter().zip(values) {
+            if !value.is_finite() {
+                finite(&format!("{place}, column `{name}`"), value)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn end(place: &str, end: &End) -> Result<(), Invalid> {
+    match end {
+        End::ParameterBound { value, .. } | End::MonitorBound { value, .. } => {
+            finite(&format!("{place}, ends, value"), *value)
+        }
+        End::StepTooSmall { step, .. } => finite(&format!("{place}, ends, step"), *step),
+        End::Closed { .. }
+        | End::PointLimit { .. }
+        | End::Event { .. }
+        | End::Interrupted
+        | End::Start => Ok(()),
+    }
+}
+
+fn unique<T: std::fmt::Display + Eq + std::hash::Hash>(
+    what: &str,
+    names: impl Iterator<Item = T>,
+) -> Result<(), Invalid> {
+    let mut seen = HashSet::new();
+    for name in names {
+        let found = format!("`{name}`");
+        require(seen.insert(name), what, found, || "is there twice: rename one of them".into())?;
+    }
+    Ok(())
+}
+
+fn length(place: &str, found: usize, expected: usize, of: &str) -> Result<(), Invalid> {
+    require(found == expected, place, format!("a list of {found}"), || {
+        format!("must have as many entries as {of}, {expected}")
+    })
+}
+
+fn finite(place: &str, value: f64) -> Result<(), Invalid> {
+    require(value.is_finite(), place, value, || "must be a finite number".into())
+}
+
+fn require(
+    holds: bool,
+    place: &str,
+    found: impl std::fmt::Display,
+    rule: impl FnOnce() -> String,
+) -> Result<(), Invalid> {
+    if holds {
+        return Ok(());
+    }
+    Err(Invalid { place: place.into(), found: found.to_string(), rule: rule() })
+}

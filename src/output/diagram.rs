@@ -1,0 +1,193 @@
+//! Branches as a figure: stable parts solid, unstable parts dashed, special points marked.
+
+use super::document::{Document, Plot};
+use super::error::FigureError;
+use super::figure::{Figure, Mark, Series, Style, Symbol};
+use super::suggest::UnknownName;
+use crate::core::continuation::{Branch, Kind};
+
+/// The diagram of all branches of some documents, each given with a name that tells its branches
+/// from those of the others. Title, axes and labels are those of the first document; `x` and `y`
+/// name other columns.
+///
+/// Every curve is drawn through its special points, and changes between solid (stable) and dashed
+/// (unstable) exactly there.
+///
+/// # Errors
+/// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if nothing
+/// says what to draw, [`FigureError::Empty`] without a branch.
+///
+/// ```
+/// use tangency::output::{Document, diagram, example_branch};
+/// let document = Document::new("Pull-in", vec![example_branch()]);
+/// let figure = diagram(&[("plate", &document)], None, None)?;
+/// assert_eq!((figure.x_label.as_str(), figure.y_label.as_str()), ("load", "deflection"));
+/// // The stable part ends in the fold, where the unstable one begins.
+/// assert_eq!(figure.series[0].points.last(), Some(&[4.0 / 27.0, 1.0 / 3.0]));
+/// assert_eq!(figure.series[1].points.first(), Some(&[4.0 / 27.0, 1.0 / 3.0]));
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+pub fn diagram(
+    documents: &[(&str, &Document)],
+    x: Option<&str>,
+    y: Option<&str>,
+) -> Result<Figure, FigureError> {
+    let branches: Vec<(String, &Branch)> = named(documents);
+    let (Some((_, document)), Some((_, first))) = (documents.first(), branches.first()) else {
+        let title = documents.first().map(|(_, document)| document.title.clone());
+        return Err(FigureError::Empty { title: title.unwrap_or_default() });
+    };
+    let plot = &document.plot;
+    let (x, y) = axes(first, plot, x, y)?;
+    let mut figure = Figure::new(&document.title, plot.label(x), plot.label(y));
+    for (name, branch) in &branches {
+        let curve = Curve { name, branch, x: column(branch, x)?, y: column(branch, y)? };
+        curve.add_to(&mut figure);
+    }
+    let stability = branches.iter().flat_map(|(_, branch)| &branch.points);
+    if stability.into_iter().any(|point| point.unstable.is_some()) {
+        figure.styles = vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())];
+    }
+    Ok(figure)
+}
+
+/// The branches with names that are unique, and that say what a curve of events is made of.
+fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<(String, &'a Branch)> {
+    let mut branches: Vec<(String, &Branch)> = Vec::new();
+    for (document_name, document) in documents {
+        for branch in &document.branches {
+            let mut name = match documents.len() {
+                1 => branch.name.clone(),
+                _ => format!("{document_name}: {}", branch.name),
+            };
+            if let Some(kind) = branch.condition {
+                name.push_str(&format!(" ({} curve)", kind.meaning()));
+            }
+            while branches.iter().any(|(taken, _)| *taken == name) {
+                name.push('′');
+            }
+            branches.push((name, branch));
+        }
+    }
+    branches
+}
+
+fn axes<'a>(
+    branch: &'a Branch,
+    plot: &'a Plot,
+    x: Option<&'a str>,
+    y: Option<&'a str>,
+) -> Result<(&'a str, &'a str), FigureError> {
+    let second = match branch.condition {
+        Some(_) => branch.released.get(1),
+        None => None,
+    };
+    let no_monitor = || FigureError::NoMonitor {
+        branch: branch.name.clone(),
+        available: branch.columns().map(String::from).collect(),
+    };
+    let x = x.or(plot.x.as_deref()).or(branch.released.first().map(String::as_str));
+    let y = y.or(plot.y.as_deref());
+    let y = y.or(second.or(branch.monitors.first()).map(String::as_str));
+    x.zip(y).ok_or_else(no_monitor)
+}
+
+fn column(branch: &Branch, name: &str) -> Result<usize, FigureError> {
+    branch.column(name).ok_or_else(|| FigureError::UnknownColumn {
+        branch: branch.name.clone(),
+        source: UnknownName::new("column", name, branch.columns()),
+    })
+}
+
+/// One branch, seen in two of its columns.
+struct Curve<'a> {
+    name: &'a str,
+    branch: &'a Branch,
+    x: usize,
+    y: usize,
+}
+
+impl Curve<'_> {
+    fn add_to(&self, figure: &mut Figure) {
+        let mut pieces = Pieces { name: self.name, series: Vec::new() };
+        let points = &self.branch.points;
+        for (index, point) in points.iter().enumerate() {
+            let at = self.at(|column| point.value(column));
+            pieces.vertex(at, style(point.unstable));
+            // Beyond the last point there is nothing whose stability could be taken.
+            let next = points.get(index + 1).unwrap_or(point);
+            for special in self.branch.special.iter().filter(|special| special.after == index) {
+                pieces.vertex(
+                    self.at(|column| special.value(column)),
+                    match changes_stability(special.kind) {
+                        true => style(next.unstable),
+                        false => pieces.style(),
+                    },
+                );
+            }
+        }
+        figure.series.append(&mut pieces.series);
+        figure.marks.extend(self.branch.special.iter().map(|special| Mark {
+            at: self.at(|column| special.value(column)),
+            label: special.kind.to_string(),
+            meaning: special.kind.meaning().into(),
+            symbol: symbol(special.kind),
+        }));
+    }
+
+    /// A value that is missing is drawn as NaN, which the figure then refuses by name.
+    fn at(&self, value: impl Fn(usize) -> Option<f64>) -> [f64; 2] {
+        [self.x, self.y].map(|column| value(column).unwrap_or(f64::NAN))
+    }
+}
+
+/// The pieces of a curve, each of one style.
+struct Pieces<'a> {
+    name: &'a str,
+    series: Vec<Series>,
+}
+
+impl Pieces<'_> {
+    /// Goes on to a point, and from there in a style.
+    fn vertex(&mut self, at: [f64; 2], style: Style) {
+        let same = self.style() == style;
+        match self.series.last_mut() {
+            Some(last) => last.points.push(at),
+            None => self.series.push(Series::new(self.name, style, [at])),
+        }
+        if !same && self.series.last().is_some_and(|last| last.points.len() > 1) {
+            self.series.push(Series::new(self.name, style, [at]));
+        }
+    }
+
+    fn style(&self) -> Style {
+        self.series.last().map_or(Style::Solid, |last| last.style)
+    }
+}
+
+fn style(unstable: Option<usize>) -> Style {
+    match unstable {
+        Some(1..) => Style::Dashed,
+        Some(0) | None => Style::Solid,
+    }
+}
+
+fn changes_stability(kind: Kind) -> bool {
+    match kind {
+        Kind::LP | Kind::BP | Kind::HB | Kind::CP | Kind::BT => true,
+        Kind::EP | Kind::UZ | Kind::MX => false,
+    }
+}
+
+fn symbol(kind: Kind) -> Symbol {
+    match kind {
+        Kind::LP => Symbol::Disc,
+        Kind::EP => Symbol::Ring,
+        Kind::BP => Symbol::Square,
+        Kind::HB => Symbol::Diamond,
+        Kind::CP => Symbol::Star,
+        Kind::BT => Symbol::Triangle,
+        Kind::UZ => Symbol::TriangleDown,
+        Kind::MX => Symbol::Cross,
+    }
+}

@@ -1,0 +1,174 @@
+//! What can go wrong on the way out and back in.
+
+use super::document::FORMAT;
+use super::suggest::UnknownName;
+use std::path::PathBuf;
+
+/// A file that cannot be read, understood or written.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}; check the path and its permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file cannot be written.
+    #[error("cannot write {}: {source}; choose a folder that can be written to", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file was read, but is no document.
+    #[error("{}: {source}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: FormatError,
+    },
+}
+
+/// A text that is no document, or a document that must not be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FormatError {
+    /// The text carries no tag of this toolkit.
+    #[error(
+        "not a tangency document (line {line}, column {column}: {reason}); \
+         give a file that a trace saved"
+    )]
+    Foreign {
+        /// The line where the text departs from a document, counted from 1.
+        line: usize,
+        /// The column, counted from 1.
+        column: usize,
+        /// How it departs.
+        reason: String,
+    },
+    /// The document has another version of the format.
+    #[error(
+        "the document's format is `{found}`, but this program reads `{FORMAT}`; \
+         trace it again, or use the program that saved it"
+    )]
+    Version {
+        /// The tag found.
+        found: String,
+    },
+    /// The text ends before the document does.
+    #[error(
+        "the document breaks off at line {line}, column {column}; \
+         the file was cut short: copy or trace it again"
+    )]
+    Truncated {
+        /// The line, counted from 1.
+        line: usize,
+        /// The column, counted from 1.
+        column: usize,
+    },
+    /// The document does not have the form it must have.
+    #[error("line {line}, column {column}, at `{found}`: {reason}; correct it or trace it again")]
+    Syntax {
+        /// The line, counted from 1.
+        line: usize,
+        /// The column, counted from 1.
+        column: usize,
+        /// What stands there.
+        found: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The document has the right form, but a value that makes no sense.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+    /// The document cannot be put into words.
+    #[error("the document cannot be written as RON: {0}")]
+    Unwritable(String),
+}
+
+/// A value of a document that makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place} is {found}, but {rule}")]
+pub struct Invalid {
+    /// Where it is: branch, point or label, column.
+    pub place: String,
+    /// The value.
+    pub found: String,
+    /// What it must be.
+    pub rule: String,
+}
+
+/// A special point that was asked for and is not in a document, or not the only one.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum UnknownPoint {
+    /// No branch has that name.
+    #[error(transparent)]
+    Branch(#[from] UnknownName),
+    /// No branch that was meant has the label.
+    #[error("no special point has the label {label}; known: {}", known.join(", "))]
+    Label {
+        /// The label.
+        label: usize,
+        /// The labels that exist, as `BRANCH/LABEL`.
+        known: Vec<String>,
+    },
+    /// Several branches have the label.
+    #[error("several branches have the label {label}; name one of {}", candidates.join(", "))]
+    Ambiguous {
+        /// The label.
+        label: usize,
+        /// The candidates, as `BRANCH/LABEL`.
+        candidates: Vec<String>,
+    },
+}
+
+/// A figure that cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FigureError {
+    /// A branch has no such column.
+    #[error("branch `{branch}`: {source}")]
+    UnknownColumn {
+        /// The branch.
+        branch: String,
+        /// The column and those that exist.
+        source: UnknownName,
+    },
+    /// Neither the document nor the user says what to draw, and the branch has no monitor.
+    #[error("branch `{branch}` has no monitor to draw; name the column for y: {}", available.join(", "))]
+    NoMonitor {
+        /// The branch.
+        branch: String,
+        /// The names of its columns.
+        available: Vec<String>,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
+    NotFinite {
+        /// The name of the series or the label of the mark.
+        series: String,
+        /// The point, counted from 0.
+        index: usize,
+        /// Its coordinates.
+        at: [f64; 2],
+    },
+    /// The values span more than numbers can hold.
+    #[error("the values from {low:e} to {high:e} span too much for an axis")]
+    TooWide {
+        /// The smallest value.
+        low: f64,
+        /// The largest value.
+        high: f64,
+    },
+    /// Nothing has a single point.
+    #[error("there is nothing to draw in the figure `{title}`: it has no points")]
+    Empty {
+        /// The figure.
+        title: String,
+    },
+    /// The drawing library failed.
+    #[error("drawing failed: {0}")]
+    Drawing(String),
+}

@@ -1,0 +1,168 @@
+//! Figures: what can be drawn, before it is drawn.
+
+use super::error::FigureError;
+
+/// Curves and marks in one pair of axes.
+///
+/// ```
+/// use tangency::output::{Figure, Series, Style, draw};
+/// let curve = |name: &str, style, k: f64| {
+///     let points = (0..=50).map(|i| f64::from(i) / 50.0).map(|x| [x, (k * x).sin()]);
+///     Series::new(name, style, points)
+/// };
+/// let figure = Figure::new("Modes along the centre line", "x/a (1)", "w (1)")
+///     .with(curve("first", Style::Solid, 3.14))
+///     .with(curve("second", Style::Dashed, 6.28));
+/// assert!(draw(&[figure])?.contains("Modes along the centre line"));
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// The title; may be empty.
+    pub title: String,
+    /// What stands at the horizontal axis, with its unit.
+    pub x_label: String,
+    /// What stands at the vertical axis, with its unit.
+    pub y_label: String,
+    /// The curves. Those of one name are pieces of one curve: they share a colour and an entry in
+    /// the legend.
+    pub series: Vec<Series>,
+    /// The marks.
+    pub marks: Vec<Mark>,
+    /// What the styles of lines mean, if they mean something: `(Dashed, "unstable")`.
+    pub styles: Vec<(Style, String)>,
+}
+
+/// A curve, or a piece of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Its name in the legend; the legend names curves if there is more than one name.
+    pub name: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// Its points `[x, y]` in the units of the axes.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Style {
+    /// A solid line.
+    Solid,
+    /// A dashed line.
+    Dashed,
+    /// A dot at every point, and no line.
+    Dots,
+    /// A dot at every point, and a line through them.
+    DottedLine,
+}
+
+/// A marked point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Where it is, in the units of the axes.
+    pub at: [f64; 2],
+    /// What stands beside it.
+    pub label: String,
+    /// What it is, in words, for the legend.
+    pub meaning: String,
+    /// What it looks like.
+    pub symbol: Symbol,
+}
+
+/// What a mark looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Symbol {
+    /// A red disc.
+    Disc,
+    /// A small white disc.
+    Ring,
+    /// A black square.
+    Square,
+    /// A blue diamond.
+    Diamond,
+    /// A yellow star of five points.
+    Star,
+    /// A green triangle.
+    Triangle,
+    /// A white triangle on its tip.
+    TriangleDown,
+    /// A black diagonal cross.
+    Cross,
+}
+
+impl Figure {
+    /// A figure without curves.
+    pub fn new(
+        title: impl Into<String>,
+        x_label: impl Into<String>,
+        y_label: impl Into<String>,
+    ) -> Self {
+        Figure {
+            title: title.into(),
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            ..Figure::default()
+        }
+    }
+
+    /// Adds a curve.
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// The distinct names of the curves, in the order of their first appearance.
+    pub fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for series in &self.series {
+            if !names.contains(&series.name.as_str()) {
+                names.push(&series.name);
+            }
+        }
+        names
+    }
+
+    /// The smallest and largest `x` and `y` of all points.
+    ///
+    /// # Errors
+    /// [`FigureError::NotFinite`] with the place of a coordinate that is NaN or infinite,
+    /// [`FigureError::Empty`] if there is no point at all.
+    ///
+    /// ```
+    /// use tangency::output::{Figure, Series, Style};
+    /// let line = Series::new("line", Style::Solid, [[0.0, 3.0], [2.0, 1.0]]);
+    /// assert_eq!(Figure::new("", "x", "y").with(line).extent()?, [[0.0, 2.0], [1.0, 3.0]]);
+    /// # Ok::<(), tangency::output::FigureError>(())
+    /// ```
+    pub fn extent(&self) -> Result<[[f64; 2]; 2], FigureError> {
+        let series = self.series.iter().flat_map(|series| {
+            series.points.iter().enumerate().map(|(i, at)| (series.name.as_str(), i, *at))
+        });
+        let marks = self.marks.iter().enumerate().map(|(i, mark)| (&*mark.label, i, mark.at));
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for (name, index, at) in series.chain(marks) {
+            if !at.iter().all(|value| value.is_finite()) {
+                return Err(FigureError::NotFinite { series: name.into(), index, at });
+            }
+            for (range, value) in extent.iter_mut().zip(at) {
+                *range = [range[0].min(value), range[1].max(value)];
+            }
+        }
+        match extent[0][0] <= extent[0][1] {
+            true => Ok(extent),
+            false => Err(FigureError::Empty { title: self.title.clone() }),
+        }
+    }
+}
+
+impl Series {
+    /// A named curve through points `[x, y]`.
+    pub fn new(
+        name: impl Into<String>,
+        style: Style,
+        points: impl IntoIterator<Item = [f64; 2]>,
+    ) -> Self {
+        Series { name: name.into(), style, points: points.into_iter().collect() }
+    }
+}

@@ -1,0 +1,38 @@
+//! What leaves the toolkit: documents in RON, tables of special points, diagrams in SVG.
+//!
+//! Nothing here knows a problem: everything is made from [`Branch`](crate::core::continuation::Branch)es.
+//!
+//! ```
+//! use tangency::output::{Document, diagram, draw};
+//! let document = Document::new("Pull-in of a plate", vec![tangency::output::example_branch()]);
+//! let text = document.to_ron()?;
+//! assert_eq!(Document::parse(&text)?, document);
+//! let svg = draw(&[diagram(&[("pull-in", &document)], None, Some("deflection"))?])?;
+//! assert!(svg.starts_with("<svg") && svg.contains("fold"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod check;
+mod diagram;
+mod document;
+mod error;
+mod example;
+mod figure;
+mod number;
+mod panels;
+mod suggest;
+mod svg;
+mod table;
+mod write;
+
+pub use diagram::diagram;
+pub use document::{Document, FORMAT, Plot};
+pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
+pub use example::example_branch;
+pub use figure::{Figure, Mark, Series, Style, Symbol};
+pub use number::significant;
+pub use panels::figures;
+pub use suggest::{UnknownName, suggest};
+pub use svg::draw;
+pub use table::{Screen, csv};
+pub use write::write_atomically;

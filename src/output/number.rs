@@ -1,0 +1,65 @@
+//! Numbers as text.
+
+/// A number rounded to so many significant digits, in the shortest form that keeps them: plain
+/// between 1e-5 and 10^`digits`, scientific otherwise. Trailing zeros are left out. `digits` counts
+/// from 1 to 17 and is moved into that range.
+///
+/// ```
+/// use tangency::output::significant;
+/// assert_eq!(significant(4.0 / 27.0, 15), "0.148148148148148");
+/// assert_eq!(significant(0.1 + 0.2, 15), "0.3");
+/// assert_eq!(significant(-1.5e-9, 15), "-1.5e-9");
+/// assert_eq!(significant(172.9636, 3), "173");
+/// ```
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = digits.clamp(1, 17);
+    let scientific = format!("{value:.*e}", digits - 1);
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let mantissa = match mantissa.contains('.') {
+        true => mantissa.trim_end_matches('0').trim_end_matches('.'),
+        false => mantissa,
+    };
+    if exponent < -5 || exponent >= digits as i32 {
+        return format!("{mantissa}e{exponent}");
+    }
+    let kept = mantissa.bytes().filter(u8::is_ascii_digit).count() as i32;
+    let decimals = usize::try_from(kept - 1 - exponent).unwrap_or(0);
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn forms() {
+        for (value, text) in [
+            (-0.0, "0"),
+            (1200.0, "1200"),
+            (1e14, "100000000000000"),
+            (1e15, "1e15"),
+            (1e-5, "0.00001"),
+            (9.9e-6, "9.9e-6"),
+            (0.999_999_999_999_999_9, "1"),
+            (f64::MAX, "1.79769313486232e308"),
+        ] {
+            assert_eq!(significant(value, 15), text);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn within_half_a_unit_of_the_last_digit(value in -1e20..1e20_f64, scale in -30..30_i32) {
+            let value = value * 10f64.powi(scale);
+            let read: f64 = significant(value, 15).parse().unwrap();
+            prop_assert!((read - value).abs() <= 5.1e-15 * value.abs());
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Everything that a document says about its own drawing: diagrams, and profiles of special points.
+
+use super::diagram::diagram;
+use super::document::Document;
+use super::error::FigureError;
+use super::figure::{Figure, Series, Style};
+use crate::core::continuation::{Kind, SpecialPoint};
+use crate::core::zero::Profile;
+
+/// The figures of some documents: the diagram, the further panels that the first document names, and
+/// one figure for each kind of profile (mode shapes, fields) that special points carry. Where `x` or
+/// `y` is given, the diagram in these columns alone.
+///
+/// # Errors
+/// As [`diagram`].
+///
+/// ```
+/// use tangency::output::{Document, example_branch, figures};
+/// let document = Document::new("Pull-in", vec![example_branch()]);
+/// assert_eq!(figures(&[("plate", &document)], None, None)?.len(), 1);
+/// # Ok::<(), tangency::output::FigureError>(())
+/// ```
+pub fn figures(
+    documents: &[(&str, &Document)],
+    x: Option<&str>,
+    y: Option<&str>,
+) -> Result<Vec<Figure>, FigureError> {
+    let mut figures = vec![diagram(documents, x, y)?];
+    if x.is_some() || y.is_some() {
+        return Ok(figures);
+    }
+    let panels = documents.first().map_or(&[][..], |(_, document)| &document.plot.panels);
+    for (x, y) in panels {
+        let mut panel = diagram(documents, Some(x), Some(y))?;
+        panel.title = String::new();
+        figures.push(panel);
+    }
+    figures.extend(profiles(documents));
+    Ok(figures)
+}
+
+/// The profiles of the first end of each branch and of the user's own points, one figure for each name.
+fn profiles(documents: &[(&str, &Document)]) -> Vec<Figure> {
+    let mut figures: Vec<Figure> = Vec::new();
+    let branches = documents.iter().flat_map(|(_, document)| &document.branches);
+    for branch in branches {
+        let first = branch.special.iter().find(|point| point.kind == Kind::EP);
+        let own = branch.special.iter().filter(|point| point.kind == Kind::UZ);
+        for point in first.into_iter().chain(own) {
+            for profile in &point.profiles {
+                add(&mut figures, &branch.name, point, profile);
+            }
+        }
+    }
+    figures
+}
+
+fn add(figures: &mut Vec<Figure>, branch: &str, point: &SpecialPoint, profile: &Profile) {
+    let index = figures.iter().position(|figure| figure.y_label == profile.name);
+    let index = index.unwrap_or_else(|| {
+        figures.push(Figure::new("", &profile.along, &profile.name));
+        figures.len() - 1
+    });
+    let style = if point.kind == Kind::EP { Style::Solid } else { Style::Dashed };
+    let name = match point.kind {
+        Kind::EP => format!("{branch}, {}", point.kind.meaning()),
+        _ => format!("{branch}, {}", point.event),
+    };
+    let series = Series::new(name, style, profile.points.clone());
+    figures[index].series.push(series);
+}

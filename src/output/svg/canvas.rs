@@ -1,0 +1,212 @@
+//! A canvas in pixels with fractions, on plotters' SVG backend.
+
+use crate::output::error::FigureError;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// How many pixels of the backend make one of the canvas.
+const FINENESS: f64 = 10.0;
+
+/// Text and axes.
+pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
+/// Lines of the grid.
+pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
+
+/// A drawing area in pixels with fractions, `y` downwards.
+pub(super) struct Canvas<'a> {
+    area: DrawingArea<SVGBackend<'a>, Shift>,
+}
+
+/// Where a text stands: its point of reference, and its turning.
+#[derive(Clone, Copy)]
+pub(super) enum Anchor {
+    /// The point is in the middle of its left side.
+    Left,
+    /// The point is in its middle.
+    Middle,
+    /// The point is in the middle of its right side.
+    Right,
+    /// The point is in its middle; it reads upwards.
+    Upwards,
+}
+
+/// Draws on a canvas of a size in pixels and returns the SVG.
+pub(super) fn render(
+    width: f64,
+    height: f64,
+    draw: impl FnOnce(&Canvas) -> Result<(), FigureError>,
+) -> Result<String, FigureError> {
+    let fine = |length: f64| (length * FINENESS).round() as u32;
+    let mut svg = String::new();
+    {
+        let backend = SVGBackend::with_string(&mut svg, (fine(width), fine(height)));
+        let canvas = Canvas { area: backend.into_drawing_area() };
+        canvas.area.fill(&WHITE).map_err(failed)?;
+        draw(&canvas)?;
+        canvas.area.present().map_err(failed)?;
+    }
+    let size = |w: String, h: String| format!("width=\"{w}\" height=\"{h}\"");
+    let drawn = size(fine(width).to_string(), fine(height).to_string());
+    let shown = size(width.round().to_string(), height.round().to_string());
+    Ok(svg.replacen(&drawn, &shown, 1))
+}
+
+fn failed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> FigureError {
+    FigureError::Drawing(error.to_string())
+}
+
+fn fine(at: [f64; 2]) -> (i32, i32) {
+    ((at[0] * FINENESS).round() as i32, (at[1] * FINENESS).round() as i32)
+}
+
+fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
+    colour.stroke_width((width * FINENESS).round() as u32)
+}
+
+impl Canvas<'_> {
+    /// A line through points.
+    pub(super) fn line(
+        &self,
+        points: &[[f64; 2]],
+        colour: RGBColor,
+        width: f64,
+    ) -> Result<(), FigureError> {
+        // Points nearer than the backend can tell apart only make the file longer.
+        let mut path: Vec<(i32, i32)> = points.iter().map(|at| fine(*at)).collect();
+        path.dedup();
+        self.area.draw(&PathElement::new(path, stroke(colour, width))).map_err(failed)
+    }
+
+    /// A dashed line through points.
+    pub(super) fn dashed(
+        &self,
+        points: &[[f64; 2]],
+        colour: RGBColor,
+        width: f64,
+    ) -> Result<(), FigureError> {
+        dashes(points).iter().try_for_each(|dash| self.line(dash, colour, width))
+    }
+
+    /// A filled polygon with an outline.
+    pub(super) fn polygon(
+        &self,
+        corners: &[[f64; 2]],
+        fill: RGBColor,
+        outline: RGBColor,
+    ) -> Result<(), FigureError> {
+        let mut path: Vec<(i32, i32)> = corners.iter().map(|at| fine(*at)).collect();
+        self.area.draw(&Polygon::new(path.clone(), fill.filled())).map_err(failed)?;
+        path.extend_from_within(..path.len().min(2));
+        self.area.draw(&PathElement::new(path, stroke(outline, 1.0))).map_err(failed)
+    }
+
+    /// A filled disc with an outline.
+    pub(super) fn disc(
+        &self,
+        centre: [f64; 2],
+        radius: f64,
+        fill: RGBColor,
+        outline: RGBColor,
+    ) -> Result<(), FigureError> {
+        let radius = (radius * FINENESS).round() as i32;
+        self.area.draw(&Circle::new(fine(centre), radius, fill.filled())).map_err(failed)?;
+        self.area.draw(&Circle::new(fine(centre), radius, stroke(outline, 1.0))).map_err(failed)
+    }
+
+    /// A veil over a rectangle about a centre, on which a text can be read.
+    pub(super) fn veil(&self, centre: [f64; 2], [w, h]: [f64; 2]) -> Result<(), FigureError> {
+        let corners = [-0.5, 0.5].map(|side| fine([centre[0] + side * w, centre[1] + side * h]));
+        self.area.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled())).map_err(failed)
+    }
+
+    /// A text of a size in pixels.
+    pub(super) fn text(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        size: f64,
+        anchor: Anchor,
+    ) -> Result<(), FigureError> {
+        // The backend divides the size by 1.24.
+        let mut font = ("sans-serif", size * FINENESS * 1.24).into_font().color(&INK);
+        if let Anchor::Upwards = anchor {
+            font = font.transform(FontTransform::Rotate270);
+        }
+        let side = match anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Middle | Anchor::Upwards => HPos::Center,
+            Anchor::Right => HPos::Right,
+        };
+        // The backend puts the foot of the letters 0.76 of the size below a point at their top; half
+        // the height of a digit is 0.36 of the size.
+        let shift = size * (0.76 - 0.36);
+        let at = match anchor {
+            Anchor::Upwards => [at[0] - shift, at[1]],
+            _ => [at[0], at[1] - shift],
+        };
+        let style = font.pos(Pos::new(side, VPos::Top));
+        self.area.draw(&Text::new(text.to_owned(), fine(at), style)).map_err(failed)
+    }
+}
+
+/// The width of a text in pixels: an estimate, since the font is the reader's.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    let narrow = |letter: char| "fijlrt.,:;|'()[] ".contains(letter);
+    let wide = |letter: char| letter.is_uppercase() || "mw–".contains(letter);
+    let widths = text.chars().map(|letter| match letter {
+        letter if narrow(letter) => 0.36,
+        letter if wide(letter) => 0.74,
+        _ => 0.6,
+    });
+    widths.sum::<f64>() * size
+}
+
+/// Cuts a line into dashes. The corners of the line stay corners of the dashes.
+fn dashes(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
+    const LENGTHS: [f64; 2] = [7.0, 4.5];
+    let mut dashes = Vec::new();
+    let mut dash: Vec<[f64; 2]> = points.first().copied().into_iter().collect();
+    let mut gap = false;
+    let mut left = LENGTHS[0];
+    for pair in points.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut done = 0.0;
+        while length - done > left {
+            done += left;
+            let t = done / length;
+            let at = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
+            if gap {
+                dash = vec![at];
+            } else {
+                dash.push(at);
+                dashes.push(std::mem::take(&mut dash));
+            }
+            gap = !gap;
+            left = LENGTHS[usize::from(gap)];
+        }
+        left -= length - done;
+        if !gap {
+            dash.push(to);
+        }
+    }
+    if dash.len() > 1 {
+        dashes.push(dash);
+    }
+    dashes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_follow_the_corners_and_end_with_the_line() {
+        let corner = [[0.0, 0.0], [5.0, 0.0], [5.0, 10.0]];
+        let expected =
+            vec![vec![[0.0, 0.0], [5.0, 0.0], [5.0, 2.0]], vec![[5.0, 6.5], [5.0, 10.0]]];
+        assert_eq!(dashes(&corner), expected);
+        assert!(dashes(&[]).is_empty() && dashes(&[[1.0, 1.0]]).is_empty());
+    }
+}

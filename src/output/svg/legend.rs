@@ -1,0 +1,149 @@
+//! The legend below a figure: names of curves, meanings of line styles, kinds of marks.
+
+use super::canvas::{Anchor, Canvas, INK, text_width};
+use super::panel::{colour, curve, mark};
+use crate::output::error::FigureError;
+use crate::output::figure::{Figure, Mark, Style};
+use plotters::style::RGBColor;
+
+const SIZE: f64 = 12.0;
+const ROW: f64 = 19.0;
+const SAMPLE: f64 = 30.0;
+const GAP: f64 = 22.0;
+/// So many curves are named; of the others only the number is.
+const NAMED: usize = 15;
+
+/// A legend: the names of the curves, and below them what styles and marks mean.
+pub(super) struct Legend<'a> {
+    entries: Vec<Placed<'a>>,
+    height: f64,
+}
+
+/// An entry and the middle of its left side, seen from the upper left corner of the legend.
+struct Placed<'a> {
+    entry: Entry<'a>,
+    at: [f64; 2],
+}
+
+struct Entry<'a> {
+    sample: Sample<'a>,
+    text: String,
+}
+
+enum Sample<'a> {
+    None,
+    Curve(Style, RGBColor),
+    Mark(&'a Mark),
+}
+
+impl<'a> Legend<'a> {
+    /// The legend of a figure, in a width in pixels.
+    pub(super) fn new(figure: &'a Figure, width: f64) -> Self {
+        let styles = figure.styles.iter().filter(|(style, _)| {
+            figure.series.iter().any(|series| series.style == *style && series.points.len() > 1)
+        });
+        let mut meanings: Vec<Entry> = styles
+            .map(|(style, text)| Entry { sample: Sample::Curve(*style, INK), text: text.clone() })
+            .collect();
+        for mark in &figure.marks {
+            let text = format!("{}\u{2002}{}", mark.label, mark.meaning);
+            if !meanings.iter().any(|entry| entry.text == text) {
+                meanings.push(Entry { sample: Sample::Mark(mark), text });
+            }
+        }
+        let mut legend = Legend { entries: Vec::new(), height: 0.0 };
+        legend.add(names(figure), width);
+        legend.add(meanings, width);
+        legend
+    }
+
+    /// Adds entries below the others: side by side if one row holds them, else in aligned columns.
+    fn add(&mut self, group: Vec<Entry<'a>>, width: f64) {
+        if group.is_empty() {
+            return;
+        }
+        let total: f64 = group.iter().map(Entry::width).sum();
+        let widest = group.iter().map(Entry::width).fold(0.0, f64::max);
+        let one_row = total <= width + GAP;
+        let columns = match one_row {
+            true => group.len(),
+            false => (((width + GAP) / widest).floor() as usize).max(1),
+        };
+        let rows = group.len().div_ceil(columns);
+        let mut x = 0.0;
+        for (index, entry) in group.into_iter().enumerate() {
+            if index % columns == 0 {
+                x = 0.0;
+            }
+            let at = [x, self.height + ROW * ((index / columns) as f64 + 0.5)];
+            x += if one_row { entry.width() } else { widest };
+            self.entries.push(Placed { entry, at });
+        }
+        self.height += ROW * rows as f64 + 4.0;
+    }
+
+    /// Its height in pixels.
+    pub(super) fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// Draws it, with its upper left corner at a point.
+    pub(super) fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Result<(), FigureError> {
+        self.entries.iter().try_for_each(|placed| {
+            placed.entry.draw(canvas, [left + placed.at[0], top + placed.at[1]])
+        })
+    }
+}
+
+/// The names of the curves, if there is more than one.
+fn names(figure: &Figure) -> Vec<Entry<'_>> {
+    let names = figure.names();
+    if names.len() < 2 {
+        return Vec::new();
+    }
+    let style = |name: &str| match figure.styles.is_empty() {
+        true => figure.series.iter().find(|s| s.name == name).map_or(Style::Solid, |s| s.style),
+        // The styles have entries of their own, and a curve may have several.
+        false => Style::Solid,
+    };
+    let entry = |(index, name): (usize, &&str)| Entry {
+        sample: Sample::Curve(style(name), colour(index)),
+        text: (*name).to_owned(),
+    };
+    let mut entries: Vec<Entry> = names.iter().enumerate().take(NAMED).map(entry).collect();
+    if names.len() > NAMED {
+        let text = format!("and {} more", names.len() - NAMED);
+        entries.push(Entry { sample: Sample::None, text });
+    }
+    entries
+}
+
+impl Entry<'_> {
+    fn sample_width(&self) -> f64 {
+        match self.sample {
+            Sample::Mark(_) => 14.0,
+            Sample::None | Sample::Curve(..) => SAMPLE,
+        }
+    }
+
+    /// Its width with the gap behind it.
+    fn width(&self) -> f64 {
+        self.sample_width() + 6.0 + text_width(&self.text, SIZE) + GAP
+    }
+
+    fn draw(&self, canvas: &Canvas, [x, y]: [f64; 2]) -> Result<(), FigureError> {
+        match self.sample {
+            Sample::None => {}
+            Sample::Curve(style, colour) => {
+                let points = match style {
+                    Style::Dots => vec![[x + SAMPLE / 2.0, y]],
+                    Style::DottedLine => vec![[x, y], [x + SAMPLE / 2.0, y], [x + SAMPLE, y]],
+                    Style::Solid | Style::Dashed => vec![[x, y], [x + SAMPLE, y]],
+                };
+                curve(canvas, style, &points, colour)?;
+            }
+            Sample::Mark(sample) => mark(canvas, sample.symbol, [x + 7.0, y])?,
+        }
+        canvas.text(&self.text, [x + self.sample_width() + 6.0, y], SIZE, Anchor::Left)
+    }
+}

@@ -1,0 +1,216 @@
+//! One figure: title, axes, curves, marks, and the legend below.
+
+use super::WIDTH;
+use super::canvas::{Anchor, Canvas, FAINT, INK, text_width};
+use super::labels::{place, sampled};
+use super::legend::Legend;
+use super::ticks::Ticks;
+use crate::output::error::FigureError;
+use crate::output::figure::{Figure, Style, Symbol};
+use plotters::style::{RGBColor, WHITE};
+
+const TITLE: f64 = 16.0;
+const TEXT: f64 = 12.0;
+const NAME: f64 = 14.0;
+const PLOT_HEIGHT: f64 = 480.0;
+/// Room for the title, for the last tick's label, and for ticks and name of the horizontal axis.
+const MARGINS: [f64; 3] = [46.0, 34.0, 52.0];
+
+/// Colours of curves, told apart by colour-blind readers as well (after Okabe, Ito and Tol).
+/// They begin again after the last.
+const COLOURS: [RGBColor; 10] = [
+    RGBColor(0, 114, 178),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(136, 34, 85),
+    RGBColor(153, 153, 51),
+    RGBColor(51, 34, 136),
+    RGBColor(120, 120, 120),
+    RGBColor(17, 119, 51),
+];
+
+/// The colour of a curve, by its position among the names of a figure.
+pub(super) fn colour(index: usize) -> RGBColor {
+    COLOURS[index % COLOURS.len()]
+}
+
+/// A figure laid out, with the origin in the upper left corner of the panel.
+pub(super) struct Panel<'a> {
+    figure: &'a Figure,
+    legend: Legend<'a>,
+    x: Ticks,
+    y: Ticks,
+    /// The rectangle of the data: left, top, right, bottom.
+    frame: [f64; 4],
+}
+
+impl<'a> Panel<'a> {
+    /// Lays a figure out.
+    pub(super) fn new(figure: &'a Figure) -> Result<Self, FigureError> {
+        let [x, y] = figure.extent()?;
+        let y = Ticks::new(y, 7.0)?;
+        let widest = |ticks: &Ticks| {
+            ticks.ticks.iter().map(|(_, label)| text_width(label, TEXT)).fold(0.0, f64::max)
+        };
+        let left = 46.0 + widest(&y);
+        let right = WIDTH - MARGINS[1];
+        let mut x_ticks = Ticks::new(x, 8.0)?;
+        // Labels that would touch each other are thinned out.
+        let room = |ticks: &Ticks| (right - left) / (widest(ticks) + 16.0);
+        if x_ticks.ticks.len() as f64 > room(&x_ticks) {
+            x_ticks = Ticks::new(x, room(&x_ticks).max(1.0) * 0.7)?;
+        }
+        let frame = [left, MARGINS[0], right, PLOT_HEIGHT - MARGINS[2]];
+        Ok(Panel { figure, legend: Legend::new(figure, right - left), x: x_ticks, y, frame })
+    }
+
+    /// Its height in pixels.
+    pub(super) fn height(&self) -> f64 {
+        match self.legend.height() {
+            0.0 => PLOT_HEIGHT,
+            legend => PLOT_HEIGHT + legend + 16.0,
+        }
+    }
+
+    /// Draws it with its upper left corner at a point.
+    pub(super) fn draw(&self, canvas: &Canvas, corner: [f64; 2]) -> Result<(), FigureError> {
+        let [dx, dy] = corner;
+        let [left, top, right, bottom] = self.frame;
+        let frame = [left + dx, top + dy, right + dx, bottom + dy];
+        self.axes(canvas, frame)?;
+        let middle = dx + WIDTH / 2.0;
+        let title = &self.figure.title;
+        let size = fitting(title, TITLE, WIDTH - 20.0);
+        canvas.text(title, [middle, dy + 22.0], size, Anchor::Middle)?;
+        self.curves(canvas, frame)?;
+        self.marks(canvas, frame)?;
+        self.legend.draw(canvas, [frame[0], dy + PLOT_HEIGHT + 4.0])
+    }
+
+    fn axes(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
+        let [left, top, right, bottom] = frame;
+        for (value, label) in &self.x.ticks {
+            let [x, _] = self.pixel(frame, [*value, self.y.range[0]]);
+            canvas.line(&[[x, top], [x, bottom]], FAINT, 0.8)?;
+            canvas.line(&[[x, bottom], [x, bottom + 5.0]], INK, 1.0)?;
+            canvas.text(label, [x, bottom + 15.0], TEXT, Anchor::Middle)?;
+        }
+        for (value, label) in &self.y.ticks {
+            let [_, y] = self.pixel(frame, [self.x.range[0], *value]);
+            canvas.line(&[[left, y], [right, y]], FAINT, 0.8)?;
+            canvas.line(&[[left - 5.0, y], [left, y]], INK, 1.0)?;
+            canvas.text(label, [left - 9.0, y], TEXT, Anchor::Right)?;
+        }
+        canvas.line(&[[left, top], [left, bottom], [right, bottom]], INK, 1.0)?;
+        canvas.text(&self.x.factor, [right, bottom + 36.0], TEXT, Anchor::Right)?;
+        canvas.text(&self.y.factor, [left, top - 10.0], TEXT, Anchor::Left)?;
+        let [across, up] = [(left + right) / 2.0, (top + bottom) / 2.0];
+        let name = &self.figure.x_label;
+        let size = fitting(name, NAME, right - left);
+        canvas.text(name, [across, bottom + 37.0], size, Anchor::Middle)?;
+        let edge = left - self.frame[0] + 18.0;
+        let name = &self.figure.y_label;
+        canvas.text(name, [edge, up], fitting(name, NAME, bottom - top), Anchor::Upwards)
+    }
+
+    fn curves(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
+        let names = self.figure.names();
+        for series in &self.figure.series {
+            let index = names.iter().position(|name| *name == series.name).unwrap_or(0);
+            let points: Vec<_> = series.points.iter().map(|at| self.pixel(frame, *at)).collect();
+            curve(canvas, series.style, &points, colour(index))?;
+        }
+        Ok(())
+    }
+
+    fn marks(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
+        let pixel = |at: &[f64; 2]| self.pixel(frame, *at);
+        let curves: Vec<_> = self
+            .figure
+            .series
+            .iter()
+            .flat_map(|series| sampled(&series.points.iter().map(pixel).collect::<Vec<_>>()))
+            .collect();
+        let marks: Vec<_> = self
+            .figure
+            .marks
+            .iter()
+            .map(|mark| (pixel(&mark.at), &*mark.label, [text_width(&mark.label, TEXT), TEXT]))
+            .collect();
+        // Labels may stand a little beyond the data.
+        let room = [frame[0], frame[1] - 8.0, frame[2] + 24.0, frame[3]];
+        let centres = place(&marks, &curves, room);
+        let labels = || centres.iter().zip(&marks).filter_map(|(c, mark)| Some(((*c)?, mark)));
+        for (centre, (_, _, [width, height])) in labels() {
+            canvas.veil(centre, [*width, *height])?;
+        }
+        for (drawn, (at, _, _)) in self.figure.marks.iter().zip(&marks) {
+            mark(canvas, drawn.symbol, *at)?;
+        }
+        labels().try_for_each(|(at, (_, label, _))| canvas.text(label, at, TEXT, Anchor::Middle))
+    }
+
+    fn pixel(&self, frame: [f64; 4], [x, y]: [f64; 2]) -> [f64; 2] {
+        let part = |range: [f64; 2], value: f64| (value - range[0]) / (range[1] - range[0]);
+        [
+            frame[0] + part(self.x.range, x) * (frame[2] - frame[0]),
+            frame[3] - part(self.y.range, y) * (frame[3] - frame[1]),
+        ]
+    }
+}
+
+/// The size of a text that must not be longer than the room it has.
+fn fitting(text: &str, size: f64, room: f64) -> f64 {
+    size * (room / text_width(text, size).max(1.0)).min(1.0)
+}
+
+/// Draws a curve through points in pixels.
+pub(super) fn curve(
+    canvas: &Canvas,
+    style: Style,
+    points: &[[f64; 2]],
+    colour: RGBColor,
+) -> Result<(), FigureError> {
+    match style {
+        Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
+        Style::Dashed => canvas.dashed(points, colour, 2.0),
+        Style::Solid => Ok(()),
+        Style::Dots | Style::DottedLine => {
+            if style == Style::DottedLine {
+                canvas.line(points, colour, 1.5)?;
+            }
+            points.iter().try_for_each(|at| canvas.disc(*at, 3.5, colour, WHITE))
+        }
+    }
+}
+
+/// Draws a symbol at a point in pixels.
+pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Result<(), FigureError> {
+    let red = RGBColor(213, 60, 0);
+    let polygon = |corners: usize, radii: [f64; 2], first: f64, fill| {
+        let corner = |i: usize| {
+            let angle = first + std::f64::consts::TAU * i as f64 / corners as f64;
+            let radius = radii[i % 2];
+            [at[0] + radius * angle.sin(), at[1] - radius * angle.cos()]
+        };
+        let corners: Vec<_> = (0..corners).map(corner).collect();
+        canvas.polygon(&corners, fill, if fill == WHITE { INK } else { WHITE })
+    };
+    let quarter = std::f64::consts::FRAC_PI_4;
+    match symbol {
+        Symbol::Disc => canvas.disc(at, 4.8, red, WHITE),
+        Symbol::Ring => canvas.disc(at, 3.6, WHITE, INK),
+        Symbol::Square => polygon(4, [6.2, 6.2], quarter, INK),
+        Symbol::Diamond => polygon(4, [6.6, 6.6], 0.0, RGBColor(0, 72, 140)),
+        Symbol::Star => polygon(10, [8.0, 3.4], 0.0, RGBColor(200, 140, 0)),
+        Symbol::Triangle => polygon(3, [6.8, 6.8], 0.0, RGBColor(0, 120, 85)),
+        Symbol::TriangleDown => polygon(3, [6.0, 6.0], 4.0 * quarter, WHITE),
+        Symbol::Cross => {
+            let arm = |dy: f64| [[at[0] - 4.5, at[1] - dy], [at[0] + 4.5, at[1] + dy]];
+            canvas.line(&arm(4.5), INK, 2.2)?;
+            canvas.line(&arm(-4.5), INK, 2.2)
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Round numbers along an axis.
+
+use crate::output::error::FigureError;
+
+/// An axis: its range, its ticks and what stands beside them.
+#[derive(Debug, PartialEq)]
+pub(super) struct Ticks {
+    /// The range, a little wider than the data.
+    pub(super) range: [f64; 2],
+    /// The ticks within the range, with their labels.
+    pub(super) ticks: Vec<(f64, String)>,
+    /// The power of ten by which all labels are to be multiplied, as `×10⁻⁹`; empty for 1.
+    pub(super) factor: String,
+}
+
+impl Ticks {
+    /// Ticks for data between two values, some `count` of them.
+    pub(super) fn new([low, high]: [f64; 2], count: f64) -> Result<Self, FigureError> {
+        let range = widened(low, high);
+        let width = range[1] - range[0];
+        if !width.is_finite() {
+            return Err(FigureError::TooWide { low, high });
+        }
+        let (step, step_exponent) = round_step(width / count);
+        let largest = range[0].abs().max(range[1].abs());
+        let exponent = match largest {
+            ..1e-2 | 1e5.. => 3 * (largest.log10() / 3.0).floor() as i32,
+            _ => 0,
+        };
+        let decimals = usize::try_from(exponent - step_exponent).unwrap_or(0);
+        let scale = 10f64.powi(-exponent);
+        let first = (range[0] / step).ceil();
+        let number = ((range[1] / step).floor() - first) as usize;
+        let ticks = (0..=number.min(50)).map(|i| {
+            // Adding zero turns -0 into 0.
+            let tick = (first + i as f64) * step + 0.0;
+            (tick, format!("{:.decimals$}", tick * scale).replace('-', "−"))
+        });
+        Ok(Ticks { range, ticks: ticks.collect(), factor: power_of_ten(exponent) })
+    }
+}
+
+/// The range of the data and a margin of 4 %; values that are all the same get a range as well, and so
+/// do values so small that a power of ten for them cannot be represented.
+fn widened(low: f64, high: f64) -> [f64; 2] {
+    let largest = low.abs().max(high.abs());
+    let width = high - low;
+    let margin = match width <= 1e-12 * largest {
+        _ if largest < 1e-290 => 1.0,
+        true => 0.05 * largest,
+        false => 0.04 * width,
+    };
+    [low - margin, high + margin]
+}
+
+/// The round step next to a width: 1, 2 or 5 times a power of ten, and the exponent.
+fn round_step(width: f64) -> (f64, i32) {
+    let exponent = width.log10().floor() as i32;
+    let power = 10f64.powi(exponent);
+    match width / power {
+        ..1.5 => (power, exponent),
+        1.5..3.5 => (2.0 * power, exponent),
+        3.5..7.5 => (5.0 * power, exponent),
+        _ => (10.0 * power, exponent + 1),
+    }
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    if exponent == 0 {
+        return String::new();
+    }
+    let superscript = |letter: char| match letter {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '4' => '⁴',
+        '5' => '⁵',
+        '6' => '⁶',
+        '7' => '⁷',
+        '8' => '⁸',
+        '9' => '⁹',
+        _ => '⁰',
+    };
+    format!("×10{}", exponent.to_string().chars().map(superscript).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(low: f64, high: f64) -> (Vec<String>, String) {
+        let ticks = Ticks::new([low, high], 6.0).unwrap();
+        (ticks.ticks.into_iter().map(|(_, label)| label).collect(), ticks.factor)
+    }
+
+    #[test]
+    fn labels_are_round_and_have_the_same_decimals() {
+        assert_eq!(labels(0.0, 1.0).0, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(-100.0, 100.0).0, ["−100", "−50", "0", "50", "100"]);
+        assert_eq!(labels(172.963, 172.964).0.first().unwrap(), "172.9630");
+    }
+
+    #[test]
+    fn very_large_and_very_small_values_share_a_power_of_ten() {
+        assert_eq!(labels(0.0, 4e-9).1, "×10⁻⁹");
+        assert_eq!(labels(0.0, 6e-9).0, ["0", "1", "2", "3", "4", "5", "6"]);
+        assert_eq!(labels(0.0, 3e7).1, "×10⁶");
+    }
+
+    #[test]
+    fn no_range_is_too_small_and_an_infinite_one_is_refused() {
+        assert!(!labels(3.0, 3.0).0.is_empty());
+        assert!(!labels(0.0, 0.0).0.is_empty());
+        assert!(!labels(0.0, 5e-324).0.is_empty());
+        assert!(Ticks::new([-f64::MAX, f64::MAX], 6.0).is_err());
+    }
+}

@@ -1,0 +1,149 @@
+//! Tables of special points: as comma-separated values, and as lines on a screen.
+
+use super::number::significant;
+use crate::core::continuation::{Branch, SpecialPoint};
+
+/// The special points of several branches as comma-separated values: `branch,label,kind`, every
+/// parameter and then every monitor by name, in the order in which the branches first mention them,
+/// then `error`, the estimated absolute error of the continued parameter. Numbers have 15
+/// significant digits. A cell is empty where a branch lacks the column.
+///
+/// ```
+/// let table = tangency::output::csv(&[tangency::output::example_branch()]);
+/// let lines: Vec<&str> = table.lines().collect();
+/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error");
+/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15");
+/// ```
+pub fn csv(branches: &[Branch]) -> String {
+    let parameters = union(branches.iter().map(|branch| &branch.parameters));
+    let monitors = union(branches.iter().map(|branch| &branch.monitors));
+    let columns = parameters.iter().chain(&monitors).map(|name| quoted(name));
+    let mut table: String = ["branch", "label", "kind"]
+        .into_iter()
+        .map(String::from)
+        .chain(columns)
+        .chain(["error".into()])
+        .collect::<Vec<_>>()
+        .join(",");
+    table.push('\n');
+    for branch in branches {
+        for point in &branch.special {
+            let mut cells =
+                vec![quoted(&branch.name), point.label.to_string(), point.kind.to_string()];
+            let lists = [
+                (&parameters, &branch.parameters, &point.parameters),
+                (&monitors, &branch.monitors, &point.monitors),
+            ];
+            for (columns, names, values) in lists {
+                cells.extend(columns.iter().map(|column| cell(column, names, values)));
+            }
+            cells.push(significant(point.error, 15));
+            table.push_str(&cells.join(","));
+            table.push('\n');
+        }
+    }
+    table
+}
+
+fn union<'a>(lists: impl Iterator<Item = &'a Vec<String>>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in lists.flatten() {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn cell(column: &str, names: &[String], values: &[f64]) -> String {
+    let position = names.iter().position(|name| name == column);
+    let value = position.and_then(|position| values.get(position));
+    value.map_or(String::new(), |value| significant(*value, 15))
+}
+
+/// A name in quotes if it would otherwise break the table (RFC 4180).
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.into()
+    }
+}
+
+/// Aligned lines for a screen, one for each special point: its label, its kind, the parameters that
+/// vary, the monitors.
+///
+/// ```
+/// use tangency::output::{Screen, example_branch};
+/// let branch = example_branch();
+/// let screen = Screen::of(&branch);
+/// assert_eq!(screen.header(), " label  kind                load          deflection");
+/// assert_eq!(
+///     screen.line(&branch.special[2]),
+///     "     3  LP        0.148148148148      0.333333333333"
+/// );
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Screen {
+    /// Which list of a point a column shows, its position there, its name.
+    columns: Vec<(List, usize, String)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum List {
+    Parameters,
+    Monitors,
+}
+
+/// A number of 12 significant digits has at most 18 letters.
+const WIDTH: usize = 18;
+
+impl Screen {
+    /// The lines of a branch.
+    pub fn of(branch: &Branch) -> Self {
+        Screen::new(&branch.parameters, &branch.released, &branch.monitors)
+    }
+
+    /// The lines of a branch that is still being traced: the names of all its parameters, of those
+    /// that vary (others are left out), and of its monitors.
+    pub fn new(parameters: &[String], released: &[String], monitors: &[String]) -> Self {
+        let position = |name: &String| parameters.iter().position(|parameter| parameter == name);
+        let varying = released
+            .iter()
+            .filter_map(|name| Some((List::Parameters, position(name)?, name.clone())));
+        let monitors = monitors.iter().cloned().enumerate();
+        let monitors = monitors.map(|(index, name)| (List::Monitors, index, name));
+        Screen { columns: varying.chain(monitors).collect() }
+    }
+
+    /// The names above the columns.
+    pub fn header(&self) -> String {
+        self.assemble(" label", "kind", |(_, _, name)| name.clone())
+    }
+
+    /// The line of one special point.
+    pub fn line(&self, point: &SpecialPoint) -> String {
+        let label = format!("{:>6}", point.label);
+        self.assemble(&label, &point.kind.to_string(), |(list, index, _)| {
+            let values = match list {
+                List::Parameters => &point.parameters,
+                List::Monitors => &point.monitors,
+            };
+            values.get(*index).map_or(String::new(), |value| significant(*value, 12))
+        })
+    }
+
+    fn assemble(
+        &self,
+        label: &str,
+        kind: &str,
+        cell: impl Fn(&(List, usize, String)) -> String,
+    ) -> String {
+        let mut line = format!("{label}  {kind:<4}");
+        for column in &self.columns {
+            let width = column.2.chars().count().max(WIDTH);
+            line.push_str(&format!("  {:>width$}", cell(column)));
+        }
+        line
+    }
+}

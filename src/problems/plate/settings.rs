@@ -1,0 +1,167 @@
+//! Which plate, and which model of it: the settings of a plate's scene.
+
+use super::sine::{self, SineError, SinePlate, SineSettings};
+use super::{InPlane, Orders, PlateError, Ritz, RitzSettings, Supports, Theory, Units};
+use crate::core::dense::Dense;
+use crate::core::zero::System;
+use serde::{Deserialize, Serialize};
+
+/// How the plate is discretised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// The full Ritz model in integrated Legendre functions.
+    #[default]
+    Ritz,
+    /// A reduced-order model on the lowest modes of the flat plate.
+    Modal,
+    /// The stress-function sine model of a supported plate (section 3.2).
+    Sine,
+}
+
+/// What the equations of few modes are projected from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Projection {
+    /// Galerkin's method with the load by quadrature.
+    #[default]
+    Direct,
+    /// The equation times `(1 − w)²`, as the source does.
+    Multiplied,
+}
+
+/// A plate and its model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PlateSettings {
+    /// Edges in the order x = 0, y = 0, x = 1, y = 1: `S` supported, `C` clamped, `F` free.
+    pub supports: String,
+    /// Edges in the plane; if not given, `slide` for four supported edges, else `immovable`.
+    pub in_plane: Option<InPlane>,
+    /// Linear or von Kármán's theory.
+    pub theory: Theory,
+    /// The discretisation.
+    pub model: Model,
+    /// The number of modes of the models `modal` and `sine`.
+    pub modes: usize,
+    /// The projection of the models `modal` and `sine`.
+    pub projection: Projection,
+    /// Numbers of functions of the model `ritz`; if not given, those that the accuracy needs.
+    pub orders: Option<Orders>,
+    /// What the parameters mean.
+    pub units: Units,
+    /// Whether symmetry is used where edges and load allow it.
+    pub symmetric: bool,
+}
+
+impl Default for PlateSettings {
+    fn default() -> Self {
+        PlateSettings {
+            supports: "SSSS".into(),
+            in_plane: None,
+            theory: Theory::VonKarman,
+            model: Model::Ritz,
+            modes: 15,
+            projection: Projection::Direct,
+            orders: None,
+            units: Units::Dimensionless,
+            symmetric: true,
+        }
+    }
+}
+
+/// A plate that cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// The description of the plate is at fault.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
+    /// The sine model is at fault.
+    #[error(transparent)]
+    Sine(#[from] SineError),
+    /// The model does not exist for this plate.
+    #[error("the model `{model}` is for {what}, not for {found}; use `model=ritz`")]
+    NotModelled {
+        /// The model.
+        model: &'static str,
+        /// What it is for.
+        what: &'static str,
+        /// What was asked for.
+        found: String,
+    },
+}
+
+impl PlateSettings {
+    /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and
+    /// whose aspect ratio reaches `farthest_aspect`.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with what is at fault and the remedy.
+    ///
+    /// ```
+    /// use tangency::problems::plate::{PlateSettings, Units};
+    /// let settings = PlateSettings { supports: "CCCC".into(), ..PlateSettings::default() };
+    /// let system = settings.system(Units::Dimensionless.defaults(), 1.0)?;
+    /// assert_eq!(system.names().parameters[0], "load");
+    /// # Ok::<(), tangency::problems::plate::SettingsError>(())
+    /// ```
+    pub fn system(
+        &self,
+        p: &[f64],
+        farthest_aspect: f64,
+    ) -> Result<Box<dyn System>, SettingsError> {
+        let supports: Supports = self.supports.parse()?;
+        let parameters = self.units.parameters(p);
+        let plate = RitzSettings {
+            supports,
+            in_plane: self.in_plane.unwrap_or(supports.usual_in_plane()),
+            theory: self.theory,
+            orders: self.orders,
+            aspect: farthest_aspect,
+            units: self.units,
+            symmetric: self.symmetric && parameters.shear == 0.0,
+        };
+        match self.model {
+            Model::Ritz => Ok(Box::new(Ritz::new(plate)?)),
+            Model::Modal => self.modal(plate),
+            Model::Sine => self.sine(plate),
+        }
+    }
+
+    fn modal(&self, _plate: RitzSettings) -> Result<Box<dyn System>, SettingsError> {
+        Err(SettingsError::NotModelled { model: "modal", what: "nothing", found: String::new() })
+    }
+
+    fn sine(&self, plate: RitzSettings) -> Result<Box<dyn System>, SettingsError> {
+        let not_modelled = |what, found: &str| SettingsError::NotModelled {
+            model: "sine",
+            what,
+            found: found.into(),
+        };
+        if plate.supports != "SSSS".parse()? {
+            return Err(not_modelled("four supported edges (SSSS)", &self.supports));
+        }
+        let in_plane = match plate.in_plane {
+            InPlane::Slide => sine::InPlane::Slide,
+            InPlane::Straight => sine::InPlane::Straight,
+            other => {
+                return Err(not_modelled("in-plane edges `slide` or `straight`", other.name()));
+            }
+        };
+        let settings = SineSettings {
+            modes: self.modes,
+            in_plane,
+            theory: match plate.theory {
+                Theory::Linear => sine::Theory::Linear,
+                Theory::VonKarman => sine::Theory::VonKarman,
+            },
+            projection: match self.projection {
+                Projection::Direct => sine::Projection::Direct,
+                Projection::Multiplied => sine::Projection::Multiplied,
+            },
+            units: self.units,
+            quadrature_points: None,
+        };
+        Ok(Box::new(Dense::new(SinePlate::new(settings)?)))
+    }
+}

@@ -1,0 +1,33 @@
+//! The scenes that come with the program.
+
+/// A scene that comes with the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// Its name.
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub summary: &'static str,
+    /// Its text, as RON.
+    pub text: &'static str,
+}
+
+macro_rules! built_in {
+    ($($name:literal: $summary:literal,)*) => {
+        &[$(BuiltIn {
+            name: $name,
+            summary: $summary,
+            text: include_str!(concat!("../../scenes/", $name, ".ron")),
+        }),*]
+    };
+}
+
+/// All scenes that come with the program, in the order in which they are listed.
+pub const BUILT_IN: &[BuiltIn] = built_in![
+    "plate-supported": "a supported plate through pull-in (figures 3.3, 3.10, 3.11)",
+    "plate-clamped": "a clamped plate through pull-in (figures 3.14, 3.17, 3.21)",
+    "plate-pull-in-gap": "pull-in against gap ratio for the in-plane edges (3.6, 3.7, 3.15, 3.16, 3.18-3.20)",
+    "plate-pull-in-aspect": "pull-in against aspect ratio, a curve of folds for each gap ratio (3.8, 3.9)",
+    "plate-modes": "models of few modes against the full one (3.3-3.5, 3.17)",
+    "plate-buckling": "a plate compressed at its edges: a branch point, and the buckled branches",
+    "plate-device": "a plate in SI units: volts to pull-in, frequency in hertz",
+];

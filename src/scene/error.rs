@@ -1,0 +1,85 @@
+//! What can be wrong with a scene.
+
+use crate::core::continuation::TraceError;
+use crate::output::UnknownName;
+use crate::problems::plate::SettingsError;
+
+/// What is wrong with a scene, or with what was asked of it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A name that the scene does not have.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
+    /// A value of the wrong form.
+    #[error("`{name}` cannot be `{value}`: {reason}")]
+    Value {
+        /// The parameter or setting.
+        name: String,
+        /// The value.
+        value: String,
+        /// What it should be.
+        reason: String,
+    },
+    /// A name that the scene varies by itself.
+    #[error(
+        "`{name}` is varied by the scene: the run `{run}` sets it to `{value}`; copy the scene to a file to change that"
+    )]
+    Varied {
+        /// The parameter or setting.
+        name: String,
+        /// The run.
+        run: String,
+        /// The run's value.
+        value: String,
+    },
+    /// A scene that is not RON, or not a scene.
+    #[error("{line}:{column}: {reason}; a scene begins with `Scene(title: …, problem: …`")]
+    Syntax {
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+        /// What the reader expected.
+        reason: String,
+    },
+    /// Something that a scene must not hold.
+    #[error("{place} is {found}, but {rule}")]
+    Invalid {
+        /// The place, for example "run `plate`, mark `load`".
+        place: String,
+        /// What is there.
+        found: String,
+        /// What must hold.
+        rule: String,
+    },
+    /// The problem cannot be built.
+    #[error(transparent)]
+    Problem(#[from] SettingsError),
+    /// A run starts from a point that an earlier run did not find.
+    #[error(
+        "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"
+    )]
+    NoSuchPoint {
+        /// The run.
+        run: String,
+        /// The run it starts from.
+        from: String,
+        /// The kind.
+        kind: String,
+        /// Which one.
+        nth: usize,
+        /// How many there are.
+        found: usize,
+        /// Why that run ended.
+        ends: String,
+    },
+    /// A trace could not begin.
+    #[error("run `{run}`: {cause}")]
+    Trace {
+        /// The run.
+        run: String,
+        /// Why.
+        #[source]
+        cause: TraceError,
+    },
+}

@@ -1,0 +1,142 @@
+//! Scenes: small RON files that say what is traced, and nothing more than it shows.
+//!
+//! A [`Scene`] names a problem with its terms, the values of its parameters, and a list of runs. A run
+//! traces one branch, or one curve of events, from rest or from a special point of an earlier run.
+//!
+//! ```ron
+//! Scene(
+//!     title: "Clamped microplate through pull-in",
+//!     problem: Plate(supports: "CCCC"),
+//!     parameters: [("gap_ratio", 1.0)],
+//!     runs: [
+//!         Run(name: "plate", along: [(name: "load", low: 0.0)], bounds: [(name: "max_deflection", high: 0.9)]),
+//!     ],
+//! )
+//! ```
+
+mod builtin;
+mod error;
+mod execute;
+mod problem;
+mod set;
+
+pub use builtin::{BUILT_IN, BuiltIn};
+pub use error::SceneError;
+pub use execute::{Outcome, SceneObserver, StartPoint, execute};
+pub use problem::Problem;
+
+use crate::core::continuation::{Kind, Settings};
+use crate::output::Plot;
+use serde::{Deserialize, Serialize};
+
+/// What is traced.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The title of its diagram.
+    pub title: String,
+    /// The problem and its terms.
+    pub problem: Problem,
+    /// Values of parameters at the start, where they differ from the problem's defaults.
+    #[serde(default)]
+    pub parameters: Vec<(String, f64)>,
+    /// Settings of the continuation.
+    #[serde(default)]
+    pub settings: Settings,
+    /// How the branches are drawn.
+    #[serde(default)]
+    pub plot: Plot,
+    /// What is traced, in this order.
+    pub runs: Vec<Run>,
+}
+
+/// One branch or curve of events.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// The branch's name.
+    pub name: String,
+    /// What differs from the scene, as `--set` would: parameters and settings by name.
+    #[serde(default)]
+    pub set: Vec<(String, String)>,
+    /// Where it starts.
+    #[serde(default)]
+    pub start: Start,
+    /// The kind of special point that is held along the curve, where it is a curve of events.
+    #[serde(default)]
+    pub hold: Option<Kind>,
+    /// The parameters that are released, the continued one first, with their ranges.
+    pub along: Vec<Range>,
+    /// Bounds of parameters and monitors, where the branch ends.
+    #[serde(default)]
+    pub bounds: Vec<Range>,
+    /// Values of parameters and monitors that are marked.
+    #[serde(default)]
+    pub marks: Vec<(String, f64)>,
+    /// Which way it is traced.
+    #[serde(default)]
+    pub direction: Way,
+    /// Whether the branch is kept: a run that only leads to the start of others is not.
+    #[serde(default = "yes")]
+    pub shown: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A range; an end that is not given is open.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    /// The parameter or monitor.
+    pub name: String,
+    /// The lower end.
+    #[serde(default)]
+    pub low: Option<f64>,
+    /// The upper end.
+    #[serde(default)]
+    pub high: Option<f64>,
+}
+
+impl Range {
+    /// The range as numbers, open ends being infinite.
+    pub fn interval(&self) -> std::ops::RangeInclusive<f64> {
+        self.low.unwrap_or(f64::NEG_INFINITY)..=self.high.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Where a run starts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Start {
+    /// At rest: all unknowns zero.
+    #[default]
+    Rest,
+    /// At a special point of an earlier run.
+    From {
+        /// The run.
+        run: String,
+        /// The kind of special point.
+        kind: Kind,
+        /// Which one of that kind, in the order of the branch, from 0.
+        #[serde(default)]
+        nth: usize,
+        /// Whether to leave it along the other branch.
+        #[serde(default)]
+        switch: bool,
+    },
+}
+
+/// Which way a branch is traced from its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Way {
+    /// Both ways.
+    #[default]
+    Both,
+    /// The way in which the parameter released last grows.
+    Forward,
+    /// The way in which it falls.
+    Backward,
+}

@@ -1,0 +1,262 @@
+//! Changing a scene by name, reading it, and checking it.
+
+use super::{Problem, Run, Scene, SceneError, Start};
+use crate::core::continuation::Settings;
+use crate::output::UnknownName;
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+/// The settings of the continuation that can be set by name.
+const SETTINGS: [&str; 9] = [
+    "initial_step",
+    "min_step",
+    "max_step",
+    "max_points",
+    "max_angle",
+    "tolerance",
+    "event_tolerance",
+    "max_iterations",
+    "accuracy",
+];
+
+fn options() -> ron::Options {
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+}
+
+/// Reads a value as RON would.
+pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Result<T, SceneError> {
+    options().from_str(value).map_err(|error| SceneError::Value {
+        name: name.into(),
+        value: value.into(),
+        reason: error.code.to_string(),
+    })
+}
+
+/// Reads a value into a slot.
+pub(super) fn assign<T: for<'a> Deserialize<'a>>(
+    slot: &mut T,
+    name: &str,
+    value: &str,
+) -> Result<(), SceneError> {
+    *slot = read(name, value)?;
+    Ok(())
+}
+
+impl Scene {
+    /// Reads a scene.
+    ///
+    /// # Errors
+    /// [`SceneError::Syntax`] with the place, [`SceneError::Invalid`] for what a scene must not hold:
+    /// numbers that are not finite, names given twice or unknown, runs that start nowhere.
+    ///
+    /// ```
+    /// use tangency::scene::Scene;
+    /// let error = Scene::parse("Scene(title: \"t\", problem: Plate(), runs: [], colour: 3)");
+    /// assert!(error.unwrap_err().to_string().contains("`colour`"));
+    /// ```
+    pub fn parse(text: &str) -> Result<Scene, SceneError> {
+        let scene: Scene = options().from_str(text).map_err(|error| SceneError::Syntax {
+            line: error.span.start.line,
+            column: error.span.start.col,
+            reason: error.code.to_string(),
+        })?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Changes a parameter, a setting of the problem or of the continuation, by name.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownName`], with a suggestion; [`SceneError::Value`] if the value cannot be
+    /// read; [`SceneError::Varied`] if the scene's runs set it by themselves.
+    ///
+    /// ```
+    /// use tangency::scene::{BUILT_IN, Scene};
+    /// let mut scene = Scene::parse(BUILT_IN[0].text)?;
+    /// scene.set("gap_ratio", "2")?;
+    /// assert_eq!(scene.value("gap_ratio"), Some(2.0));
+    /// let error = scene.set("gap_ration", "2").unwrap_err();
+    /// assert!(error.to_string().contains("did you mean `gap_ratio`"), "{error}");
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        for run in &self.runs {
+            if let Some((_, own)) = run.set.iter().find(|(key, _)| key == name) {
+                let (name, run, value) = (name.into(), run.name.clone(), own.clone());
+                return Err(SceneError::Varied { name, run, value });
+            }
+        }
+        self.assign(name, value)
+    }
+
+    /// The value of a parameter at the start.
+    pub fn value(&self, parameter: &str) -> Option<f64> {
+        let given = self.parameters.iter().find(|(name, _)| name == parameter).map(|(_, v)| *v);
+        given.or_else(|| {
+            let defaults = self.problem.parameters();
+            defaults.into_iter().find(|(name, _)| *name == parameter).map(|(_, v)| v)
+        })
+    }
+
+    /// All parameters at the start, in the problem's order.
+    pub fn values(&self) -> Vec<f64> {
+        let defaults = self.problem.parameters();
+        defaults.into_iter().map(|(name, default)| self.value(name).unwrap_or(default)).collect()
+    }
+
+    /// The scene as one of its runs sees it.
+    pub(super) fn as_seen_by(&self, run: &Run) -> Result<Scene, SceneError> {
+        let mut scene = self.clone();
+        for (name, value) in &run.set {
+            scene.assign(name, value)?;
+        }
+        Ok(scene)
+    }
+
+    fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        if self.problem.set(name, value)? {
+            return self.check_parameters();
+        }
+        if SETTINGS.contains(&name) {
+            return self.set_continuation(name, value);
+        }
+        self.require_parameter(name, true)?;
+        let number: f64 = read(name, value)?;
+        if !number.is_finite() {
+            return Err(SceneError::Value {
+                name: name.into(),
+                value: value.into(),
+                reason: "a parameter must be a finite number".into(),
+            });
+        }
+        match self.parameters.iter_mut().find(|(key, _)| key == name) {
+            Some((_, slot)) => *slot = number,
+            None => self.parameters.push((name.into(), number)),
+        }
+        Ok(())
+    }
+
+    fn set_continuation(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        let s: &mut Settings = &mut self.settings;
+        match name {
+            "initial_step" => assign(&mut s.initial_step, name, value)?,
+            "min_step" => assign(&mut s.min_step, name, value)?,
+            "max_step" => assign(&mut s.max_step, name, value)?,
+            "max_points" => assign(&mut s.max_points, name, value)?,
+            "max_angle" => assign(&mut s.max_angle, name, value)?,
+            "tolerance" => assign(&mut s.tolerance, name, value)?,
+            "event_tolerance" => assign(&mut s.event_tolerance, name, value)?,
+            "max_iterations" => assign(&mut s.max_iterations, name, value)?,
+            _ => assign(&mut s.accuracy, name, value)?,
+        }
+        s.check().map_err(|error| SceneError::Value {
+            name: name.into(),
+            value: value.into(),
+            reason: error.to_string(),
+        })
+    }
+
+    fn require_parameter(&self, name: &str, with_settings: bool) -> Result<(), SceneError> {
+        let parameters = self.problem.parameters();
+        if parameters.iter().any(|(known, _)| *known == name) {
+            return Ok(());
+        }
+        let mut known: Vec<&str> = parameters.into_iter().map(|(name, _)| name).collect();
+        let what = if with_settings { "parameter or setting" } else { "parameter" };
+        if with_settings {
+            known.extend(self.problem.settings().iter().map(|(name, _)| *name));
+            known.extend(SETTINGS);
+        }
+        Err(UnknownName::new(what, name, known).into())
+    }
+
+    fn check_parameters(&self) -> Result<(), SceneError> {
+        self.parameters.iter().try_for_each(|(name, _)| self.require_parameter(name, false))
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        self.check_parameters()?;
+        unique("parameter", self.parameters.iter().map(|(name, _)| name.as_str()))?;
+        unique("run", self.runs.iter().map(|run| run.name.as_str()))?;
+        for (name, value) in &self.parameters {
+            finite(&format!("parameter `{name}`"), *value)?;
+        }
+        self.settings.check().map_err(|error| SceneError::Invalid {
+            place: format!("the setting `{}`", error.name),
+            found: error.value.to_string(),
+            rule: format!("must be {}", error.range),
+        })?;
+        for (index, run) in self.runs.iter().enumerate() {
+            self.check_run(run, &self.runs[..index])?;
+        }
+        Ok(())
+    }
+
+    fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
+        let scene = self.as_seen_by(run)?;
+        for range in run.along.iter().chain(&run.bounds) {
+            let place = format!("run `{}`, range of `{}`", run.name, range.name);
+            for end in [range.low, range.high].into_iter().flatten() {
+                finite(&place, end)?;
+            }
+        }
+        run.along.iter().try_for_each(|range| scene.require_parameter(&range.name, false))?;
+        unique("range", run.along.iter().map(|range| range.name.as_str()))?;
+        unique("setting of a run", run.set.iter().map(|(name, _)| name.as_str()))?;
+        for (name, value) in &run.marks {
+            finite(&format!("run `{}`, mark of `{name}`", run.name), *value)?;
+        }
+        if let Start::From { run: from, .. } = &run.start
+            && !earlier.iter().any(|run| run.name == *from)
+        {
+            let names = earlier.iter().map(|run| run.name.as_str());
+            return Err(UnknownName::new("earlier run", from.clone(), names).into());
+        }
+        Ok(())
+    }
+
+    /// What made the branches, for a document: every parameter and setting by name.
+    pub(super) fn record(&self) -> Vec<(String, String)> {
+        let mut record: Vec<(String, String)> =
+            self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();
+        let names = self.problem.parameters().into_iter().map(|(name, _)| name.to_string());
+        record.extend(names.zip(self.values().iter().map(|value| value.to_string())));
+        record
+    }
+}
+
+impl Problem {
+    /// Names of everything that can be set.
+    pub fn names(&self) -> Vec<&'static str> {
+        let settings = self.settings().into_iter().map(|(name, _)| name);
+        self.parameters().into_iter().map(|(name, _)| name).chain(settings).collect()
+    }
+}
+
+fn finite(place: &str, value: f64) -> Result<(), SceneError> {
+    match value.is_finite() {
+        true => Ok(()),
+        false => Err(SceneError::Invalid {
+            place: place.into(),
+            found: value.to_string(),
+            rule: "must be a finite number; leave an end of a range out to leave it open".into(),
+        }),
+    }
+}
+
+fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), SceneError> {
+    let mut seen: Vec<&str> = Vec::new();
+    for name in names {
+        if seen.contains(&name) {
+            return Err(SceneError::Invalid {
+                place: format!("the {what} `{name}`"),
+                found: "given twice".into(),
+                rule: "may be given once only".into(),
+            });
+        }
+        seen.push(name);
+    }
+    Ok(())
+}

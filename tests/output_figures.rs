@@ -1,0 +1,169 @@
+//! Tables and diagrams: every special point is there, and line styles change exactly where they should.
+
+use tangency::core::continuation::{Kind, Point};
+use tangency::output::{
+    Document, Figure, FigureError, Screen, Series, Style, Symbol, csv, diagram, draw,
+    example_branch,
+};
+
+fn document() -> Document {
+    Document::new("Pull-in", vec![example_branch()])
+}
+
+#[test]
+fn a_table_has_the_columns_of_all_branches_and_empty_cells() {
+    let mut second = example_branch();
+    second.name = "with, comma".into();
+    second.monitors.push("width \"b\"".into());
+    second.special.truncate(1);
+    second.special[0].monitors.push(-1e-7 / 3.0);
+    insta::assert_snapshot!(csv(&[example_branch(), second]), @r#"
+    branch,label,kind,load,aspect_ratio,deflection,"width ""b""",error
+    plate,1,EP,0,1.2,0,,0
+    plate,2,UZ,0.108375,1.2,0.15,,2.5e-15
+    plate,3,LP,0.148148148148148,1.2,0.333333333333333,,2.5e-15
+    plate,4,EP,0.032,1.2,0.8,,0
+    "with, comma",1,EP,0,1.2,0,-3.33333333333333e-8,0
+    "#);
+}
+
+#[test]
+fn screen_lines_are_aligned() {
+    let branch = example_branch();
+    let screen = Screen::of(&branch);
+    let lines =
+        std::iter::once(screen.header()).chain(branch.special.iter().map(|p| screen.line(p)));
+    insta::assert_snapshot!(lines.collect::<Vec<_>>().join("\n"), @r"
+     label  kind                load          deflection
+         1  EP                     0                   0
+         2  UZ              0.108375                0.15
+         3  LP        0.148148148148      0.333333333333
+         4  EP                 0.032                 0.8
+    ");
+}
+
+/// The style of each piece with its first and last point's `y`.
+fn pieces(figure: &Figure) -> Vec<(Style, f64, f64)> {
+    let ends = |s: &Series| (s.style, s.points[0][1], s.points[s.points.len() - 1][1]);
+    figure.series.iter().map(ends).collect()
+}
+
+#[test]
+fn a_curve_changes_from_solid_to_dashed_at_its_fold() {
+    let figure = diagram(&[("a", &document())], None, None).unwrap();
+    let fold = 1.0 / 3.0;
+    assert_eq!(pieces(&figure), [(Style::Solid, 0.0, fold), (Style::Dashed, fold, 0.8)]);
+    assert!(
+        figure.series[0].points.contains(&[0.15 * (1.0_f64 - 0.15).powi(2), 0.15]),
+        "the user's point"
+    );
+    let symbols: Vec<Symbol> = figure.marks.iter().map(|mark| mark.symbol).collect();
+    assert_eq!(symbols, [Symbol::Ring, Symbol::TriangleDown, Symbol::Disc, Symbol::Ring]);
+}
+
+#[test]
+fn of_several_special_points_in_one_step_the_fold_decides() {
+    for (order, kinds) in [("before", [Kind::UZ, Kind::LP]), ("behind", [Kind::LP, Kind::UZ])] {
+        let mut document = document();
+        let branch = &mut document.branches[0];
+        for (point, (kind, u)) in
+            branch.special[1..3].iter_mut().zip(kinds.iter().zip([0.325, 0.333]))
+        {
+            (point.kind, point.after, point.monitors[0]) = (*kind, 16, u);
+        }
+        let fold = if order == "before" { 0.333 } else { 0.325 };
+        let figure = diagram(&[("a", &document)], None, None).unwrap();
+        assert_eq!(pieces(&figure)[0], (Style::Solid, 0.0, fold), "{order}");
+    }
+}
+
+#[test]
+fn a_change_of_stability_without_a_special_point_is_drawn_all_the_same() {
+    let mut document = document();
+    document.branches[0].special.remove(2);
+    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    assert_eq!(pieces(&figure), [(Style::Solid, 0.0, 0.34), (Style::Dashed, 0.34, 0.8)]);
+}
+
+#[test]
+fn curves_of_special_points_are_drawn_in_their_two_parameters_without_stability() {
+    let mut document = document();
+    let branch = &mut document.branches[0];
+    branch.condition = Some(Kind::LP);
+    branch.released = vec!["load".into(), "aspect_ratio".into()];
+    branch.points.iter_mut().for_each(|point: &mut Point| point.unstable = None);
+    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    assert_eq!((&*figure.x_label, &*figure.y_label), ("load", "aspect_ratio"));
+    assert_eq!((figure.series.len(), figure.styles.len()), (1, 0));
+    assert_eq!(figure.names(), ["plate (fold curve)"]);
+}
+
+#[test]
+fn branches_of_several_documents_keep_distinct_names() {
+    let (a, b) = (document(), document());
+    let figure = diagram(&[("a", &a), ("b", &b), ("b", &b)], None, None).unwrap();
+    assert_eq!(figure.names(), ["a: plate", "b: plate", "b: plate′"]);
+    let svg = draw(&[figure]).unwrap();
+    assert!(svg.contains("a: plate") && svg.contains("b: plate"));
+}
+
+#[test]
+fn the_plot_of_the_document_names_columns_and_units() {
+    let mut document = document();
+    document.plot.x = Some("deflection".into());
+    document.plot.y = Some("load".into());
+    document.plot.labels = vec![("load".into(), "load λ (1)".into())];
+    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    assert_eq!((&*figure.x_label, &*figure.y_label), ("deflection", "load λ (1)"));
+    let figure = diagram(&[("a", &document)], Some("aspect_ratio"), None).unwrap();
+    assert_eq!((&*figure.x_label, &*figure.y_label), ("aspect_ratio", "load λ (1)"));
+    draw(&[figure]).unwrap();
+}
+
+#[test]
+fn unknown_columns_are_answered_with_those_that_exist() {
+    let error = diagram(&[("a", &document())], Some("laod"), None).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "branch `plate`: there is no column `laod`; did you mean `load`? \
+         Known: load, aspect_ratio, deflection"
+    );
+    let mut bare = document();
+    bare.branches[0].monitors.clear();
+    let error = diagram(&[("a", &bare)], None, None).unwrap_err();
+    assert!(matches!(error, FigureError::NoMonitor { .. }) && error.to_string().contains("load"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    assert!(matches!(draw(&[]), Err(FigureError::Empty { .. })));
+    assert!(matches!(draw(&[Figure::new("a", "x", "y")]), Err(FigureError::Empty { .. })));
+    let draw_points = |points: &[[f64; 2]]| {
+        let series = Series::new("curve", Style::Solid, points.iter().copied());
+        draw(&[Figure::new("a", "x", "y").with(series)])
+    };
+    let error = draw_points(&[[0.0, 1.0], [1.0, f64::NAN]]).unwrap_err();
+    assert_eq!(error.to_string(), "`curve` cannot be drawn: its point 1 is (1, NaN)");
+    let error = draw_points(&[[0.0, f64::MAX], [1.0, -f64::MAX]]).unwrap_err();
+    assert!(matches!(error, FigureError::TooWide { .. }));
+    for extreme in [[0.0, 0.0], [1e300, 1e-300], [5e-324, -5e-324], [1e307, 1.0]] {
+        draw_points(&[extreme]).unwrap();
+        draw_points(&[extreme, [extreme[0], 0.0]]).unwrap();
+    }
+}
+
+#[test]
+fn a_drawing_names_axes_styles_and_kinds_and_escapes_what_it_must() {
+    let mut document = document();
+    document.title = "a < b & \"c\"".into();
+    document.plot.labels = vec![("load".into(), "load λ (V²)".into())];
+    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    let svg = draw(std::slice::from_ref(&figure)).unwrap();
+    for text in ["a &lt; b &amp;", "load λ (V²)", "deflection", "unstable", "LP\u{2002}fold", "UZ"]
+    {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    let grid = draw(&vec![figure; 5]).unwrap();
+    assert!(grid.starts_with("<svg width=\"2160\""), "{}", &grid[..60]);
+}
