@@ -115,7 +115,7 @@ pub struct Modal {
 }
 
 enum Projected {
-    Direct(Direct),
+    Direct(Box<Direct>),
     Multiplied(Multiplied),
 }
 
@@ -143,7 +143,7 @@ impl Modal {
         let mut flat = FlatModes::new(&settings)?;
         let linear = Linear::new(&settings, &flat);
         let projected = match settings.projection {
-            Projection::Direct => Projected::Direct(Direct::new(&settings, &mut flat)?),
+            Projection::Direct => Projected::Direct(Box::new(Direct::new(&settings, &mut flat)?)),
             Projection::Multiplied => Projected::Multiplied(Multiplied::new(&settings, &mut flat)?),
         };
         let grid = Grid::new(&flat, settings.plate.aspect);

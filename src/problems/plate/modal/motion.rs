@@ -6,7 +6,7 @@ use crate::core::zero::{LeftDomain, ZeroProblem};
 use crate::problems::plate::Modes;
 use crate::problems::plate::sine::vibration::{self, Lowest};
 use faer::{Mat, Side};
-use nalgebra::DMatrix;
+use nalgebra::{Cholesky, DMatrix, DVector, LU};
 
 impl Modal {
     /// The `count` lowest modes of vibration about an equilibrium, as coefficients of the flat modes with
@@ -86,9 +86,7 @@ impl Modal {
                 let mass = DMatrix::identity(z.len(), z.len());
                 vibration::lowest_symmetric(&stiffness, &mass, self.linear.squares[0])
             }
-            Projected::Multiplied(multiplied) => {
-                vibration::lowest_general(&stiffness, &multiplied.mass(z))
-            }
+            Projected::Multiplied(multiplied) => lowest_general(&stiffness, &multiplied.mass(z)),
         }
     }
 
@@ -110,6 +108,33 @@ impl Modal {
                 }
             }
     }
+}
+
+/// Left and right eigenvectors of the `ω²` of smallest real part of `J v = ω² M v`, `J` any matrix. `None` if
+/// the matrices are not finite or that `ω²` is not real.
+fn lowest_general(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>) -> Option<Lowest> {
+    let n = mass.nrows();
+    let reduced = Cholesky::new(mass.clone())?.solve(stiffness);
+    if reduced.iter().any(|entry| !entry.is_finite()) {
+        return None;
+    }
+    let eigenvalues = Mat::from_fn(n, n, |i, k| reduced[(i, k)]).eigenvalues().ok()?;
+    let lowest = eigenvalues.iter().min_by(|a, b| a.re.total_cmp(&b.re))?;
+    if lowest.im.abs() > 1e-8 * lowest.re.abs() {
+        return None;
+    }
+    // Off the eigenvalue by a little, so that the matrix of inverse iteration has an inverse.
+    let shifted = stiffness - mass * (lowest.re - 1e-9 * (1.0 + lowest.re.abs()));
+    let iterate = |matrix: DMatrix<f64>| -> Option<Vec<f64>> {
+        let factor = LU::new(matrix);
+        // No symmetry that the vector sought might lack.
+        let mut vector = DVector::from_fn(n, |i, _| 1.0 / (1.0 + i as f64));
+        for _ in 0..4 {
+            vector = factor.solve(&(mass * vector))?.normalize();
+        }
+        Some(vector.as_slice().to_vec())
+    };
+    Some(Lowest { left: iterate(shifted.transpose())?, right: iterate(shifted)? })
 }
 
 /// The sign that makes the largest coefficient positive.

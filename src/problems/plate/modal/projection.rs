@@ -8,8 +8,9 @@ use crate::problems::plate::model::LARGEST_DEFLECTION;
 use crate::problems::plate::tensor::Rule;
 use crate::problems::plate::{MembraneForm, Parameters, Support, Theory};
 
-/// Nodes in each half direction for the load, and for each half wave of the highest mode, which enters by
-/// itself: deflections are mostly the lowest mode.
+/// Up to which deflection, how many nodes in each half direction for the load; and how many more for each
+/// half wave of the highest mode, which enters by itself (deflections are mostly the lowest mode). With twenty
+/// more, loads at pull-in agree to nine digits.
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
@@ -19,9 +20,9 @@ pub(super) struct Linear {
     pub squares: Vec<f64>,
     /// `⟨φ_i⟩`.
     pub means: Vec<f64>,
-    /// `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`; zero where a free edge carries no force.
+    /// `⟨φ_ix φ_kx⟩`, `⟨φ_iy φ_ky⟩` and `⟨φ_ix φ_ky + φ_iy φ_kx⟩`.
     pub slopes: [Vec<f64>; 3],
-    /// Which of the three edge forces are carried.
+    /// 1 or 0: which of the three edge forces the plate carries, free edges being what they are.
     carried: [f64; 3],
 }
 
@@ -29,7 +30,7 @@ pub(super) struct Linear {
 pub(super) struct Direct {
     /// `A_PQ`; absent from linear theory.
     pub(super) form: Option<Vec<f64>>,
-    /// Rules for the load, each with the deflection up to which it is good for 1e-11.
+    /// Rules for the load, each with the deflection up to which it is good.
     pub(super) loads: [(f64, Nodes); LOAD_NODES.len()],
 }
 
@@ -129,9 +130,7 @@ impl Direct {
             }
         }
     }
-}
 
-impl Direct {
     /// The nodes for the load where the deflection is at most `largest`.
     pub(super) fn load_nodes(&self, largest: f64) -> &Nodes {
         let good = self.loads.iter().find(|(good, _)| largest <= *good);

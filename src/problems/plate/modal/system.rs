@@ -4,9 +4,12 @@ use super::Modal;
 use crate::core::dense::Dense;
 use crate::core::linear::BorderedLu;
 use crate::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Singular, Slot, Spectrum, System, ZeroProblem,
+    Border, Dynamics, LeftDomain, Names, Profile, Singular, Slot, Spectrum, System, ZeroProblem,
 };
 use faer::{MatRef, Side};
+
+/// How many points of a mode's profile are kept.
+const PROFILE_POINTS: usize = 101;
 
 /// A [`Modal`] as a [`System`]: what [`Dense`] does, faster. The Jacobian is assembled from tables, and gradients of
 /// the direct projection's derivatives, as `F` is a gradient itself, are directional derivatives.
@@ -201,5 +204,20 @@ impl System for ModalSystem {
             of_p[gap] = super::tables::sum(z, of_z);
             of_z.iter_mut().for_each(|slope| *slope *= p[gap]);
         }
+    }
+
+    /// The lowest mode of vibration along the centre line `y = b/2`, its largest value 1.
+    fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        let (z, p) = x.split_at(self.names().dimension());
+        let problem = self.dense.problem();
+        let Ok(modes) = problem.modes(z, p, 1) else { return Vec::new() };
+        let lines = modes.shapes.iter().map(|shape| problem.centre_line(shape, PROFILE_POINTS));
+        let profile = |line: Vec<(f64, f64)>| {
+            let largest =
+                line.iter().fold(0.0_f64, |m, (_, w)| if w.abs() > m.abs() { *w } else { m });
+            let points = line.into_iter().map(|(x, w)| [x, w / largest]).collect();
+            Profile { name: "mode shape".into(), along: "x/a".into(), points }
+        };
+        lines.map(profile).filter(|p| p.points.iter().all(|[_, w]| w.is_finite())).collect()
     }
 }
