@@ -6,6 +6,7 @@ mod edges;
 mod error;
 mod frequency;
 mod membrane_form;
+pub mod modal;
 mod model;
 mod orders;
 mod parameters;
