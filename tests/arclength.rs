@@ -164,8 +164,11 @@ fn ends_lie_on_the_bounds() {
     assert_eq!(branch.ends[1], End::MonitorBound { name: "square".into(), value: 5.0 });
     close(branch.points[0].parameters[0], -1.2, 1e-15);
     close(branch.points.last().unwrap().monitors[0], 5.0, 1e-14);
-    let ends: Vec<_> = branch.of_kind(Kind::EP).map(|end| end.label).collect();
-    assert_eq!(ends, [1, branch.special.len()]);
+    let ends: Vec<_> = branch.special.iter().map(|point| point.kind == Kind::EP).collect();
+    assert!(ends[0] && ends[ends.len() - 1] && ends.iter().filter(|end| **end).count() == 2);
+    // Labels are given in the order in which points are found: forward, then backward.
+    let labels: Vec<_> = branch.special.iter().map(|point| point.label).collect();
+    assert_eq!(labels[0], labels.len());
 }
 
 #[test]

@@ -28,4 +28,4 @@ pub use model::{RitzSettings, Theory};
 pub use orders::Orders;
 pub use parameters::{Parameters, Units};
 pub use ritz::Ritz;
-pub use settings::{Model, PlateSettings, Projection, SettingsError};
+pub use settings::{Model, PlateSettings, SettingsError};
