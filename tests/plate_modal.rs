@@ -6,8 +6,7 @@ use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::dense::Dense;
 use tangency::core::zero::{Border, Slot, System, ZeroProblem};
 use tangency::problems::plate::modal::{MOST_MODES, Modal, ModalError, ModalSettings, ModalSystem};
-use tangency::problems::plate::sine::Projection;
-use tangency::problems::plate::{InPlane, Orders, Ritz, RitzSettings, Theory, Units};
+use tangency::problems::plate::{InPlane, Orders, Projection, Ritz, RitzSettings, Theory, Units};
 
 /// Positions of the dimensionless parameters.
 const LOAD: usize = 0;

@@ -6,11 +6,9 @@ use plate_fold::{LOAD, equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
 use tangency::core::dense::Dense;
 use tangency::core::quadrature::gauss_legendre;
-use tangency::core::zero::{Dynamics, System, ZeroProblem};
-use tangency::problems::plate::Units;
-use tangency::problems::plate::sine::{
-    InPlane, Projection, SineError, SinePlate, SineSettings, Theory,
-};
+use tangency::core::zero::{Border, Dynamics, Slot, System, ZeroProblem};
+use tangency::problems::plate::sine::{SineError, SinePlate, SineSettings};
+use tangency::problems::plate::{InPlane, Model, PlateSettings, Projection, Theory, Units};
 
 /// Positions of the dimensionless parameters.
 const GAP_RATIO: usize = 1;
@@ -346,6 +344,65 @@ fn the_multiplied_projection_vibrates_with_the_mass_of_equation_3_26() {
     assert_close("frequency", monitors[2], 28.7671077501, 2e-3);
 }
 
+/// At rest a square plate's frequencies come in pairs; the inertia of the multiplied equations is that of
+/// the direct ones there.
+#[test]
+fn repeated_frequencies_leave_the_lowest_one_known() {
+    for modes in [3, 15, 40] {
+        let mut system =
+            plate(SineSettings { projection: Projection::Multiplied, ..settings(modes) });
+        let mut monitors = [0.0; 4];
+        let x = [vec![0.0; modes], parameters(&[])].concat();
+        System::monitors(&mut system, &x, &mut monitors).expect("finite");
+        assert_close("frequency", monitors[2], 2.0 * PI * PI, 1e-10);
+        assert_close("ratio", monitors[3], 1.0, 1e-11);
+    }
+}
+
+/// The same compressed, loaded plate in all three models.
+fn three_models(p: &[f64]) -> [(Box<dyn System>, Vec<f64>); 3] {
+    [Model::Ritz, Model::Modal, Model::Sine].map(|model| {
+        let settings = PlateSettings { model, modes: 15, ..PlateSettings::default() };
+        let mut system = settings.system(p, 1.0).expect("valid settings");
+        let n = system.names().dimension();
+        let mut x = [vec![0.0; n], p.to_vec()].concat();
+        let mut step = vec![0.0; n];
+        for _ in 0..20 {
+            system.residual(&x, &mut step).expect("inside the domain");
+            system.assemble(&x).expect("inside the domain");
+            system.factor(Slot::Curve, Border::NONE).expect("regular");
+            system.solve(Slot::Curve, &mut step);
+            x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
+        }
+        (system, x)
+    })
+}
+
+#[test]
+fn models_agree_on_monitors_and_profiles() {
+    let p = parameters(&[(LOAD, 30.0), (EDGE_FORCE_X, 20.0), (EDGE_FORCE_Y, -4.0)]);
+    let reports = three_models(&p).map(|(mut system, x)| {
+        let mut monitors = [0.0; 4];
+        system.monitors(&x, &mut monitors).expect("finite");
+        (monitors, system.profiles(&x))
+    });
+    let (exact, exact_profiles) = &reports[0];
+    // The flat plate that is compared with carries no edge forces.
+    assert_close("ratio", exact[3], exact[2] / (2.0 * PI * PI), 1e-8);
+    for (monitors, profiles) in &reports[1..] {
+        for (value, exact) in monitors.iter().zip(exact) {
+            assert_close("monitor", *value, *exact, 1e-4 * exact.abs());
+        }
+        assert_eq!(profiles.len(), 2);
+        for (profile, exact) in profiles.iter().zip(exact_profiles) {
+            assert_eq!((&profile.name, profile.points.len()), (&exact.name, exact.points.len()));
+            for (point, exact) in profile.points.iter().zip(&exact.points) {
+                assert_close(&profile.name, point[1], exact[1], 1e-4);
+            }
+        }
+    }
+}
+
 #[test]
 fn the_slope_of_the_squared_frequency_at_no_load_is_minus_two() {
     for gap_ratio in [0.0, 1.0, 2.0] {
@@ -403,11 +460,13 @@ fn monitor_gradients_are_those_of_difference_quotients() {
 }
 
 #[test]
-fn a_device_reports_hertz() {
+fn a_device_reports_hertz_and_metres() {
     let model =
         SinePlate::new(SineSettings { units: Units::Device, ..settings(3) }).expect("valid");
     let p = model.defaults();
-    let mut monitors = [0.0; 4];
+    let mut monitors = [0.0; 5];
+    model.monitors(&[0.1, 0.0, 0.0], &p, &mut monitors);
+    assert_close("displacement", monitors[4], 0.1 * 2e-6, 1e-21);
     model.monitors(&[0.0; 3], &p, &mut monitors);
     let (side, thickness, young, nu, density) = (300e-6_f64, 2e-6_f64, 160e9, 0.22, 2330.0);
     let rigidity: f64 = young * thickness.powi(3) / (12.0 * (1.0 - nu * nu));
@@ -426,6 +485,12 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     let error = SinePlate::new(coarse).unwrap_err();
     assert!(matches!(error, SineError::TooFewPoints { points: 6, needed: 7, .. }), "{error}");
 
+    for in_plane in [InPlane::Immovable, InPlane::Free] {
+        let error = SinePlate::new(SineSettings { in_plane, ..settings(3) }).unwrap_err();
+        assert_eq!(error, SineError::InPlane { in_plane });
+        assert!(error.to_string().contains(in_plane.name()), "{error}");
+    }
+
     let model = SinePlate::new(settings(3)).expect("valid settings");
     let refused = |z: &[f64], values: &[(usize, f64)]| {
         model.domain(z, &parameters(values)).err().map(|left| left.quantity)
@@ -436,6 +501,7 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     // Off the centre: the third harmonic is largest at a sixth of the side.
     assert_eq!(refused(&[0.7, 0.7, 0.0], &[]).as_deref(), Some("max_deflection"));
     assert_eq!(refused(&[0.1; 3], &[(ASPECT, 0.0)]).as_deref(), Some("aspect"));
+    assert_eq!(refused(&[0.1; 3], &[(LOAD, f64::INFINITY)]).as_deref(), Some("load"));
     assert_eq!(refused(&[0.1; 3], &[(NU, 0.5)]).as_deref(), Some("nu"));
     assert_eq!(refused(&[0.1; 3], &[(NU, f64::NAN)]).as_deref(), Some("nu"));
     assert_eq!(refused(&[0.1; 3], &[(EDGE_SHEAR, 1.0)]).as_deref(), Some("edge_shear"));

@@ -3,7 +3,7 @@
 use super::linear::BorderedLu;
 use super::scalar::Scalar;
 use super::zero::{
-    Border, Dynamics, LeftDomain, Names, Singular, Slot, Spectrum, System, ZeroProblem,
+    Border, Dynamics, LeftDomain, Names, Profile, Singular, Slot, Spectrum, System, ZeroProblem,
 };
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, DualSVec64, HyperDual64, HyperHyperDual64};
@@ -283,5 +283,10 @@ impl<P: ZeroProblem> System for Dense<P> {
                 *out = part(&self.monitors[monitor], k);
             }
         }
+    }
+
+    fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        let (z, p) = x.split_at(self.names.dimension());
+        self.problem.profiles(z, p)
     }
 }

@@ -177,6 +177,11 @@ pub trait ZeroProblem {
     fn dynamics(&self) -> Dynamics {
         Dynamics::Flow
     }
+
+    /// Curves that are kept with special points and drawn for them.
+    fn profiles(&self, _z: &[f64], _p: &[f64]) -> Vec<Profile> {
+        Vec::new()
+    }
 }
 
 /// Columns `B`, rows `C` and corner `D` that border `F_z`:

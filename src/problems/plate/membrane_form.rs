@@ -1,9 +1,10 @@
 //! What a reduction to a few shapes needs of the full plate: fields at nodes, and the stretching energy as a
 //! quartic form of the shapes' amplitudes.
 
+use super::domain;
 use super::error::PlateError;
-use super::parameters::{Parameters, Units};
-use super::ritz::{Ritz, check_plane};
+use super::parameters::Units;
+use super::ritz::Ritz;
 use super::tensor::{Product, Rule};
 
 /// A deflection and its derivatives by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
@@ -92,14 +93,12 @@ impl Ritz {
         alpha: f64,
         nu: f64,
     ) -> Result<MembraneForm, PlateError> {
-        check_plane(alpha, nu)?;
+        let p = Units::Dimensionless.defaults_at(alpha, nu);
+        let parameters = domain::parameters(Units::Dimensionless, &p)?;
         let Some(membrane) = &self.model.membrane else { return Err(PlateError::NoMembrane) };
         if !self.factor.update(&self.model.plane, alpha, nu) {
             return Err(PlateError::NoMembrane);
         }
-        let mut p = Units::Dimensionless.defaults().to_vec();
-        (p[2], p[3]) = (alpha, nu);
-        let parameters: Parameters<f64> = Units::Dimensionless.parameters(&p);
         let rules = membrane.rules.clone();
         let pairs: Vec<(usize, usize)> =
             (0..shapes.len()).flat_map(|i| (i..shapes.len()).map(move |j| (i, j))).collect();

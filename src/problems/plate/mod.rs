@@ -1,16 +1,44 @@
 //! Electrically actuated rectangular microplates: von Kármán's theory, several models.
+//!
+//! # Models
+//!
+//! | model | what it is |
+//! | --- | --- |
+//! | [`Ritz`] | polynomials of high degree for any supports and in-plane edges: the full model |
+//! | [`modal`] | the lowest modes of a full model's flat plate (section 3.3) |
+//! | [`sine`] | sines and a stress function for four supported edges (section 3.2) |
+//! | [`strip`] | the plate infinitely long in one direction |
+//!
+//! [`PlateSettings`] chooses among the first three. They share their parameters ([`Units`]), what they
+//! refuse, their monitors and the profiles of special points: the deflection and the first mode shape
+//! along the centre line `y = b/2`.
+//!
+//! # Monitors
+//!
+//! | monitor | what |
+//! | --- | --- |
+//! | `deflection` | of the centre, over the gap |
+//! | `max_deflection` | the largest one towards the electrode, over the gap |
+//! | `frequency` | the lowest one: `ωa²√(ρh/D)`, or in Hz for a device; `−√(−ω²)` where unstable |
+//! | `frequency_ratio` | the frequency over that of the same plate flat, without voltage, pressure and edge forces |
+//! | `displacement` | of the centre, in metres; only for a device |
+//!
+//! Where symmetry is used, the lowest frequency is that of the modes which share it.
 
 mod assembly;
 pub mod basis;
+mod domain;
 mod edges;
 mod error;
-mod frequency;
 mod membrane_form;
 pub mod modal;
 mod model;
+mod modes;
+mod monitors;
 mod orders;
 mod parameters;
 mod plane;
+mod profile;
 mod residual;
 mod ritz;
 mod settings;
@@ -18,14 +46,18 @@ mod shape;
 pub mod sine;
 pub mod strip;
 mod system;
-pub mod tensor;
+mod tensor;
+mod terms;
+mod vibration;
 
 pub use edges::{InPlane, Support, Supports};
 pub use error::PlateError;
-pub use frequency::{Modes, signed_root};
 pub use membrane_form::{Field, MembraneForm};
-pub use model::{RitzSettings, Theory};
+pub use model::RitzSettings;
+pub use modes::Modes;
 pub use orders::Orders;
 pub use parameters::{Parameters, Units};
 pub use ritz::Ritz;
 pub use settings::{Model, PlateSettings, SettingsError};
+pub use tensor::Rule;
+pub use terms::{Projection, Theory};

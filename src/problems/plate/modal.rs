@@ -12,27 +12,29 @@
 //! `N` modes give the load at pull-in of a clamped plate within 0.3 % (`N = 1`), 0.01 % (7).
 //!
 //! The modes and `A` belong to one aspect ratio and one Poisson's ratio. To vary these, use the full
-//! model, [`Ritz`](super::Ritz).
+//! model, [`Ritz`].
 
 mod assembly;
 mod error;
 mod membrane;
-mod motion;
 mod projection;
 mod spectrum;
 mod system;
 mod tables;
+mod vibration;
 
 pub use error::ModalError;
 pub use system::ModalSystem;
 
 use super::model::LARGEST_DEFLECTION;
 use super::shape::{self, Search};
-use super::sine::{MONITORS, Projection};
-use super::tensor::Rule;
-use super::{Orders, Parameters, Ritz, RitzSettings, Supports, Units, signed_root};
+use super::tensor::{Rule, dot};
+use super::vibration::{Vibrates, reals, signed_root};
+use super::{
+    Orders, Parameters, Projection, Ritz, RitzSettings, Supports, domain, monitors, profile,
+};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, LeftDomain, Names, ZeroProblem};
+use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
 use projection::{Direct, Linear, Multiplied};
 use spectrum::FlatModes;
 
@@ -76,9 +78,7 @@ impl ModalSettings {
 /// A plate in `N` of its flat modes.
 ///
 /// A [`ZeroProblem`] with the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
-/// parameters of [`Units`] and the monitors of [`Ritz`](super::Ritz): `deflection` (at the centre), `max_deflection`,
-/// `frequency`, `frequency_ratio` (over the flat plate without voltage, pressure and edge forces) and,
-/// in SI units, `displacement` (of the centre, m). With [`Projection::Direct`] the residual is the
+/// parameters of [`Units`](super::Units) and the monitors of [all plates](super#monitors). With [`Projection::Direct`] the residual is the
 /// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the source's
 /// method, the equation is multiplied by `(1−w)²` before it is projected.
 ///
@@ -169,18 +169,8 @@ impl Modal {
     /// Default values of the parameters, at the aspect ratio and Poisson's ratio of the modes (of a
     /// device, the width is adapted).
     pub fn defaults(&self) -> Vec<f64> {
-        let units = self.settings.plate.units;
-        let mut p = units.defaults().to_vec();
-        let length = units.names().iter().position(|name| *name == "length").map(|i| p[i]);
-        for (name, p) in units.names().iter().zip(&mut p) {
-            match *name {
-                "aspect" => *p = self.settings.plate.aspect,
-                "width" => *p = self.settings.plate.aspect * length.unwrap_or(1.0),
-                "nu" => *p = self.settings.nu,
-                _ => {}
-            }
-        }
-        p
+        let ModalSettings { plate, nu, .. } = self.settings;
+        plate.units.defaults_at(plate.aspect, nu)
     }
 
     /// `Σ z_i φ_i`, the deflection over the gap that coefficients `z` (a solution's unknowns, or a
@@ -196,7 +186,7 @@ impl Modal {
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
         let mut values = vec![0.0; self.shapes.len()];
         self.modes_at([x, y], &mut values);
-        tables::sum(z, &values)
+        dot(z, &values)
     }
 
     /// `φ_i` of all modes at a point.
@@ -205,7 +195,7 @@ impl Modal {
         let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
         shape::products(&self.plate.model, at, &mut Default::default(), &mut products);
         for (out, shape) in out.iter_mut().zip(&self.shapes) {
-            *out = tables::sum(shape, &products);
+            *out = dot(shape, &products);
         }
     }
 
@@ -240,13 +230,14 @@ impl Modal {
         [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
     }
 
+    /// Refuses parameters without meaning, or other than those of the modes.
     fn check_parameters(&self, p: &[f64]) -> Result<(), LeftDomain> {
-        let plate: Parameters<f64> = self.parameters(p);
         let settings = &self.settings;
+        let plate = domain::parameters(settings.plate.units, p)?;
         let fixed =
             [("aspect", plate.aspect, settings.plate.aspect), ("nu", plate.nu, settings.nu)];
         for (name, value, of_modes) in fixed {
-            if value.is_nan() || (value - of_modes).abs() > SAME * of_modes.abs() {
+            if (value - of_modes).abs() > SAME * of_modes.abs() {
                 let remedy = format!(
                     "the modes belong to {of_modes}; hold it there, make the modal model anew, or use \
                      the full model to vary it"
@@ -254,31 +245,13 @@ impl Modal {
                 return Err(LeftDomain::new(name, value, remedy));
             }
         }
-        for (name, value) in settings.plate.units.names().iter().zip(p) {
-            if matches!(*name, "length" | "thickness" | "gap" | "young" | "density")
-                && *value <= 0.0
-            {
-                return Err(LeftDomain::new(*name, *value, "it must be positive"));
-            }
-        }
-        let loses_shear =
-            self.plate.model.symmetric != [false; 2] && !settings.plate.supports.any_free();
-        if plate.shear != 0.0 && loses_shear {
-            let remedy =
-                "shear breaks the plate's symmetry: build the plate with symmetric = false";
-            return Err(LeftDomain::new("edge_shear", plate.shear, remedy));
-        }
-        Ok(())
+        self.plate.model.check_shear(plate.shear)
     }
 }
 
 impl Grid {
-    /// From the middle (or one end) to the end, in steps of 1/16 of the half side.
     fn new(flat: &FlatModes, aspect: f64) -> Grid {
-        let nodes = flat.plate.model.symmetric.map(|symmetric| -> Vec<f64> {
-            let first = if symmetric { 0 } else { -16 };
-            (first..=16).map(|i| f64::from(i) / 16.0).collect()
-        });
+        let nodes = flat.plate.model.symmetric.map(shape::search_nodes);
         let rules = nodes.clone().map(|nodes| {
             let weights = vec![0.0; nodes.len()];
             Rule { nodes, weights }
@@ -292,7 +265,7 @@ impl Grid {
     fn largest(&self, z: &[f64]) -> (f64, [f64; 2]) {
         let mut best = (f64::NEG_INFINITY, [0.0; 2]);
         for (point, values) in self.points.iter().zip(self.values.chunks_exact(z.len())) {
-            let w = tables::sum(z, values);
+            let w = dot(z, values);
             if w.is_nan() {
                 return (w, *point);
             }
@@ -306,62 +279,46 @@ impl Grid {
 
 impl ZeroProblem for Modal {
     fn names(&self) -> Names {
-        let units = self.settings.plate.units;
-        let displacement = (units == Units::Device).then_some("displacement");
-        Names::new([("w", self.shapes.len())], units.names().iter().copied())
-            .with_monitors(MONITORS.into_iter().chain(displacement))
+        monitors::names(self.settings.plate.units, self.shapes.len())
     }
 
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
         let plate = self.parameters(p);
         match &self.projected {
             Projected::Direct(direct) => {
-                let z_real: Vec<f64> = z.iter().map(Scalar::real).collect();
-                direct.residual(&self.linear, z, &plate, self.grid.largest(&z_real).0, r);
+                let largest = self.grid.largest(&reals(z)).0;
+                direct.residual(&self.linear, z, &plate, largest, r);
             }
             Projected::Multiplied(multiplied) => multiplied.residual(&self.linear, z, &plate, r),
         }
     }
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
-        let [z_real, p_real] = [z, p].map(|x| x.iter().map(Scalar::real).collect::<Vec<f64>>());
-        let [_, x, y] = self.largest(&z_real);
-        let frequency = self.frequency(z, p, [&z_real, &p_real]);
-        let units = self.settings.plate.units;
-        values[0] = self.deflection(z, 0.5, 0.5);
-        values[1] = self.deflection(z, x, y);
-        values[2] = frequency * units.frequency_unit(p);
-        values[3] = frequency / signed_root(self.linear.squares[0]);
-        let gap = units.names().iter().position(|name| *name == "gap");
-        if let (Some(gap), [deflection, _, _, _, displacement]) = (gap, values) {
-            *displacement = p[gap] * *deflection;
-        }
+        let [_, x, y] = self.largest(&reals(z));
+        let deflections = [self.deflection(z, 0.5, 0.5), self.deflection(z, x, y)];
+        let flat = T::constant(signed_root(self.linear.squares[0]));
+        let frequencies = [self.frequency(z, p), flat];
+        monitors::fill(self.settings.plate.units, p, deflections, frequencies, values);
     }
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
         self.check_parameters(p)?;
-        let largest = self.grid.largest(z).0;
         // Polynomials need no limit but contact; the load is integrated to ten digits up to the other.
         let limit = match self.settings.projection {
             Projection::Direct => LARGEST_DEFLECTION,
             Projection::Multiplied => 1.0,
         };
-        if largest.is_nan() || largest >= limit {
-            let remedy = format!(
-                "the plate must stay clear of the electrode, below {limit} of the gap; end the branch before"
-            );
-            return Err(LeftDomain::new("max_deflection", largest, remedy));
-        }
-        Ok(())
+        domain::clear(self.grid.largest(z).0, limit)
     }
 
-    /// [`Dynamics::Potential`] for [`Projection::Direct`]. The multiplied equations are not a gradient,
-    /// and their inertia depends on the deflection: stability is left to the monitor `frequency`,
-    /// negative where the equilibrium is unstable.
     fn dynamics(&self) -> Dynamics {
-        match self.settings.projection {
-            Projection::Direct => Dynamics::Potential,
-            Projection::Multiplied => Dynamics::Static,
-        }
+        self.settings.projection.dynamics()
+    }
+
+    /// The deflection and the first mode shape along the centre line.
+    fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
+        let lowest = self.lowest(z, p);
+        let shape = lowest.as_ref().map(|vectors| vectors.right.as_slice());
+        profile::profiles(z, shape, |z, x| self.deflection(z, x, 0.5))
     }
 }

@@ -7,16 +7,8 @@ use super::orders::Orders;
 use super::parameters::Units;
 use super::plane::PlaneSpace;
 use super::tensor::{Product, Rule, means, moments, pairs};
-
-/// Which terms of the strains count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Theory {
-    /// Bending only.
-    Linear,
-    /// Bending and stretching of the mid-plane, `e₁ = u_x + ½w_x²` and so on (eq. 2.6).
-    VonKarman,
-}
+use super::terms::Theory;
+use crate::core::zero::LeftDomain;
 
 /// Description of a plate for [`Ritz::new`](super::Ritz::new).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +36,7 @@ impl RitzSettings {
         RitzSettings {
             supports,
             in_plane: supports.usual_in_plane(),
-            theory: Theory::VonKarman,
+            theory: Theory::default(),
             orders: None,
             aspect: 1.0,
             units: Units::Dimensionless,
@@ -137,6 +129,20 @@ impl Model {
     /// The number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.transverse[0].len() * self.transverse[1].len()
+    }
+
+    /// Rules that integrate products of two transverse functions (or their slopes) exactly.
+    pub fn product_rules(&self) -> [Rule; 2] {
+        [0, 1].map(|axis| Rule::exact(2 * self.transverse[axis].degree(), self.symmetric[axis]))
+    }
+
+    /// Refuses shear where symmetry leaves no functions for it.
+    pub fn check_shear(&self, shear: f64) -> Result<(), LeftDomain> {
+        if shear == 0.0 || self.symmetric == [false; 2] || self.settings.supports.any_free() {
+            return Ok(());
+        }
+        let remedy = "shear breaks the plate's symmetry: build the plate with symmetric = false";
+        Err(LeftDomain::new("edge_shear", shear, remedy))
     }
 
     /// The rule for the load term at a deflection whose largest value is `largest`.

@@ -97,6 +97,28 @@ impl Units {
         }
     }
 
+    /// The default values for a plate of this aspect ratio and Poisson's ratio (of a device, the width is
+    /// adapted).
+    ///
+    /// ```
+    /// use tangency::problems::plate::Units;
+    /// let p = Units::Device.defaults_at(1.5, 0.3);
+    /// assert_eq!((p[2], p[6]), (1.5 * p[1], 0.3));
+    /// ```
+    pub fn defaults_at(self, aspect: f64, nu: f64) -> Vec<f64> {
+        let mut p = self.defaults().to_vec();
+        match self {
+            Units::Dimensionless => (p[2], p[3]) = (aspect, nu),
+            Units::Device => (p[2], p[6]) = (aspect * p[1], nu),
+        }
+        p
+    }
+
+    /// The position of the gap among the parameters, if it is one.
+    pub(super) fn gap(self) -> Option<usize> {
+        (self == Units::Device).then_some(4)
+    }
+
     /// The parameters of the equations.
     ///
     /// ```

@@ -2,13 +2,14 @@
 
 use super::assembly::Assembly;
 use super::error::PlateError;
-use super::frequency::{Modes, Vibration};
 use super::model::{LARGEST_DEFLECTION, Model, RitzSettings};
+use super::modes::{Eigenproblem, Modes};
 use super::orders::Orders;
-use super::parameters::{Parameters, Units};
+use super::parameters::Units;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::shape::{self, Search};
+use super::{domain, monitors, profile};
 use crate::core::linear::BorderedLu;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, Names};
@@ -27,9 +28,7 @@ use std::mem::swap;
 /// edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used unless
 /// [`RitzSettings::symmetric`] says otherwise.
 ///
-/// Monitors: `deflection` (of the centre, over the gap), `max_deflection` (towards the electrode), `frequency`
-/// (the lowest, `ωa²√(ρh/D)` or Hz; `−√(−ω²)` where unstable), `frequency_ratio` (over that of the flat plate
-/// without voltage, pressure and edge forces) and, in SI units, `displacement` (of the centre, m).
+/// Monitors are those of [all plates](super#monitors).
 ///
 /// ```
 /// use tangency::core::zero::System;
@@ -44,7 +43,7 @@ pub struct Ritz {
     pub(super) names: Names,
     pub(super) factor: PlaneFactor,
     pub(super) assembly: Assembly,
-    pub(super) vibration: Vibration,
+    pub(super) eigenproblem: Eigenproblem,
     pub(super) search: Search,
     pub(super) plain: Workspace<f64>,
     pub(super) first: Workspace<Dual64>,
@@ -81,12 +80,7 @@ impl Ritz {
     pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
         let model = Model::new(settings)?;
         let n = model.unknowns();
-        let mut monitors = vec!["deflection", "max_deflection", "frequency", "frequency_ratio"];
-        if settings.units == Units::Device {
-            monitors.push("displacement");
-        }
-        let names =
-            Names::new([("w", n)], settings.units.names().iter().copied()).with_monitors(monitors);
+        let names = monitors::names(settings.units, n);
         let length = names.length();
         let mut centre = vec![0.0; n];
         let mut search = Search::new(&model);
@@ -94,7 +88,7 @@ impl Ritz {
         Ok(Ritz {
             factor: PlaneFactor::new(model.plane.len()),
             assembly: Assembly::new(&model),
-            vibration: Vibration::new(&model),
+            eigenproblem: Eigenproblem::new(&model),
             search,
             plain: Workspace::new(&model),
             first: Workspace::new(&model),
@@ -141,8 +135,7 @@ impl Ritz {
 
     /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
     pub fn centre_line(&self, q: &[f64], points: usize) -> Vec<(f64, f64)> {
-        let step = 1.0 / points.saturating_sub(1).max(1) as f64;
-        (0..points).map(|i| i as f64 * step).map(|x| (x, self.deflection(q, x, 0.5))).collect()
+        profile::line(points, |x| self.deflection(q, x, 0.5))
     }
 
     /// The `count` lowest modes of the flat plate without any load, at the given `α` and `ν`; where
@@ -151,16 +144,14 @@ impl Ritz {
     /// # Errors
     /// [`LeftDomain`] if `α` or `ν` has no meaning.
     pub fn flat_modes(&mut self, alpha: f64, nu: f64, count: usize) -> Result<Modes, LeftDomain> {
-        check_plane(alpha, nu)?;
-        let mut p = Units::Dimensionless.defaults().to_vec();
-        (p[2], p[3]) = (alpha, nu);
-        let parameters = Units::Dimensionless.parameters(&p);
+        let p = Units::Dimensionless.defaults_at(alpha, nu);
+        let parameters = domain::parameters(Units::Dimensionless, &p)?;
         self.modes_at.clear();
         swap(&mut self.assembly.matrix, &mut self.spare);
         self.assembly.assemble_flat(&self.model, &parameters);
         swap(&mut self.assembly.matrix, &mut self.spare);
-        if self.vibration.solve(&self.spare) {
-            Ok(self.vibration.lowest(count))
+        if self.eigenproblem.solve(&self.spare) {
+            Ok(self.eigenproblem.lowest(count))
         } else {
             Err(LeftDomain::new("stiffness", f64::NAN, "it must be finite; check aspect and nu"))
         }
@@ -172,30 +163,17 @@ impl Ritz {
     /// [`LeftDomain`] where the equations have no meaning at `x`.
     pub fn modes(&mut self, x: &[f64], count: usize) -> Result<Modes, LeftDomain> {
         self.ensure_modes(x)?;
-        Ok(self.vibration.lowest(count))
+        Ok(self.eigenproblem.lowest(count))
     }
 
     /// Checks `x`, brings the factor of `K_uv` up to date and returns the largest deflection.
     pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
-        if let Some(i) = x.iter().position(|x| !x.is_finite()) {
-            let remedy = "every unknown and parameter must be finite";
-            return Err(LeftDomain::new(component_name(&self.names, i), x[i], remedy));
-        }
         let (q, p) = x.split_at(self.model.unknowns());
-        let settings = &self.model.settings;
-        check_device(settings.units, p)?;
-        let parameters: Parameters<f64> = settings.units.parameters(p);
-        check_plane(parameters.aspect, parameters.nu)?;
-        let loses_shear = self.model.symmetric != [false; 2] && !settings.supports.any_free();
-        if parameters.shear != 0.0 && loses_shear {
-            let remedy =
-                "shear breaks the plate's symmetry: build the plate with symmetric = false";
-            return Err(LeftDomain::new("edge_shear", parameters.shear, remedy));
-        }
+        domain::finite(q, |i| format!("component {i} of w"))?;
+        let parameters = domain::parameters(self.model.settings.units, p)?;
+        self.model.check_shear(parameters.shear)?;
         let largest = self.search.on_grid(&self.model, q).0;
-        if largest.is_nan() || largest > LARGEST_DEFLECTION {
-            return Err(too_deep(largest));
-        }
+        domain::clear(largest, LARGEST_DEFLECTION)?;
         if self.model.membrane.is_some()
             && !self.factor.update(&self.model.plane, parameters.aspect, parameters.nu)
         {
@@ -210,11 +188,7 @@ impl Ritz {
     pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
         let largest = self.evaluate(x)?;
         self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
-        let Some(entry) = self.assembly.matrix.iter().find(|entry| !entry.is_finite()) else {
-            return Ok(());
-        };
-        let remedy = "the parameters are too large for the equations to be evaluated";
-        Err(LeftDomain::new("an entry of the stiffness", *entry, remedy))
+        domain::finite(&self.assembly.matrix, |_| "an entry of the stiffness".into())
     }
 
     /// Evaluates the residual at `x` into `self.plain`; returns the largest deflection.
@@ -225,7 +199,8 @@ impl Ritz {
         self.plain.p.copy_from_slice(p);
         let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
         // Between the nodes searched the plate may still have touched.
-        if nearest < 1.0 { Ok(largest) } else { Err(too_deep(nearest)) }
+        domain::clear(nearest, 1.0)?;
+        Ok(largest)
     }
 
     /// Brings the modes about `x` up to date, leaving the assembled matrix as it is.
@@ -235,13 +210,13 @@ impl Ritz {
         }
         self.modes_at.clear();
         let known = if self.assembled_at == x {
-            self.vibration.solve(&self.assembly.matrix)
+            self.eigenproblem.solve(&self.assembly.matrix)
         } else {
             swap(&mut self.assembly.matrix, &mut self.spare);
             let done = self.assemble_at(x);
             swap(&mut self.assembly.matrix, &mut self.spare);
             done?;
-            self.vibration.solve(&self.spare)
+            self.eigenproblem.solve(&self.spare)
         };
         if known {
             self.modes_at.extend_from_slice(x);
@@ -250,45 +225,6 @@ impl Ritz {
         let remedy = "no shift makes the stiffness positive definite; the equilibrium is far off";
         Err(LeftDomain::new("frequency", f64::NAN, remedy))
     }
-}
-
-pub(super) fn too_deep(deflection: f64) -> LeftDomain {
-    let remedy = format!(
-        "the plate must stay clear of the electrode, below {LARGEST_DEFLECTION} of the gap, up to \
-         where the load is integrated to ten digits; end the branch before"
-    );
-    LeftDomain::new("max_deflection", deflection, remedy)
-}
-
-fn component_name(names: &Names, i: usize) -> String {
-    match i.checked_sub(names.dimension()) {
-        Some(parameter) => names.parameters[parameter].clone(),
-        None => format!("component {i} of w"),
-    }
-}
-
-pub(super) fn check_plane(alpha: f64, nu: f64) -> Result<(), LeftDomain> {
-    if !(alpha > 0.0 && alpha.is_finite()) {
-        return Err(LeftDomain::new("aspect", alpha, "the ratio of the sides must be positive"));
-    }
-    if !(nu > -1.0 && nu < 0.5) {
-        return Err(LeftDomain::new("nu", nu, "Poisson's ratio must be between −1 and ½"));
-    }
-    Ok(())
-}
-
-/// In SI units, everything that is divided by must be positive.
-fn check_device(units: Units, p: &[f64]) -> Result<(), LeftDomain> {
-    if units == Units::Dimensionless {
-        return Ok(());
-    }
-    let positive = ["length", "width", "thickness", "gap", "young", "density"];
-    for (name, value) in units.names().iter().zip(p) {
-        if positive.contains(name) && *value <= 0.0 {
-            return Err(LeftDomain::new(*name, *value, "it must be positive"));
-        }
-    }
-    Ok(())
 }
 
 /// No fewer than the parameters of any [`Units`].

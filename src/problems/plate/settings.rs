@@ -1,8 +1,10 @@
 //! Which plate, and which model of it: the settings of a plate's scene.
 
 use super::modal::{Modal, ModalError, ModalSettings, ModalSystem};
-use super::sine::{self, Projection, SineError, SinePlate, SineSettings};
-use super::{InPlane, Orders, PlateError, Ritz, RitzSettings, Supports, Theory, Units};
+use super::sine::{SineError, SinePlate, SineSettings};
+use super::{
+    InPlane, Orders, PlateError, Projection, Ritz, RitzSettings, Support, Supports, Theory, Units,
+};
 use crate::core::dense::Dense;
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
@@ -72,15 +74,13 @@ pub enum SettingsError {
     /// The modal model is at fault.
     #[error(transparent)]
     Modal(#[from] ModalError),
-    /// The model does not exist for this plate.
-    #[error("the model `{model}` is for {what}, not for {found}; use `model=ritz`")]
-    NotModelled {
-        /// The model.
-        model: &'static str,
-        /// What it is for.
-        what: &'static str,
+    /// Supports that the sine model does not have.
+    #[error(
+        "the model `sine` is for four supported edges (SSSS), not for {supports}; use `model=ritz`"
+    )]
+    SineSupports {
         /// What was asked for.
-        found: String,
+        supports: String,
     },
 }
 
@@ -136,28 +136,14 @@ impl PlateSettings {
     }
 
     fn sine(&self, plate: RitzSettings) -> Result<Box<dyn System>, SettingsError> {
-        let not_modelled = |what, found: &str| SettingsError::NotModelled {
-            model: "sine",
-            what,
-            found: found.into(),
-        };
-        if plate.supports != "SSSS".parse()? {
-            return Err(not_modelled("four supported edges (SSSS)", &self.supports));
+        if plate.supports != Supports([Support::SimplySupported; 4]) {
+            let supports = plate.supports.to_string();
+            return Err(SettingsError::SineSupports { supports });
         }
-        let in_plane = match plate.in_plane {
-            InPlane::Slide => sine::InPlane::Slide,
-            InPlane::Straight => sine::InPlane::Straight,
-            other => {
-                return Err(not_modelled("in-plane edges `slide` or `straight`", other.name()));
-            }
-        };
         let settings = SineSettings {
             modes: self.modes,
-            in_plane,
-            theory: match plate.theory {
-                Theory::Linear => sine::Theory::Linear,
-                Theory::VonKarman => sine::Theory::VonKarman,
-            },
+            in_plane: plate.in_plane,
+            theory: plate.theory,
             projection: self.projection,
             units: self.units,
             quadrature_points: None,

@@ -3,7 +3,7 @@
 use super::basis::AtPoint;
 use super::model::Model;
 
-/// Nodes on which the largest deflection is looked for: from the middle (or one end) to the end.
+/// Nodes of a half side on which the largest deflection is looked for.
 const NODES: usize = 17;
 
 /// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point: `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
@@ -37,6 +37,13 @@ fn evaluate<'a>(model: &Model, at: [f64; 2], memory: &'a mut [AtPoint; 2]) -> [&
     [&memory[0].values, &memory[1].values]
 }
 
+/// Equidistant nodes in `ξ`, from the middle (or one end) to the end.
+pub(super) fn search_nodes(symmetric: bool) -> Vec<f64> {
+    let last = NODES as i32 - 1;
+    let first = if symmetric { 0 } else { -last };
+    (first..=last).map(|i| f64::from(i) / f64::from(last)).collect()
+}
+
 /// A grid of nodes, with tables, on which deflections are searched.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
@@ -50,12 +57,7 @@ pub(super) struct Search {
 
 impl Search {
     pub fn new(model: &Model) -> Search {
-        let nodes = model.symmetric.map(|symmetric| -> Vec<f64> {
-            let count = if symmetric { NODES } else { 2 * NODES - 1 };
-            let start = if symmetric { 0.0 } else { -1.0 };
-            let step = (1.0 - start) / (count - 1) as f64;
-            (0..count).map(|i| start + step * i as f64).collect()
-        });
+        let nodes = model.symmetric.map(search_nodes);
         let tables = [0, 1].map(|axis| model.transverse[axis].table(&nodes[axis]));
         Search {
             point: Default::default(),

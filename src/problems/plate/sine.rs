@@ -20,64 +20,31 @@
 
 mod airy;
 mod basis;
+mod error;
 mod projection;
-pub(in crate::problems::plate) mod vibration;
 
-use super::{Parameters, Units};
+pub use error::SineError;
+
+use super::tensor::dot;
+use super::vibration::{self, Lowest, Vibrates, reals, signed_root};
+use super::{InPlane, Parameters, Projection, Theory, Units, domain, monitors, profile};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, LeftDomain, Names, ZeroProblem};
+use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
 use airy::Airy;
 use basis::{Grid, LARGEST, ordered_modes, wave};
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
-use vibration::Lowest;
 
-/// The names of the monitors of a plate or a strip, in their order.
-pub(in crate::problems::plate) const MONITORS: [&str; 4] =
-    ["deflection", "max_deflection", "frequency", "frequency_ratio"];
-
-/// What holds the edges in their plane. All edges are free of shear traction and stay straight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum InPlane {
-    /// The normal displacement of each edge is zero ("immovable" in section 3.2): `p_x`, `p_y` by
-    /// eqs. 3.22–3.23.
-    #[default]
-    Slide,
-    /// The mean normal force on each edge is zero ("movable" in section 3.2): `p_x = p_y = 0`.
-    Straight,
-}
-
-/// How the deflection enters the strains in the plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Theory {
-    /// Not at all: Kirchhoff's plate, `F = 0`; `α₁` has no influence.
-    Linear,
-    /// By squares of its slopes: von Kármán's plate.
-    #[default]
-    VonKarman,
-}
-
-/// How eq. 3.12 is projected on the sines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Projection {
-    /// As it stands: Galerkin's method, the load `λ∫∫φ/(1−w)²` by Gauss quadrature. The residual is
-    /// the gradient of the potential energy.
-    #[default]
-    Direct,
-    /// After multiplication by `(1−w)²`, eq. 3.26: the source's method, in which the load is `λ∫∫φ`.
-    /// The same limit, reached far more slowly; the residual is no gradient.
-    Multiplied,
-}
+/// The mean square of a product of sines over the plate.
+const MEAN_SQUARE: f64 = 0.25;
 
 /// What a [`SinePlate`] is made from. The default: 15 modes, slide, von Kármán, direct, dimensionless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SineSettings {
     /// The number of modes, `N ≥ 1`: odd-odd pairs by `m² + n²`, then by `m`.
     pub modes: usize,
-    /// The edges in their plane.
+    /// The edges in their plane, all straight and free of shear traction. [`InPlane::Slide`]: no normal
+    /// displacement ("immovable" in section 3.2), `p_x` and `p_y` by eqs. 3.22–3.23.
+    /// [`InPlane::Straight`]: no mean normal force ("movable"), `p_x = p_y = 0`. No others.
     pub in_plane: InPlane,
     /// Linear or von Kármán's.
     pub theory: Theory,
@@ -94,47 +61,13 @@ impl Default for SineSettings {
     fn default() -> Self {
         SineSettings {
             modes: 15,
-            in_plane: InPlane::default(),
+            in_plane: InPlane::Slide,
             theory: Theory::default(),
             projection: Projection::default(),
             units: Units::default(),
             quadrature_points: None,
         }
     }
-}
-
-/// Settings from which no [`SinePlate`] can be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SineError {
-    /// A plate without unknowns.
-    #[error("0 modes leave nothing to solve for: ask for 1 or more")]
-    NoModes,
-    /// More modes than the rows of coefficients hold.
-    #[error(
-        "{modes} modes need wave number {needed}, above {largest}: ask for fewer, or use a \
-         polynomial model, which converges faster"
-    )]
-    TooManyModes {
-        /// The number asked for.
-        modes: usize,
-        /// The largest wave number among them.
-        needed: usize,
-        /// The largest wave number provided for.
-        largest: usize,
-    },
-    /// A quadrature that cannot tell the functions apart.
-    #[error(
-        "{points} quadrature points in a half direction do not resolve wave number {largest}: use \
-         {needed} or more"
-    )]
-    TooFewPoints {
-        /// The number asked for.
-        points: usize,
-        /// The largest wave number.
-        largest: usize,
-        /// The smallest number accepted.
-        needed: usize,
-    },
 }
 
 /// A term of the stress function: `coefficient · cos mπξ cos nπη`, in units of `Ed²`.
@@ -160,9 +93,7 @@ pub struct Vibration {
 /// A simply supported, electrically actuated plate in `N` products of sines.
 ///
 /// A [`ZeroProblem`] with unknowns `w` (the `N` coefficients `w_mn`, deflection over gap), the
-/// parameters of [`Units`] and the monitors `deflection` (at the centre), `max_deflection`,
-/// `frequency` and `frequency_ratio` (over the flat plate without voltage at the same parameters,
-/// edge forces included). The residual's component `i` is the projection of eq. 3.12 on `φ_i` over the
+/// parameters of [`Units`] and the monitors of [all plates](super#monitors). The residual's component `i` is the projection of eq. 3.12 on `φ_i` over the
 /// unit square; for [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential
 /// energy, in units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
@@ -194,9 +125,14 @@ impl SinePlate {
     /// Orders the modes and tabulates their couplings and values.
     ///
     /// # Errors
-    /// [`SineError`] for no modes, for modes of wave numbers above 127, and for a quadrature with fewer
-    /// points in a half direction than the largest wave number.
+    /// [`SineError`] for no modes, for modes of wave numbers above 127, for a quadrature with fewer
+    /// points in a half direction than the largest wave number, and for edges immovable or free in
+    /// their plane.
     pub fn new(settings: SineSettings) -> Result<Self, SineError> {
+        let in_plane = settings.in_plane;
+        if !matches!(in_plane, InPlane::Slide | InPlane::Straight) {
+            return Err(SineError::InPlane { in_plane });
+        }
         let count = settings.modes;
         // Beyond this not even a full square of wave numbers holds the modes; and the list stays short.
         let modes = ordered_modes(count.min(LARGEST * LARGEST + 1));
@@ -264,7 +200,7 @@ impl SinePlate {
     /// [`InPlane::Straight`] and in linear theory. Applied forces are not included.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
         let plate = self.settings.units.parameters(p);
-        let [x, y] = self.immovable_tension(z, &plate);
+        let [x, y] = self.held_tension(z, &plate);
         [x, y * plate.aspect * plate.aspect]
     }
 
@@ -276,12 +212,13 @@ impl SinePlate {
         let unit = self.settings.units.frequency_unit(p);
         let centre = self.deflection(&vectors.right, 0.5, 0.5);
         Some(Vibration {
-            frequency: vibration::signed_root(square) * unit,
+            frequency: signed_root(square) * unit,
             shape: vectors.right.iter().map(|value| value / centre).collect(),
         })
     }
 
-    fn immovable_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
+    /// `(κp_x, κp_y)` between edges that do not move.
+    fn held_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         match (self.settings.theory, self.settings.in_plane) {
             (Theory::VonKarman, InPlane::Slide) => {
                 airy::edge_tension(&self.modes, z, [plate.gap_ratio, plate.aspect, plate.nu])
@@ -289,55 +226,33 @@ impl SinePlate {
             _ => [T::zero(); 2],
         }
     }
+}
 
-    /// The eigenvectors of the lowest eigenvalue of the linearised motion.
+impl Vibrates for SinePlate {
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
-        let jacobian = vibration::jacobian(z, |z, r| {
-            let p: Vec<_> = p.iter().map(|&value| value.into()).collect();
-            self.residual(z, &p, r);
-        });
-        let n = z.len();
+        let jacobian = vibration::jacobian(self, z, p);
         match self.settings.projection {
             Projection::Direct => {
-                let mass = DMatrix::identity(n, n) * 0.25;
+                let mass = DMatrix::identity(z.len(), z.len()) * MEAN_SQUARE;
                 vibration::lowest_symmetric(&jacobian, &mass, std::f64::consts::PI.powi(4))
             }
-            Projection::Multiplied => vibration::lowest_general(&jacobian, &self.mass(z)),
+            Projection::Multiplied => {
+                vibration::lowest_general(&jacobian, &self.multiplied_mass(z))
+            }
         }
     }
 
-    /// Rayleigh's quotient for `ω²` between two eigenvectors: stationary, so that its first derivatives
-    /// are those of the eigenvalue.
-    fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
-        let stiffness = vibration::product(z, vectors, |z, r| {
-            let p: Vec<_> = p.iter().map(|&value| num_dual::Dual::from_re(value)).collect();
-            self.residual(z, &p, r);
-        });
-        stiffness
-            / match self.settings.projection {
-                Projection::Direct => T::constant(
-                    vectors.left.iter().zip(&vectors.right).map(|(l, r)| 0.25 * l * r).sum(),
-                ),
-                Projection::Multiplied => self.inertia(z, &vectors.left, &vectors.right),
-            }
-    }
-
-    /// The lowest `ω²` of the flat plate without voltage, under the applied edge forces.
-    fn flat_squared<T: Scalar>(&self, plate: &Parameters<T>) -> T {
-        let squares = self.modes.iter().map(|&(k, l)| {
-            Self::flat_frequency((k, l), plate.aspect).powi(2)
-                - plate.compression_x * wave(k).powi(2)
-                - plate.compression_y * wave(l).powi(2) / (plate.aspect * plate.aspect)
-        });
-        let lowest = squares.reduce(|a, b| if b.real() < a.real() { b } else { a });
-        lowest.unwrap_or_else(T::zero)
+    fn inertia<T: Scalar>(&self, z: &[T], Lowest { left, right }: &Lowest) -> T {
+        match self.settings.projection {
+            Projection::Direct => T::constant(MEAN_SQUARE * dot(left, right)),
+            Projection::Multiplied => self.multiplied_inertia(z, left, right),
+        }
     }
 }
 
 impl ZeroProblem for SinePlate {
     fn names(&self) -> Names {
-        Names::new([("w", self.modes.len())], self.settings.units.names().iter().copied())
-            .with_monitors(MONITORS)
+        monitors::names(self.settings.units, self.modes.len())
     }
 
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
@@ -349,49 +264,32 @@ impl ZeroProblem for SinePlate {
     }
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
-        let plate = self.settings.units.parameters(p);
-        let [z_real, p_real] = [z, p].map(|x| x.iter().map(Scalar::real).collect::<Vec<f64>>());
-        let (_, x, y) = self.largest(&z_real);
-        let frequency = match self.lowest(&z_real, &p_real) {
-            Some(vectors) => vibration::signed_root(self.frequency_squared(z, p, &vectors)),
-            None => T::constant(f64::NAN),
-        };
-        values[0] = self.deflection(z, 0.5, 0.5);
-        values[1] = self.deflection(z, x, y);
-        values[2] = frequency * self.settings.units.frequency_unit(p);
-        values[3] = frequency / vibration::signed_root(self.flat_squared(&plate));
+        let units = self.settings.units;
+        let (_, x, y) = self.largest(&reals(z));
+        let deflections = [self.deflection(z, 0.5, 0.5), self.deflection(z, x, y)];
+        // The wave numbers 1 and 1 are always among the modes.
+        let flat = Self::flat_frequency((0, 0), units.parameters(p).aspect);
+        monitors::fill(units, p, deflections, [self.frequency(z, p), flat], values);
     }
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
-        let plate: Parameters<f64> = self.settings.units.parameters(p);
-        let largest = self.largest(z).0;
-        if largest >= 1.0 || largest.is_nan() {
-            let remedy = "the plate touches the electrode where it is 1; stay below";
-            return Err(LeftDomain::new("max_deflection", largest, remedy));
-        }
-        if plate.aspect <= 0.0 || !plate.aspect.is_finite() {
-            let remedy = "the ratio of the sides must be above 0 and finite";
-            return Err(LeftDomain::new("aspect", plate.aspect, remedy));
-        }
-        if !(plate.nu > -1.0 && plate.nu < 0.5) {
-            let remedy = "Poisson's ratio must lie between −1 and 0.5";
-            return Err(LeftDomain::new("nu", plate.nu, remedy));
-        }
+        let plate = domain::parameters(self.settings.units, p)?;
         if plate.shear != 0.0 {
             let remedy = "products of odd sines cannot represent sheared edges; use a plate model \
                           without quarter symmetry, or set it to 0";
             return Err(LeftDomain::new("edge_shear", plate.shear, remedy));
         }
-        Ok(())
+        domain::clear(self.largest(z).0, 1.0)
     }
 
-    /// [`Dynamics::Potential`] for [`Projection::Direct`]. The multiplied equations are not a gradient,
-    /// and their inertia depends on the deflection: stability is left to the monitor `frequency`,
-    /// negative where the equilibrium is unstable.
     fn dynamics(&self) -> Dynamics {
-        match self.settings.projection {
-            Projection::Direct => Dynamics::Potential,
-            Projection::Multiplied => Dynamics::Static,
-        }
+        self.settings.projection.dynamics()
+    }
+
+    /// The deflection and the first mode shape along the centre line.
+    fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
+        let lowest = self.lowest(z, p);
+        let shape = lowest.as_ref().map(|vectors| vectors.right.as_slice());
+        profile::profiles(z, shape, |z, x| self.deflection(z, x, 0.5))
     }
 }

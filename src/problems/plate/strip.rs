@@ -8,15 +8,16 @@
 //! Galerkin's method in functions even about the middle: the residual is the gradient of
 //! `½∫w''² + (3/2)α₁²(∫w'²)² − λ∫1/(1−w)`.
 
-use super::sine::{MONITORS, vibration};
-use crate::core::quadrature::gauss_legendre;
+use super::basis::Basis;
+use super::monitors::{self, MONITORS};
+use super::tensor::{Rule, dot};
+use super::vibration::{self, Lowest, Vibrates, reals};
+use super::{Support, Units, domain, profile};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, LeftDomain, Names, ZeroProblem};
+use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
 use nalgebra::{DMatrix, DVector};
-use num_dual::Dual;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use vibration::Lowest;
 
 /// The largest number of functions provided for.
 const MOST: usize = 512;
@@ -71,9 +72,8 @@ pub enum StripError {
 /// An electrically actuated strip in `N` functions.
 ///
 /// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap), parameters
-/// `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the monitors `deflection` (at the middle),
-/// `max_deflection`, `frequency` (`ωa²√(ρh/D)`, the lowest of the modes even about the middle;
-/// `−√(−ω²)` where unstable) and `frequency_ratio` (over the flat strip). First derivatives of the
+/// `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors of [all
+/// plates](super#monitors), the frequency being that of the modes even about the middle. First derivatives of the
 /// monitors are exact; second derivatives of the two frequencies leave out that the mode changes.
 ///
 /// ```
@@ -88,6 +88,7 @@ pub enum StripError {
 #[derive(Clone, Debug)]
 pub struct Strip {
     settings: StripSettings,
+    functions: Functions,
     /// Gauss points on (0, ½), then the middle, and the weights of the former, which sum to 1.
     weights: Vec<f64>,
     /// The functions at one point after another.
@@ -115,18 +116,14 @@ impl Strip {
         if points < n {
             return Err(StripError::TooFewPoints { points, needed: n });
         }
-        let functions = |x: f64| match settings.ends {
-            Ends::Supported => sines(n, x),
-            Ends::Clamped => bubbles(n, x),
-        };
+        let functions = Functions::new(settings.ends, n);
         // The constant integrals need a rule exact for the products of functions of wave number or
         // degree up to 2N + 2, whatever the rule of the load.
         let gram = |pick: fn(&[f64; 2]) -> f64| -> DMatrix<f64> {
-            let (nodes, weights) = gauss_legendre(2 * n + 16);
+            let Rule { nodes, weights } = Rule::halves(2 * n + 16, true);
             nodes.iter().zip(weights).fold(DMatrix::zeros(n, n), |sum, (node, weight)| {
-                let values =
-                    DVector::from_iterator(n, functions(0.25 * (1.0 + node)).iter().map(pick));
-                sum + &values * values.transpose() * (0.5 * weight)
+                let values = DVector::from_iterator(n, functions.at(0.5 * node).iter().map(pick));
+                sum + &values * values.transpose() * weight
             })
         };
         let (mass, slopes) = (gram(|[value, _]| *value), gram(|[_, slope]| *slope));
@@ -134,8 +131,8 @@ impl Strip {
             Ends::Supported => (0..n).map(|i| 0.5 * odd_wave(i).powi(4)).collect(),
             Ends::Clamped => vec![1.0; n],
         };
-        let (nodes, weights) = gauss_legendre(points);
-        let abscissae = nodes.iter().map(|node| 0.25 * (1.0 + node)).chain([0.5]);
+        let Rule { nodes, weights } = Rule::halves(points, true);
+        let abscissae = nodes.iter().map(|node| 0.5 * node).chain([0.5]);
         let flat = DMatrix::from_diagonal(&DVector::from_row_slice(&stiffness));
         let flat_frequency =
             vibration::lowest_symmetric(&flat, &mass, PI.powi(4)).map_or(f64::NAN, |vectors| {
@@ -144,8 +141,9 @@ impl Strip {
             });
         Ok(Strip {
             settings,
-            weights: weights.iter().map(|weight| 0.5 * weight).collect(),
-            table: abscissae.flat_map(functions).map(|[value, _]| value).collect(),
+            weights,
+            table: abscissae.flat_map(|x| functions.at(x)).map(|[value, _]| value).collect(),
+            functions,
             stiffness,
             slopes: slopes.as_slice().to_vec(),
             mass,
@@ -160,19 +158,17 @@ impl Strip {
 
     /// `Σ z_i φ_i(x)` at `0 ≤ x ≤ 1`: the deflection over the gap.
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64) -> T {
-        let functions = match self.settings.ends {
-            Ends::Supported => sines(z.len(), x),
-            Ends::Clamped => bubbles(z.len(), x),
-        };
+        let functions = self.functions.at(x);
         z.iter().zip(functions).fold(T::zero(), |sum, (&z, [value, _])| sum + z * value)
     }
 
     /// The deflection at a point of the table; the last one is the middle.
     fn tabulated<T: Scalar>(&self, z: &[T], point: usize) -> T {
-        self.functions(point).iter().zip(z).fold(T::zero(), |sum, (&f, &z)| sum + z * f)
+        dot(z, self.row(point))
     }
 
-    fn functions(&self, point: usize) -> &[f64] {
+    /// The functions at a point of the table.
+    fn row(&self, point: usize) -> &[f64] {
         &self.table[point * self.stiffness.len()..][..self.stiffness.len()]
     }
 
@@ -183,13 +179,17 @@ impl Strip {
             .map(|point| (point, self.tabulated(z, point)))
             .fold(middle, |best, next| if next.1 > best.1 { next } else { best })
     }
+}
 
+impl Vibrates for Strip {
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
-        let jacobian = vibration::jacobian(z, |z, r| {
-            let p: Vec<_> = p.iter().map(|&value| value.into()).collect();
-            self.residual(z, &p, r);
-        });
+        let jacobian = vibration::jacobian(self, z, p);
         vibration::lowest_symmetric(&jacobian, &self.mass, self.flat_frequency.powi(2))
+    }
+
+    fn inertia<T: Scalar>(&self, _z: &[T], Lowest { left, right }: &Lowest) -> T {
+        let [left, right] = [left, right].map(|vector| DVector::from_column_slice(vector));
+        T::constant(left.dot(&(&self.mass * right)))
     }
 }
 
@@ -213,75 +213,75 @@ impl ZeroProblem for Strip {
         for (point, &weight) in self.weights.iter().enumerate() {
             let gap = T::one() - self.tabulated(z, point);
             let force = load * weight / (gap * gap);
-            for (r, &function) in r.iter_mut().zip(self.functions(point)) {
+            for (r, &function) in r.iter_mut().zip(self.row(point)) {
                 *r -= force * function;
             }
         }
     }
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
-        let [z_real, p_real] = [z, p].map(|x| x.iter().map(Scalar::real).collect::<Vec<f64>>());
-        let frequency = match self.lowest(&z_real, &p_real) {
-            Some(vectors) => {
-                let stiffness = vibration::product(z, &vectors, |z, r| {
-                    let p: Vec<_> = p.iter().map(|&value| Dual::from_re(value)).collect();
-                    self.residual(z, &p, r);
-                });
-                let v = DVector::from_row_slice(&vectors.right);
-                vibration::signed_root(stiffness / v.dot(&(&self.mass * &v)))
-            }
-            None => T::constant(f64::NAN),
-        };
-        values[0] = self.tabulated(z, self.weights.len());
-        values[1] = self.tabulated(z, self.largest(&z_real).0);
-        values[2] = frequency;
-        values[3] = frequency / self.flat_frequency;
+        let places = [self.weights.len(), self.largest(&reals(z)).0];
+        let frequencies = [self.frequency(z, p), T::constant(self.flat_frequency)];
+        let deflections = places.map(|point| self.tabulated(z, point));
+        monitors::fill(Units::Dimensionless, p, deflections, frequencies, values);
     }
 
     fn domain(&self, z: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
-        let largest = self.largest(z).1;
-        if largest >= 1.0 || largest.is_nan() {
-            let remedy = "the strip touches the electrode where it is 1; stay below";
-            return Err(LeftDomain::new("max_deflection", largest, remedy));
-        }
-        Ok(())
+        domain::clear(self.largest(z).1, 1.0)
     }
 
     fn dynamics(&self) -> Dynamics {
         Dynamics::Potential
+    }
+
+    /// The deflection and the first mode shape along the strip.
+    fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
+        let lowest = self.lowest(z, p);
+        let shape = lowest.as_ref().map(|vectors| vectors.right.as_slice());
+        profile::profiles(z, shape, |z, x| self.deflection(z, x))
+    }
+}
+
+/// The functions of a strip, even about the middle.
+#[derive(Clone, Debug)]
+enum Functions {
+    /// `sin (2i+1)πx`, so many of them.
+    Sines(usize),
+    /// Twice integrated Legendre polynomials, scaled to `∫₀¹ φ_i''² dx = 1`.
+    Bubbles(Basis),
+}
+
+impl Functions {
+    fn new(ends: Ends, count: usize) -> Functions {
+        match ends {
+            Ends::Supported => Functions::Sines(count),
+            Ends::Clamped => {
+                Functions::Bubbles(Basis::transverse([Support::Clamped; 2], true, count))
+            }
+        }
+    }
+
+    /// All functions and their slopes at `0 ≤ x ≤ 1`.
+    fn at(&self, x: f64) -> Vec<[f64; 2]> {
+        match self {
+            Functions::Sines(count) => {
+                let sine = |i| (odd_wave(i) * x).sin_cos();
+                (0..*count).map(|i| [sine(i).0, odd_wave(i) * sine(i).1]).collect()
+            }
+            Functions::Bubbles(basis) => {
+                // ∫₋₁¹ b"² dξ = 1 with ξ = 2x − 1: ∫₀¹ (d²b/dx²)² dx = 8.
+                let scale = 1.0 / 8.0_f64.sqrt();
+                let values = basis.at(2.0 * x - 1.0);
+                values
+                    .iter()
+                    .map(|[value, slope, _]| [scale * value, 2.0 * scale * slope])
+                    .collect()
+            }
+        }
     }
 }
 
 /// `(2i + 1)π`.
 fn odd_wave(i: usize) -> f64 {
     (2 * i + 1) as f64 * PI
-}
-
-/// `sin (2i+1)πx` and its slope.
-fn sines(n: usize, x: f64) -> Vec<[f64; 2]> {
-    let wave = |i| (odd_wave(i) * x).sin_cos();
-    (0..n).map(|i| [wave(i).0, odd_wave(i) * wave(i).1]).collect()
-}
-
-/// The functions `φ_i` with `φ_i''(x) ∝ P_k(2x−1)`, `k = 2i + 2`, scaled to `∫₀¹ φ_i''² dx = 1`, and
-/// their slopes: with `ξ = 2x − 1`, the first integral of `P_k` is `(P_{k+1} − P_{k−1})/(2k+1)` and the
-/// second follows by the same rule. Legendre's recurrence is stable, unlike sums of monomials.
-fn bubbles(n: usize, x: f64) -> Vec<[f64; 2]> {
-    let xi = 2.0 * x - 1.0;
-    let mut legendre = vec![1.0, xi];
-    for k in 1..2 * n + 2 {
-        let degree = k as f64;
-        let next = (2.0 * degree + 1.0) * xi * legendre[k] - degree * legendre[k - 1];
-        legendre.push(next / (degree + 1.0));
-    }
-    let integral = |k: usize| (legendre[k + 1] - legendre[k - 1]) / (2 * k + 1) as f64;
-    (0..n)
-        .map(|i| {
-            let k = 2 * i + 2;
-            let width = (2 * k + 1) as f64;
-            let second = (integral(k + 1) - integral(k - 1)) / width;
-            let scale = width.sqrt() / 4.0;
-            [scale * second, 2.0 * scale * integral(k)]
-        })
-        .collect()
 }

@@ -4,7 +4,8 @@ use super::model::Model;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
-use super::{frequency::signed_root, shape, tensor::dot};
+use super::vibration::signed_root;
+use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
 };
@@ -125,8 +126,8 @@ impl Ritz {
     /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
         self.ensure_modes(x)?;
-        self.vibration.shape(0, &mut self.mode);
-        Ok(self.vibration.square(0))
+        self.eigenproblem.shape(0, &mut self.mode);
+        Ok(self.eigenproblem.square(0))
     }
 
     /// Brings the unloaded plate at the parameters `p` up to date.
@@ -211,9 +212,6 @@ impl Ritz {
     }
 }
 
-/// Points of a profile along the centre line.
-const PROFILE_POINTS: usize = 51;
-
 impl System for Ritz {
     fn names(&self) -> &Names {
         &self.names
@@ -222,14 +220,7 @@ impl System for Ritz {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
         self.evaluate(x)?;
         r.copy_from_slice(&self.plain.r);
-        match r.iter().position(|r| !r.is_finite()) {
-            Some(i) => Err(LeftDomain::new(
-                format!("component {i} of the residual"),
-                r[i],
-                "the parameters are too large for the equations to be evaluated",
-            )),
-            None => Ok(()),
-        }
+        domain::finite(r, |i| format!("component {i} of the residual"))
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -299,22 +290,17 @@ impl System for Ritz {
     fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum> {
         self.ensure_modes(x).ok()?;
         let n = self.model.unknowns();
-        let unstable = (0..n).take_while(|mode| self.vibration.square(*mode) < 0.0).count();
+        let unstable = (0..n).take_while(|mode| self.eigenproblem.square(*mode) < 0.0).count();
         let reported = (unstable + REPORTED).min(n);
-        Some((0..reported).map(|mode| (-self.vibration.square(mode), 0.0)).collect())
+        Some((0..reported).map(|mode| (-self.eigenproblem.square(mode), 0.0)).collect())
     }
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
         let (q, p) = x.split_at(self.model.unknowns());
         let flat = self.flat_frequency(p)?;
         let omega = signed_root(self.lowest(x)?);
-        values[0] = dot(q, &self.centre);
-        values[1] = self.search.largest(&self.model, q).0;
-        values[2] = omega * self.model.settings.units.frequency_unit(p);
-        values[3] = omega / flat;
-        if let Some(gap) = self.names.parameter("gap") {
-            values[4] = p[gap] * values[0];
-        }
+        let deflections = [dot(q, &self.centre), self.search.largest(&self.model, q).0];
+        monitors::fill(self.model.settings.units, p, deflections, [omega, flat], values);
         Ok(())
     }
 
@@ -335,7 +321,7 @@ impl System for Ritz {
             2 => self.frequency_gradient(x, out).map(|omega| self.apply_unit(x, omega, out)),
             3 => self.ratio_gradient(x, out),
             _ => {
-                if let Some(gap) = self.names.parameter("gap") {
+                if let Some(gap) = self.model.settings.units.gap() {
                     let weighted = out.iter_mut().zip(&self.centre);
                     weighted.for_each(|(out, centre)| *out = x[n + gap] * centre);
                     out[n + gap] = dot(&x[..n], &self.centre);
@@ -348,31 +334,12 @@ impl System for Ritz {
         }
     }
 
-    /// The first mode shape along the centre line, 1 at the centre (unless that is a node), and the
-    /// deflection there.
+    /// The deflection and the first mode shape along the centre line.
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
-        let Ok(modes) = self.modes(x, 1) else { return Vec::new() };
+        let modes = self.modes(x, 1).ok();
+        let shape = modes.as_ref().and_then(|modes| modes.shapes.first());
         let q = &x[..self.model.unknowns()];
-        let profile = |name: &str, q: &[f64], scale: f64| Profile {
-            name: name.into(),
-            along: "x/a".into(),
-            points: self
-                .centre_line(q, PROFILE_POINTS)
-                .into_iter()
-                .map(|(x, w)| [x, w / scale])
-                .collect(),
-        };
-        let mut profiles = vec![profile("deflection w/d", q, 1.0)];
-        if let Some(mode) = modes.shapes.first() {
-            let line = self.centre_line(mode, PROFILE_POINTS);
-            let largest = line.iter().fold(0.0_f64, |most, (_, w)| w.abs().max(most));
-            let centre = self.deflection(mode, 0.5, 0.5);
-            let scale = if centre.abs() > 0.01 * largest { centre } else { largest };
-            if scale != 0.0 {
-                profiles.push(profile("first mode shape", mode, scale));
-            }
-        }
-        profiles
+        profile::profiles(q, shape.map(Vec::as_slice), |q, x| self.deflection(q, x, 0.5))
     }
 
     fn refined(&self, x: &[f64]) -> Option<Refinement> {

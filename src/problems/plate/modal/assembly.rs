@@ -6,8 +6,9 @@
 
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};
-use super::tables::{at, sum};
+use super::tables::at;
 use crate::problems::plate::Parameters;
+use crate::problems::plate::tensor::dot;
 use num_dual::DualSVec64;
 
 impl Direct {
@@ -24,7 +25,7 @@ impl Direct {
         out.fill(0.0);
         let nodes = self.load_nodes(largest);
         for (values, weight) in nodes.values.chunks_exact(n).zip(&nodes.weights) {
-            let closeness = 1.0 / (1.0 - sum(q, values));
+            let closeness = 1.0 / (1.0 - dot(q, values));
             let slope = -2.0 * plate.load * weight * closeness.powi(3);
             for (i, value) in values.iter().enumerate() {
                 let factor = slope * value;
@@ -64,14 +65,14 @@ impl Multiplied {
         for (node, weight) in self.nodes.weights.iter().enumerate() {
             let [values, slopes_x, slopes_y] = self.modes_at(node, n);
             let mut local = [0.0; 7];
-            local[0] = sum(q, values);
-            local[1] = sum(q, slopes_x);
-            local[2] = sum(q, slopes_y);
-            local[3] = sum(&bending, values);
+            local[0] = dot(q, values);
+            local[1] = dot(q, slopes_x);
+            local[2] = dot(q, slopes_y);
+            local[3] = dot(&bending, values);
             if let Some(stress) = &self.stress {
                 for (k, rows) in stress.iter().enumerate() {
                     let row = at(rows, node, pairs.len());
-                    local[4 + k] = stiffness * sum(&pairs, row);
+                    local[4 + k] = stiffness * dot(&pairs, row);
                     of_stress[k].fill(0.0);
                     membrane::add_product_slopes(row, &scaled, &mut of_stress[k]);
                 }
@@ -93,7 +94,7 @@ impl Multiplied {
                     of_stress[2][k],
                 ];
                 let [plain, in_x, in_y] =
-                    slopes.map(|slope: [f64; 7]| weight * sum(&slope, &of_local));
+                    slopes.map(|slope: [f64; 7]| weight * dot(&slope, &of_local));
                 for (i, entry) in column.iter_mut().enumerate() {
                     *entry += plain * values[i] + in_x * slopes_x[i] + in_y * slopes_y[i];
                 }

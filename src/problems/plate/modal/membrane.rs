@@ -11,8 +11,8 @@
 //!
 //! and its derivative by `q_i` is `24α₁² Σ_j (A s)_ij q_j`.
 
-use super::tables::sum;
 use crate::core::scalar::Scalar;
+use crate::problems::plate::tensor::dot;
 
 /// `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`, into `products`.
 pub(super) fn products<T: Scalar>(q: &[T], products: &mut Vec<T>) {
@@ -31,7 +31,7 @@ pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut 
     let mut rows = form.chunks_exact(pairs.len());
     for i in 0..q.len() {
         for (j, row) in (i..q.len()).zip(&mut rows) {
-            let tension = sum(&pairs, row) * stiffness;
+            let tension = dot(&pairs, row) * stiffness;
             r[i] += tension * q[j];
             if j > i {
                 r[j] += tension * q[i];
@@ -62,7 +62,7 @@ pub(super) fn add_stiffness(form: &[f64], q: &[f64], stiffness: f64, out: &mut [
     let mut rows = form.chunks_exact(pairs.len());
     for i in 0..n {
         for (j, row) in (i..n).zip(&mut rows) {
-            let tension = stiffness * sum(&pairs, row);
+            let tension = stiffness * dot(&pairs, row);
             slopes.fill(0.0);
             add_product_slopes(row, q, &mut slopes);
             out[i * n + j] += tension;

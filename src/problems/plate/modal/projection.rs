@@ -1,11 +1,11 @@
 //! The two projections on the modes.
 
 use super::spectrum::FlatModes;
-use super::tables::{Nodes, at, sum};
+use super::tables::{Nodes, at};
 use super::{ModalError, ModalSettings, membrane};
 use crate::core::scalar::Scalar;
 use crate::problems::plate::model::LARGEST_DEFLECTION;
-use crate::problems::plate::tensor::Rule;
+use crate::problems::plate::tensor::{Rule, dot};
 use crate::problems::plate::{MembraneForm, Parameters, Support, Theory};
 
 /// Up to which deflection, how many nodes in each half direction for the load; and how many more for each
@@ -55,17 +55,14 @@ fn membrane_form(
 impl Linear {
     pub fn new(settings: &ModalSettings, flat: &FlatModes) -> Linear {
         let FlatModes { plate, shapes, .. } = flat;
-        let model = &plate.model;
-        let rules = [0, 1]
-            .map(|axis| Rule::exact(2 * model.transverse[axis].degree(), model.symmetric[axis]));
-        let nodes = Nodes::new(plate, shapes, &rules, settings.plate.aspect);
+        let nodes = Nodes::new(plate, shapes, &plate.model.product_rules(), settings.plate.aspect);
         let count = shapes.len();
         let [x, y] = &nodes.slopes;
         let mixed = nodes.gram(x, y);
         let both = (0..count * count).map(|e| mixed[e] + mixed[e % count * count + e / count]);
         let supports = settings.plate.supports;
         // Where symmetry is used a sheared plate is refused; see `domain`.
-        let sheared = !supports.any_free() && model.symmetric == [false; 2];
+        let sheared = !supports.any_free() && plate.model.symmetric == [false; 2];
         let carried = [
             !supports.x().contains(&Support::Free),
             !supports.y().contains(&Support::Free),
@@ -114,7 +111,7 @@ impl Direct {
             r[i] = q[i] * linear.squares[i] - plate.pressure * linear.means[i];
             for (force, matrix) in forces.iter().zip(&linear.slopes) {
                 if force.real() != 0.0 || T::NDERIV > 0 {
-                    r[i] -= *force * sum(q, &matrix[i * n..(i + 1) * n]);
+                    r[i] -= *force * dot(q, &matrix[i * n..(i + 1) * n]);
                 }
             }
         }
@@ -123,7 +120,7 @@ impl Direct {
         }
         let nodes = self.load_nodes(largest);
         for (values, weight) in nodes.values.chunks_exact(n).zip(&nodes.weights) {
-            let closeness = (T::one() - sum(q, values)).recip();
+            let closeness = (T::one() - dot(q, values)).recip();
             let load = plate.load * closeness * closeness * *weight;
             for (r, value) in r.iter_mut().zip(values) {
                 *r -= load * *value;
@@ -189,12 +186,12 @@ impl Multiplied {
             let [values, slopes_x, slopes_y] = self.modes_at(node, n);
             let [n1, n2, n6] = match &self.stress {
                 Some(stress) => {
-                    stress.each_ref().map(|rows| sum(&pairs, at(rows, node, pairs.len())))
+                    stress.each_ref().map(|rows| dot(&pairs, at(rows, node, pairs.len())))
                 }
                 None => [T::zero(); 3],
             };
-            let [w, w_x, w_y] = [values, slopes_x, slopes_y].map(|table| sum(q, table));
-            let local = [w, w_x, w_y, sum(&bending, values), n1, n2, n6];
+            let [w, w_x, w_y] = [values, slopes_x, slopes_y].map(|table| dot(q, table));
+            let local = [w, w_x, w_y, dot(&bending, values), n1, n2, n6];
             let parts = integrand(local, forces, plate.pressure).map(|part| part * *weight);
             for (i, r) in r.iter_mut().enumerate() {
                 *r += parts[0] * values[i] + parts[1] * slopes_x[i] + parts[2] * slopes_y[i];
@@ -213,8 +210,8 @@ impl Multiplied {
     pub fn inertia<T: Scalar>(&self, q: &[T], left: &[f64], right: &[f64]) -> T {
         let mut total = T::zero();
         for (values, weight) in self.nodes.values.chunks_exact(q.len()).zip(&self.nodes.weights) {
-            let gap = T::one() - sum(q, values);
-            let [left, right] = [left, right].map(|field| sum(field, values));
+            let gap = T::one() - dot(q, values);
+            let [left, right] = [left, right].map(|field| dot(field, values));
             total += gap * gap * (left * right * weight);
         }
         total
@@ -225,7 +222,7 @@ impl Multiplied {
         let n = q.len();
         let mut matrix = nalgebra::DMatrix::zeros(n, n);
         for (values, weight) in self.nodes.values.chunks_exact(n).zip(&self.nodes.weights) {
-            let factor = weight * (1.0 - sum(q, values)).powi(2);
+            let factor = weight * (1.0 - dot(q, values)).powi(2);
             for i in 0..n {
                 for k in 0..n {
                     matrix[(i, k)] += factor * values[i] * values[k];

@@ -112,9 +112,7 @@ impl Rung {
     /// (1,3), (3,1). Signs are such that the first of some moments that is not zero is positive.
     fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, ModalError> {
         let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
-        let model = &bending.model;
-        let rules = [0, 1]
-            .map(|axis| Rule::exact(2 * model.transverse[axis].degree(), model.symmetric[axis]));
+        let rules = bending.model.product_rules();
         let nodes =
             |shapes: &[Vec<f64>]| Nodes::new(&bending, shapes, &rules, settings.plate.aspect);
         let mut first = 0;

@@ -6,10 +6,8 @@ use crate::core::linear::BorderedLu;
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Profile, Singular, Slot, Spectrum, System, ZeroProblem,
 };
+use crate::problems::plate::{domain, tensor::dot};
 use faer::{MatRef, Side};
-
-/// How many points of a mode's profile are kept.
-const PROFILE_POINTS: usize = 101;
 
 /// A [`Modal`] as a [`System`]: what [`Dense`] does, faster. The Jacobian is assembled from tables, and gradients of
 /// the direct projection's derivatives, as `F` is a gradient itself, are directional derivatives.
@@ -102,14 +100,7 @@ impl System for ModalSystem {
         let problem = self.dense.problem();
         problem.domain(z, p)?;
         problem.assemble(z, p, &mut self.jacobian);
-        match self.jacobian.iter().find(|entry| !entry.is_finite()) {
-            Some(entry) => Err(LeftDomain::new(
-                "an entry of the stiffness",
-                *entry,
-                "the parameters are too large for the equations to be evaluated",
-            )),
-            None => Ok(()),
-        }
+        domain::finite(&self.jacobian, |_| "an entry of the stiffness".into())
     }
 
     fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
@@ -201,23 +192,12 @@ impl System for ModalSystem {
         let (of_z, of_p) = out.split_at_mut(z.len());
         problem.modes_at(at, of_z);
         if let (4, Some(gap)) = (monitor, self.names().parameter("gap")) {
-            of_p[gap] = super::tables::sum(z, of_z);
+            of_p[gap] = dot(z, of_z);
             of_z.iter_mut().for_each(|slope| *slope *= p[gap]);
         }
     }
 
-    /// The lowest mode of vibration along the centre line `y = b/2`, its largest value 1.
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
-        let (z, p) = x.split_at(self.names().dimension());
-        let problem = self.dense.problem();
-        let Ok(modes) = problem.modes(z, p, 1) else { return Vec::new() };
-        let lines = modes.shapes.iter().map(|shape| problem.centre_line(shape, PROFILE_POINTS));
-        let profile = |line: Vec<(f64, f64)>| {
-            let largest =
-                line.iter().fold(0.0_f64, |m, (_, w)| if w.abs() > m.abs() { *w } else { m });
-            let points = line.into_iter().map(|(x, w)| [x, w / largest]).collect();
-            Profile { name: "mode shape".into(), along: "x/a".into(), points }
-        };
-        lines.map(profile).filter(|p| p.points.iter().all(|[_, w]| w.is_finite())).collect()
+        self.dense.profiles(x)
     }
 }

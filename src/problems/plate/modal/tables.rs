@@ -1,6 +1,5 @@
 //! Modes at the nodes of tensor rules.
 
-use crate::core::scalar::Scalar;
 use crate::problems::plate::Ritz;
 use crate::problems::plate::tensor::Rule;
 
@@ -56,10 +55,4 @@ impl Nodes {
 /// Row `node` of a table.
 pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
     &rows[node * width..(node + 1) * width]
-}
-
-/// `Σ q_i t_i`.
-#[inline]
-pub(super) fn sum<T: Scalar>(q: &[T], table: &[f64]) -> T {
-    q.iter().zip(table).fold(T::zero(), |sum, (q, t)| sum + *q * *t)
 }

@@ -1,6 +1,7 @@
 //! Odd sines, even cosines and the quadrature of the plate's symmetric half intervals.
 
-use crate::core::{quadrature::gauss_legendre, scalar::Scalar};
+use crate::core::scalar::Scalar;
+use crate::problems::plate::tensor::Rule;
 use std::f64::consts::PI;
 
 /// Odd wave numbers `1, 3, …, 2K − 1` at most: the width of a row of coefficients.
@@ -37,8 +38,8 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(width: usize, count: usize) -> Self {
-        let (nodes, weights) = gauss_legendre(count);
-        let points: Vec<f64> = nodes.iter().map(|node| 0.25 * (1.0 + node)).collect();
+        let Rule { nodes, weights } = Rule::halves(count, true);
+        let points: Vec<f64> = nodes.iter().map(|node| 0.5 * node).collect();
         let table = |count: usize, function: &dyn Fn(usize, f64) -> f64| -> Vec<f64> {
             points.iter().flat_map(|&x| (0..count).map(move |k| function(k, x))).collect()
         };
@@ -49,7 +50,7 @@ impl Grid {
             cosines: table(width, &|k, x| (wave(k) * x).cos()),
             even_cosines: table(2 * width, &|k, x| even(k, x).cos()),
             even_sines: table(2 * width, &|k, x| even(k, x).sin()),
-            weights: weights.iter().map(|weight| 0.5 * weight).collect(),
+            weights,
             points,
         }
     }
@@ -69,11 +70,6 @@ impl Grid {
     pub fn even_sines(&self, point: usize) -> &[f64] {
         &self.even_sines[2 * point * self.width..][..2 * self.width]
     }
-}
-
-/// `Σ_k a_k f_k`.
-pub(super) fn dot<T: Scalar>(coefficients: &[T], functions: &[f64]) -> T {
-    coefficients.iter().zip(functions).fold(T::zero(), |sum, (&a, &f)| sum + a * f)
 }
 
 /// `Σ_i z_i φ_{m_i}(x) f(n_i, y)` as coefficients of the functions of x, for one y.

@@ -1,9 +1,10 @@
 //! The two projections of eq. 3.12 on the sines.
 
 use super::SinePlate;
-use super::basis::{LARGEST, dot, row, wave};
+use super::basis::{Grid, LARGEST, row, wave};
 use crate::core::scalar::Scalar;
 use crate::problems::plate::Parameters;
+use crate::problems::plate::tensor::dot;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -11,7 +12,7 @@ impl SinePlate {
     /// `(κp_x − P_x, κp_y − P_y/α²)`: what multiplies `w_ξξ` and `w_ηη`, the uniform part of the
     /// in-plane forces.
     pub(super) fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
-        let [x, y] = self.immovable_tension(z, plate);
+        let [x, y] = self.held_tension(z, plate);
         [x - plate.compression_x, y - plate.compression_y / (plate.aspect * plate.aspect)]
     }
 
@@ -63,68 +64,45 @@ impl SinePlate {
         for (&mode, r) in self.modes.iter().zip(r.iter_mut()) {
             *r = -plate.load * Self::mean(mode);
         }
-        let [tension_x, tension_y] = self.tension(z, plate);
+        let tension = self.tension(z, plate);
         let bending: Vec<T> = (self.modes.iter().zip(z))
             .map(|(&mode, &z)| Self::flat_frequency(mode, plate.aspect).powi(2) * z)
             .collect();
-        let kappa = kappa(plate);
+        let stress = self.stress_coefficients(z, plate);
         let grid = &self.grid;
-        let (width, stresses) = (grid.width, 2 * grid.width);
-        let mut stress = vec![T::zero(); stresses * stresses];
-        for (m, n, f) in self.airy.iter().flat_map(|airy| airy.coefficients(z, plate.aspect)) {
-            stress[(m / 2) * stresses + n / 2] = f * kappa;
-        }
-        let mut stress_rows =
-            [vec![T::zero(); stresses], vec![T::zero(); stresses], vec![T::zero(); stresses]];
+        let mut line = Line::new(grid.width);
         for y in 0..grid.points.len() {
-            let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
-            let deflection = row(&self.modes, z, |l| in_y[l]);
-            let deflection_y = row(&self.modes, z, |l| slope_in_y[l] * wave(l));
-            let deflection_yy = row(&self.modes, z, |l| -in_y[l] * wave(l).powi(2));
-            let bending = row(&self.modes, &bending, |l| in_y[l]);
-            for (j, coefficients) in stress.chunks_exact(stresses).enumerate() {
-                let (cosines, sines) = (grid.even_cosines(y), grid.even_sines(y));
-                let [plain, first, second] = &mut stress_rows;
-                (plain[j], first[j], second[j]) = (T::zero(), T::zero(), T::zero());
-                for (l, &f) in coefficients.iter().enumerate() {
-                    plain[j] += f * cosines[l];
-                    first[j] -= f * (sines[l] * even_wave(l));
-                    second[j] -= f * (cosines[l] * even_wave(l).powi(2));
-                }
-            }
+            line.cut(self, y, z, &bending, &stress);
             let mut projected = [T::zero(); LARGEST];
             for (x, &weight) in grid.weights.iter().enumerate() {
-                let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
-                let w = dot(&deflection[..width], in_x);
-                let w_yy = dot(&deflection_yy[..width], in_x);
-                let (mut w_xx, mut w_xy) = (T::zero(), T::zero());
-                for k in 0..width {
-                    w_xx -= deflection[k] * (in_x[k] * wave(k).powi(2));
-                    w_xy += deflection_y[k] * (slope_in_x[k] * wave(k));
-                }
-                let (mut f_xx, mut f_xy) = (T::zero(), T::zero());
-                let (cosines, sines) = (grid.even_cosines(x), grid.even_sines(x));
-                for j in 0..stresses {
-                    f_xx -= stress_rows[0][j] * (cosines[j] * even_wave(j).powi(2));
-                    f_xy -= stress_rows[1][j] * (sines[j] * even_wave(j));
-                }
-                let f_yy = dot(&stress_rows[2], cosines);
-                let bracket =
-                    w_xx * (f_yy + tension_x) + w_yy * (f_xx + tension_y) - w_xy * f_xy * 2.0;
-                let forces = dot(&bending[..width], in_x) - bracket - plate.pressure;
-                let scaled = forces * (T::one() - w).powi(2) * (weight * grid.weights[y]);
+                let in_x = grid.sines(x);
+                let force = line.force(grid, x, tension) - plate.pressure;
+                let gap = T::one() - dot(&line.w[..grid.width], in_x);
+                let scaled = force * gap * gap * (weight * grid.weights[y]);
                 for (projected, &function) in projected.iter_mut().zip(in_x) {
                     *projected += scaled * function;
                 }
             }
+            let in_y = grid.sines(y);
             for (&(k, l), r) in self.modes.iter().zip(r.iter_mut()) {
                 *r += projected[k] * in_y[l];
             }
         }
     }
 
+    /// `κ f_jl` of `cos 2jπξ cos 2lπη`, row by row in `j`; all zero in linear theory.
+    fn stress_coefficients<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> Vec<T> {
+        let stresses = 2 * self.grid.width;
+        let kappa = kappa(plate);
+        let mut stress = vec![T::zero(); stresses * stresses];
+        for (m, n, f) in self.airy.iter().flat_map(|airy| airy.coefficients(z, plate.aspect)) {
+            stress[(m / 2) * stresses + n / 2] = f * kappa;
+        }
+        stress
+    }
+
     /// `∫∫ φ_ℓ φ_r (1−w)²` for two fields given by their coefficients: the inertia of eq. 3.26.
-    pub(super) fn inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
+    pub(super) fn multiplied_inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
         let grid = &self.grid;
         let mut sum = T::zero();
         for y in 0..grid.points.len() {
@@ -141,8 +119,8 @@ impl SinePlate {
         sum
     }
 
-    /// The matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
-    pub(super) fn mass(&self, z: &[f64]) -> DMatrix<f64> {
+    /// The matrix of [`multiplied_inertia`](Self::multiplied_inertia): `∫∫ φ_i φ_j (1−w)²`.
+    pub(super) fn multiplied_mass(&self, z: &[f64]) -> DMatrix<f64> {
         let grid = &self.grid;
         let count = grid.points.len();
         let scaled = DMatrix::from_fn(count * count, 1, |point, _| {
@@ -174,6 +152,66 @@ impl SinePlate {
             }
         }
         largest
+    }
+}
+
+/// What eq. 3.26 is made of along one line `η = const`: coefficients of functions of `ξ`.
+struct Line<T> {
+    /// `w`, `w_η`, `w_ηη` and `L(w)`, of odd sines.
+    w: [T; LARGEST],
+    w_y: [T; LARGEST],
+    w_yy: [T; LARGEST],
+    bending: [T; LARGEST],
+    /// `κF`, `κF_η`, `κF_ηη` without the uniform forces, of even cosines.
+    stress: [Vec<T>; 3],
+}
+
+impl<T: Scalar> Line<T> {
+    fn new(width: usize) -> Line<T> {
+        let (odd, even) = ([T::zero(); LARGEST], vec![T::zero(); 2 * width]);
+        let stress = [even.clone(), even.clone(), even];
+        Line { w: odd, w_y: odd, w_yy: odd, bending: odd, stress }
+    }
+
+    /// The line through point `y` of the grid.
+    fn cut(&mut self, plate: &SinePlate, y: usize, z: &[T], bending: &[T], stress: &[T]) {
+        let (modes, grid) = (&plate.modes, &plate.grid);
+        let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
+        self.w = row(modes, z, |l| in_y[l]);
+        self.w_y = row(modes, z, |l| slope_in_y[l] * wave(l));
+        self.w_yy = row(modes, z, |l| -in_y[l] * wave(l).powi(2));
+        self.bending = row(modes, bending, |l| in_y[l]);
+        let (cosines, sines) = (grid.even_cosines(y), grid.even_sines(y));
+        let [plain, first, second] = &mut self.stress;
+        for (j, coefficients) in stress.chunks_exact(plain.len()).enumerate() {
+            (plain[j], first[j], second[j]) = (T::zero(), T::zero(), T::zero());
+            for (l, &f) in coefficients.iter().enumerate() {
+                plain[j] += f * cosines[l];
+                first[j] -= f * (sines[l] * even_wave(l));
+                second[j] -= f * (cosines[l] * even_wave(l).powi(2));
+            }
+        }
+    }
+
+    /// `L(w) − κΦ(w,F)` at point `x` of the line, for uniform forces `[tension_x, tension_y]`.
+    fn force(&self, grid: &Grid, x: usize, [tension_x, tension_y]: [T; 2]) -> T {
+        let (in_x, slope_in_x) = (grid.sines(x), grid.cosines(x));
+        let w_yy = dot(&self.w_yy[..grid.width], in_x);
+        let (mut w_xx, mut w_xy) = (T::zero(), T::zero());
+        for k in 0..grid.width {
+            w_xx -= self.w[k] * (in_x[k] * wave(k).powi(2));
+            w_xy += self.w_y[k] * (slope_in_x[k] * wave(k));
+        }
+        let (cosines, sines) = (grid.even_cosines(x), grid.even_sines(x));
+        let [plain, first, second] = &self.stress;
+        let (mut f_xx, mut f_xy) = (T::zero(), T::zero());
+        for j in 0..plain.len() {
+            f_xx -= plain[j] * (cosines[j] * even_wave(j).powi(2));
+            f_xy -= first[j] * (sines[j] * even_wave(j));
+        }
+        let f_yy = dot(second, cosines);
+        let bracket = w_xx * (f_yy + tension_x) + w_yy * (f_xx + tension_y) - w_xy * f_xy * 2.0;
+        dot(&self.bending[..grid.width], in_x) - bracket
     }
 }
 

@@ -3,10 +3,11 @@
 use super::{Modal, Projected};
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, ZeroProblem};
-use crate::problems::plate::Modes;
-use crate::problems::plate::sine::vibration::{self, Lowest};
+use crate::problems::plate::modes::{Modes, extreme};
+use crate::problems::plate::tensor::dot;
+use crate::problems::plate::vibration::{Lowest, Vibrates, lowest_general, lowest_symmetric};
 use faer::{Mat, Side};
-use nalgebra::{Cholesky, DMatrix, DVector, LU};
+use nalgebra::DMatrix;
 
 impl Modal {
     /// The `count` lowest modes of vibration about an equilibrium, as coefficients of the flat modes with
@@ -50,15 +51,6 @@ impl Modal {
         }
     }
 
-    /// The lowest `ω`, `−√(−ω²)` where unstable, in the arithmetic of `z` and `p`; `reals` are their real
-    /// parts. Not a number where there is none.
-    pub(super) fn frequency<T: Scalar>(&self, z: &[T], p: &[T], reals: [&[f64]; 2]) -> T {
-        match self.lowest(reals[0], reals[1]) {
-            Some(vectors) => vibration::signed_root(self.frequency_squared(z, p, &vectors)),
-            None => T::constant(f64::NAN),
-        }
-    }
-
     fn stiffness(&self, z: &[f64], p: &[f64]) -> DMatrix<f64> {
         let mut entries = vec![0.0; z.len() * z.len()];
         self.assemble(z, p, &mut entries);
@@ -77,69 +69,31 @@ impl Modal {
             }
         }
     }
+}
 
-    /// The eigenvectors of the lowest eigenvalue of the linearised motion.
+impl Vibrates for Modal {
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
         let stiffness = self.stiffness(z, p);
         match &self.projected {
             Projected::Direct(_) => {
                 let mass = DMatrix::identity(z.len(), z.len());
-                vibration::lowest_symmetric(&stiffness, &mass, self.linear.squares[0])
+                lowest_symmetric(&stiffness, &mass, self.linear.squares[0])
             }
             Projected::Multiplied(multiplied) => lowest_general(&stiffness, &multiplied.mass(z)),
         }
     }
 
-    /// Rayleigh's quotient for `ω²` between two eigenvectors: stationary, so that its first derivatives
-    /// are those of the eigenvalue.
-    pub(super) fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
-        let stiffness = vibration::product(z, vectors, |z, r| {
-            let p: Vec<_> = p.iter().map(|&value| num_dual::Dual::from_re(value)).collect();
-            self.residual(z, &p, r);
-        });
-        stiffness
-            / match &self.projected {
-                Projected::Direct(_) => {
-                    let products = vectors.left.iter().zip(&vectors.right);
-                    T::constant(products.map(|(l, r)| l * r).sum())
-                }
-                Projected::Multiplied(multiplied) => {
-                    multiplied.inertia(z, &vectors.left, &vectors.right)
-                }
-            }
-    }
-}
-
-/// Left and right eigenvectors of the `ω²` of smallest real part of `J v = ω² M v`, `J` any matrix. `None` if
-/// the matrices are not finite or that `ω²` is not real.
-fn lowest_general(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>) -> Option<Lowest> {
-    let n = mass.nrows();
-    let reduced = Cholesky::new(mass.clone())?.solve(stiffness);
-    if reduced.iter().any(|entry| !entry.is_finite()) {
-        return None;
-    }
-    let eigenvalues = Mat::from_fn(n, n, |i, k| reduced[(i, k)]).eigenvalues().ok()?;
-    let lowest = eigenvalues.iter().min_by(|a, b| a.re.total_cmp(&b.re))?;
-    if lowest.im.abs() > 1e-8 * lowest.re.abs() {
-        return None;
-    }
-    // Off the eigenvalue by a little, so that the matrix of inverse iteration has an inverse.
-    let shifted = stiffness - mass * (lowest.re - 1e-9 * (1.0 + lowest.re.abs()));
-    let iterate = |matrix: DMatrix<f64>| -> Option<Vec<f64>> {
-        let factor = LU::new(matrix);
-        // No symmetry that the vector sought might lack.
-        let mut vector = DVector::from_fn(n, |i, _| 1.0 / (1.0 + i as f64));
-        for _ in 0..4 {
-            vector = factor.solve(&(mass * vector))?.normalize();
+    fn inertia<T: Scalar>(&self, z: &[T], Lowest { left, right }: &Lowest) -> T {
+        match &self.projected {
+            Projected::Direct(_) => T::constant(dot(left, right)),
+            Projected::Multiplied(multiplied) => multiplied.inertia(z, left, right),
         }
-        Some(vector.as_slice().to_vec())
-    };
-    Some(Lowest { left: iterate(shifted.transpose())?, right: iterate(shifted)? })
+    }
 }
 
 /// The sign that makes the largest coefficient positive.
 fn positive(mut shape: Vec<f64>) -> Vec<f64> {
-    let largest = shape.iter().fold(0.0_f64, |m, c| if c.abs() > m.abs() { *c } else { m });
-    shape.iter_mut().for_each(|c| *c *= largest.signum());
+    let sign = extreme(shape.iter().copied()).signum();
+    shape.iter_mut().for_each(|c| *c *= sign);
     shape
 }

@@ -1,4 +1,4 @@
-//! Small vibrations about an equilibrium: `K v = ω² M v`.
+//! Natural modes of the full model about an equilibrium: all of `K v = ω² M v`.
 //!
 //! In a basis of high order the mass matrix is singular to working accuracy (its condition is 1e11 at 10
 //! functions, 6e14 at 18), while `K + σM` is not. So the problem solved is
@@ -14,6 +14,7 @@ use faer::linalg::triangular_solve::{
 use faer::{MatMut, MatRef, Par};
 
 use super::model::Model;
+use super::vibration::signed_root;
 
 /// Natural frequencies and modes of a plate, the lowest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +32,13 @@ impl Modes {
     }
 }
 
-/// `√x`, odd in `x`: a frequency passes zero where its equilibrium loses stability.
-pub fn signed_root(x: f64) -> f64 {
-    x.abs().sqrt().copysign(x)
+/// The entry of largest modulus; 0 where there is none.
+pub(super) fn extreme(entries: impl Iterator<Item = f64>) -> f64 {
+    entries.fold(0.0, |most, entry| if entry.abs() > most.abs() { entry } else { most })
 }
 
 /// The mass matrix and the memory for its eigenproblem.
-pub(super) struct Vibration {
+pub(super) struct Eigenproblem {
     mass: Vec<f64>,
     factor: Vec<f64>,
     reduced: Vec<f64>,
@@ -49,8 +50,8 @@ pub(super) struct Vibration {
     scratch: MemBuffer,
 }
 
-impl Vibration {
-    pub fn new(model: &Model) -> Vibration {
+impl Eigenproblem {
+    pub fn new(model: &Model) -> Eigenproblem {
         let n = model.unknowns();
         let [x, y] = &model.lines;
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
@@ -69,7 +70,7 @@ impl Vibration {
                 Default::default(),
             ),
         ]);
-        Vibration {
+        Eigenproblem {
             mass: (0..n * n).map(entry).collect(),
             factor: vec![0.0; n * n],
             reduced: vec![0.0; n * n],
@@ -115,8 +116,7 @@ impl Vibration {
         let n = self.values.len();
         let column = n - 1 - mode;
         out.copy_from_slice(&self.vectors[column * n..(column + 1) * n]);
-        let largest = out.iter().fold(0.0_f64, |m, a| if a.abs() > m.abs() { *a } else { m });
-        let scale = largest.signum() / self.values[column].sqrt();
+        let scale = extreme(out.iter().copied()).signum() / self.values[column].sqrt();
         out.iter_mut().for_each(|entry| *entry *= scale);
     }
 

@@ -1,0 +1,41 @@
+//! Curves that are kept with special points: along the centre line `y = b/2`.
+
+use super::modes::extreme;
+use crate::core::zero::Profile;
+
+/// Points of a profile; the one in the middle is the centre of the plate.
+pub(super) const POINTS: usize = 51;
+
+/// A mode whose deflection at the centre is a smaller share of its largest one has a node there.
+const NODE: f64 = 0.01;
+
+/// `f` at equidistant points from 0 to 1, two or more: pairs `(x, f(x))`.
+pub(super) fn line(points: usize, f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let step = 1.0 / points.saturating_sub(1).max(1) as f64;
+    (0..points).map(|i| i as f64 * step).map(|x| (x, f(x))).collect()
+}
+
+/// The deflection that `z` describes and the first mode `shape`, which is 1 at the centre (where that is
+/// a node, at its largest). `deflection` evaluates coefficients at `x` on the centre line.
+pub(super) fn profiles(
+    z: &[f64],
+    shape: Option<&[f64]>,
+    deflection: impl Fn(&[f64], f64) -> f64,
+) -> Vec<Profile> {
+    let profile = |name: &str, points: Vec<(f64, f64)>, scale: f64| Profile {
+        name: name.into(),
+        along: "x/a".into(),
+        points: points.into_iter().map(|(x, w)| [x, w / scale]).collect(),
+    };
+    let mut profiles = vec![profile("deflection w/d", line(POINTS, |x| deflection(z, x)), 1.0)];
+    if let Some(shape) = shape {
+        let points = line(POINTS, |x| deflection(shape, x));
+        let largest = extreme(points.iter().map(|(_, w)| *w));
+        let centre = points[POINTS / 2].1;
+        let scale = if centre.abs() > NODE * largest.abs() { centre } else { largest };
+        if scale != 0.0 && points.iter().all(|(_, w)| w.is_finite()) {
+            profiles.push(profile("first mode shape", points, scale));
+        }
+    }
+    profiles
+}
