@@ -33,6 +33,52 @@ pub struct At<'a> {
 }
 
 /// A condition on a zero problem: `k + 1` equations with `k` unknowns of their own.
+///
+/// ```
+/// use tangency::core::condition::{At, Condition, EvaluationError};
+/// use tangency::core::continuation::{Continuation, Event, Kind};
+/// use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
+/// /// `x = p²`.
+/// struct Parabola;
+/// impl ZeroProblem for Parabola {
+///     fn names(&self) -> Names {
+///         Names::new(["x"], ["p"])
+///     }
+///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+///         r[0] = p[0] * p[0] - x[0];
+///     }
+/// }
+/// /// `x p = 8`, with its gradient `(p, x)`.
+/// struct Product;
+/// impl Condition for Product {
+///     fn kind(&self) -> Kind {
+///         Kind::UZ
+///     }
+///     fn start(&mut self, _: At, _: &mut [f64]) -> Result<(), EvaluationError> {
+///         Ok(())
+///     }
+///     fn values(&mut self, at: At, _: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
+///         values[0] = at.x[0] * at.x[1] - 8.0;
+///         Ok(())
+///     }
+///     fn gradients(
+///         &mut self,
+///         at: At,
+///         _: &[f64],
+///         rows: &mut [f64],
+///         _: &mut [f64],
+///     ) -> Result<(), EvaluationError> {
+///         rows.copy_from_slice(&[at.x[1], at.x[0]]);
+///         Ok(())
+///     }
+/// }
+/// let mut parabola = Dense::new(Parabola);
+/// let event = Event::new("x p = 8", || Product);
+/// let branch = Continuation::of(&mut parabola).along("p", 0.0..=3.0).event(event).trace()?;
+/// let found = branch.of_kind(Kind::UZ).next().unwrap();
+/// assert!((found.parameters[0] - 2.0).abs() < 1e-14);
+/// # Ok::<(), tangency::core::continuation::TraceError>(())
+/// ```
 pub trait Condition {
     /// The kind of special point that the condition defines.
     fn kind(&self) -> Kind;
@@ -87,6 +133,22 @@ pub enum Quantity {
 }
 
 /// A parameter or a monitor at a given level.
+///
+/// ```
+/// use tangency::core::condition::{At, Condition, Level, Quantity};
+/// use tangency::core::{continuation::Kind, dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
+/// # struct Line;
+/// # impl ZeroProblem for Line {
+/// #     fn names(&self) -> Names { Names::new(["x"], ["p"]) }
+/// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) { r[0] = p[0] - x[0]; }
+/// # }
+/// let mut level = Level::new(Quantity::Parameter(0), 2.0, Kind::UZ);
+/// let mut value = [0.0];
+/// let at = At { system: &mut Dense::new(Line), x: &[1.0, 5.0], released: &[0] };
+/// level.values(at, &[], &mut value)?;
+/// assert_eq!(value, [3.0]);
+/// # Ok::<(), tangency::core::condition::EvaluationError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Level {
     /// What is held.
@@ -111,7 +173,17 @@ impl Condition for Level {
     }
 
     fn start(&mut self, at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
-        self.monitors.resize(at.system.names().monitors.len(), 0.0);
+        let names = at.system.names();
+        let (position, count) = match self.quantity {
+            Quantity::Parameter(p) => (p, names.parameters.len()),
+            Quantity::Monitor(m) => (m, names.monitors.len()),
+        };
+        if position >= count {
+            return Err(EvaluationError::NotApplicable(format!(
+                "the level is that of quantity {position}, counted from 0, of {count}"
+            )));
+        }
+        self.monitors.resize(names.monitors.len(), 0.0);
         Ok(())
     }
 

@@ -58,6 +58,8 @@ pub struct Dense<P> {
     problem: P,
     names: Names,
     jacobian: Vec<f64>,
+    /// Where `jacobian` was assembled last; empty where that failed.
+    assembled: Vec<f64>,
     factors: [BorderedLu; 2],
     plain: Work<f64>,
     chunk: Work<Chunk>,
@@ -76,6 +78,7 @@ impl<P: ZeroProblem> Dense<P> {
         let n = names.dimension();
         Dense {
             jacobian: vec![0.0; n * n],
+            assembled: Vec::with_capacity(names.length()),
             factors: Default::default(),
             plain: Work::new(&names),
             chunk: Work::new(&names),
@@ -112,6 +115,12 @@ fn part(number: &Chunk, k: usize) -> f64 {
     number.eps.0.map_or(0.0, |eps| eps[k])
 }
 
+/// Whether a matrix is exactly symmetric, as that of a discretised self-adjoint operator is: its
+/// eigenvalues then cost a fraction.
+fn symmetric(matrix: &[f64], n: usize) -> bool {
+    (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
+}
+
 impl<P: ZeroProblem> System for Dense<P> {
     fn names(&self) -> &Names {
         &self.names
@@ -131,6 +140,10 @@ impl<P: ZeroProblem> System for Dense<P> {
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        if self.assembled == x {
+            return Ok(());
+        }
+        self.assembled.clear();
         self.check_domain(x)?;
         let n = self.names.dimension();
         for start in (0..n).step_by(CHUNK) {
@@ -148,7 +161,10 @@ impl<P: ZeroProblem> System for Dense<P> {
                 self.jacobian[k],
                 "the residual must be differentiable here (√ at 0 is not)",
             )),
-            None => Ok(()),
+            None => {
+                self.assembled.extend_from_slice(x);
+                Ok(())
+            }
         }
     }
 
@@ -227,6 +243,10 @@ impl<P: ZeroProblem> System for Dense<P> {
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
         let mut eigenvalues: Spectrum = match self.problem.dynamics() {
             Dynamics::Static => return None,
+            Dynamics::Flow if symmetric(&self.jacobian, n) => {
+                let real = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
+                real.into_iter().map(|l| (l, 0.0)).collect()
+            }
             Dynamics::Flow => {
                 matrix.eigenvalues().ok()?.into_iter().map(|l| (l.re, l.im)).collect()
             }

@@ -22,6 +22,31 @@ pub struct Closing<'a> {
 }
 
 /// A zero problem with the conditions that are held.
+///
+/// ```
+/// use tangency::core::{bifurcation::Fold, extended::Extended, dense::Dense};
+/// use tangency::core::{scalar::Scalar, zero::{Names, ZeroProblem}};
+/// /// `p = x²`, with a fold at 0.
+/// struct Parabola;
+/// impl ZeroProblem for Parabola {
+///     fn names(&self) -> Names {
+///         Names::new(["x"], ["p"])
+///     }
+///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+///         r[0] = p[0] - x[0] * x[0];
+///     }
+/// }
+/// let mut system = Dense::new(Parabola);
+/// let mut equations = Extended::new(&mut system, &[0.1, 0.0], vec![0]);
+/// let mut unknowns = equations.hold(Box::<Fold>::default(), &[0.1, 0.0])?;
+/// // One Newton step: the fold's condition is linear in x, and the problem then in p.
+/// let mut correction = [0.0; 2];
+/// equations.residual(&unknowns, None, &mut correction)?;
+/// equations.factor(&unknowns, None)?;
+/// equations.solve(&mut correction);
+/// assert!((unknowns[0] - correction[0]).abs() < 1e-15);
+/// # Ok::<(), tangency::core::condition::EvaluationError>(())
+/// ```
 pub struct Extended<'a> {
     system: &'a mut dyn System,
     conditions: Vec<Box<dyn Condition + 'a>>,
@@ -81,14 +106,19 @@ impl<'a> Extended<'a> {
         Ok(unknowns)
     }
 
-    /// Takes back the condition that was added last, and its unknowns out of `X`.
-    pub fn let_go(&mut self, unknowns: &mut Vec<f64>) -> Option<Box<dyn Condition + 'a>> {
-        let condition = self.conditions.pop()?;
-        let end = self.dimension() + self.own;
-        unknowns.drain(end - condition.unknowns()..end);
-        self.own -= condition.unknowns();
+    /// Takes all conditions away, to be given back to [`resume`](Extended::resume).
+    pub fn suspend(&mut self) -> Vec<Box<dyn Condition + 'a>> {
+        self.own = 0;
+        let conditions = std::mem::take(&mut self.conditions);
         self.resize();
-        Some(condition)
+        conditions
+    }
+
+    /// Holds exactly these conditions, as they are: prepared already.
+    pub fn resume(&mut self, conditions: Vec<Box<dyn Condition + 'a>>) {
+        self.own = conditions.iter().map(|condition| condition.unknowns()).sum();
+        self.conditions = conditions;
+        self.resize();
     }
 
     /// The number `n` of the problem's unknowns.

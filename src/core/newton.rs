@@ -111,6 +111,29 @@ pub struct Convergence {
 }
 
 /// Newton's iteration with its buffers: it allocates nothing after its first use at a given size.
+///
+/// ```
+/// use tangency::core::newton::{Newton, Tolerances};
+/// use tangency::core::{dense::Dense, extended::Extended, scalar::Scalar, zero::{Names, ZeroProblem}};
+/// /// `eˣ = p`.
+/// struct Exponential;
+/// impl ZeroProblem for Exponential {
+///     fn names(&self) -> Names {
+///         Names::new(["x"], ["p"])
+///     }
+///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+///         r[0] = x[0].exp() - p[0];
+///     }
+/// }
+/// let mut system = Dense::new(Exponential);
+/// // No parameter released and no closing equation: one equation for x, with p = 2.
+/// let mut equations = Extended::new(&mut system, &[1.0, 2.0], vec![]);
+/// let mut x = [1.0];
+/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+/// let report = Newton::default().solve(&mut equations, &mut x, None, &[1.0], tolerances)?;
+/// assert!((x[0] - 2.0_f64.ln()).abs() < 1e-15 && report.iterations <= 4);
+/// # Ok::<(), tangency::core::newton::NewtonError>(())
+/// ```
 #[derive(Default)]
 pub struct Newton {
     correction: Vec<f64>,
@@ -281,7 +304,8 @@ impl Newton {
                 equations.residual(unknowns, closing, &mut self.correction)?;
             }
             let converged = scaled_norm(&self.next, weights) <= tolerances.tolerance;
-            if !converged && contraction.is_nan() || contraction > GOOD_CONTRACTION && !converged {
+            let contracts = contraction <= GOOD_CONTRACTION;
+            if !(converged || contracts) {
                 return Ok(false);
             }
         }
@@ -295,6 +319,11 @@ impl Newton {
 }
 
 /// `√(Σ wᵢ dᵢ²)`.
+///
+/// ```
+/// use tangency::core::newton::scaled_norm;
+/// assert_eq!(scaled_norm(&[3.0, 8.0], &[1.0, 0.25]), 5.0);
+/// ```
 pub fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
     d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
 }

@@ -251,7 +251,9 @@ pub trait System {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain>;
 
     /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor),
-    /// [`spectrum`](System::spectrum) and [`jacobian`](System::jacobian).
+    /// [`spectrum`](System::spectrum) and [`jacobian`](System::jacobian). Conditions, monitors and
+    /// Newton's iteration each ask for it at the same `x`: a second call there should cost no more
+    /// than the comparison with the `x` of the first.
     ///
     /// # Errors
     /// [`LeftDomain`] as for the residual.

@@ -80,6 +80,6 @@ pub enum SceneError {
         run: String,
         /// Why.
         #[source]
-        cause: TraceError,
+        cause: Box<TraceError>,
     },
 }

@@ -50,6 +50,8 @@ pub fn execute(
     let mut document = Document::new(scene.title.clone(), Vec::new());
     document.plot = scene.plot.clone();
     document.settings = scene.record();
+    let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
+    document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
     let mut done: Vec<Branch> = Vec::new();
     let mut error = None;
     let runs: Vec<&Run> = match start {
@@ -87,7 +89,7 @@ fn trace(
     let seen = scene.as_seen_by(run)?;
     let values = seen.values();
     let mut system = seen.problem.system(&values, &reach(&seen, &scene.runs, &values))?;
-    let failed = |cause| SceneError::Trace { run: run.name.clone(), cause };
+    let failed = |cause| SceneError::Trace { run: run.name.clone(), cause: Box::new(cause) };
     let mut curve = Continuation::of(&mut *system).named(&run.name).settings(seen.settings.clone());
     for ((name, _), value) in seen.problem.parameters().iter().zip(&values) {
         curve = curve.at(name, *value);

@@ -30,6 +30,8 @@ pub struct BranchPoint {
     g: [f64; 2],
     columns: Vec<f64>,
     border_rows: Vec<f64>,
+    /// The unit direction of the parameter.
+    direction: Vec<f64>,
     work: Vec<f64>,
 }
 
@@ -45,6 +47,7 @@ impl BranchPoint {
             g: [0.0; 2],
             columns: Vec::new(),
             border_rows: Vec::new(),
+            direction: Vec::new(),
             work: Vec::new(),
         }
     }
@@ -52,9 +55,7 @@ impl BranchPoint {
     fn solve(&mut self, at: &mut At) -> Result<(), EvaluationError> {
         let n = self.left.len();
         at.system.assemble(at.x)?;
-        let mut direction = vec![0.0; at.x.len()];
-        direction[n + self.parameter] = 1.0;
-        at.system.derivative(at.x, &direction, &mut self.columns[..n]);
+        at.system.derivative(at.x, &self.direction, &mut self.columns[..n]);
         self.columns[n..].copy_from_slice(&self.unfolding);
         for (target, row) in self.border_rows.chunks_exact_mut(n).zip(&self.rows) {
             target.copy_from_slice(&row[..n]);
@@ -91,10 +92,19 @@ impl Condition for BranchPoint {
 
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), EvaluationError> {
         let n = at.system.names().dimension();
+        if n + self.parameter >= at.x.len() {
+            return Err(EvaluationError::NotApplicable(format!(
+                "the branch point asks for parameter {}, counted from 0, of {}",
+                self.parameter,
+                at.x.len() - n
+            )));
+        }
         self.unfolding = generic_vector(n, 1);
         self.rows = [generic_vector(n + 1, 2), generic_vector(n + 1, 3)];
         self.right = [vec![0.0; at.x.len()], vec![0.0; at.x.len()]];
         self.left.resize(n, 0.0);
+        self.direction = vec![0.0; at.x.len()];
+        self.direction[n + self.parameter] = 1.0;
         self.columns.resize(2 * n, 0.0);
         self.border_rows.resize(2 * n, 0.0);
         self.work.resize(n + 2, 0.0);

@@ -19,7 +19,7 @@ pub use hopf::{Hopf, hopf_test};
 
 /// A vector without symmetry, the same in every run: a first border, which a null vector is not
 /// orthogonal to unless by misfortune.
-fn generic_vector(length: usize, seed: usize) -> Vec<f64> {
+pub(super) fn generic_vector(length: usize, seed: usize) -> Vec<f64> {
     (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
 }
 

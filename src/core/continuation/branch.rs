@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The kind of a special point, written as the two letters that the field reads at a glance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Kind {
     /// `EP`: an end of the branch, or its start.
     EP,
@@ -92,7 +93,8 @@ pub struct SpecialPoint {
     pub converged: bool,
     /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
     pub state: Vec<f64>,
-    /// The direction of the branch there, `(z, released parameters)`, of scaled length 1.
+    /// The direction of the branch there, from its first point to its last: `(z, released parameters)`,
+    /// of scaled length 1.
     pub tangent: Vec<f64>,
     /// Curves that belong to the solution, as the problem offers them.
     pub profiles: Vec<Profile>,

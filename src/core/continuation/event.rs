@@ -8,7 +8,8 @@ use std::rc::Rc;
 /// Makes a fresh condition: one for the branch, one for each refinement.
 pub type MakeCondition = Rc<dyn Fn() -> Box<dyn Condition>>;
 
-/// Which change of sign counts, in the direction in which the branch is traced.
+/// Which change of sign counts, going along the branch from its first point to its last, which is the
+/// direction in which the (last released) parameter grows at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
     /// Any.
@@ -22,21 +23,33 @@ pub enum Direction {
 
 /// The function whose change of sign says that an event lies between two points of a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Test {
     /// The component of the tangent along the continued parameter.
     Fold,
     /// The determinant of the Jacobian bordered by the tangent.
     BranchPoint,
-    /// The product of all sums of two eigenvalues.
+    /// The sign of the product of all sums of two eigenvalues.
     Hopf,
     /// A parameter or monitor less a level.
     Level(Quantity, f64),
+    /// An own unknown of the conditions held along the curve.
+    Own(usize),
     /// The first equation of the condition itself.
     Condition,
 }
 
 /// Something to be found on a branch: a test function that changes sign, and the condition that
 /// defines the point.
+///
+/// ```
+/// use tangency::core::condition::Quantity;
+/// use tangency::core::continuation::{Direction, Event, Kind};
+/// let event = Event::level("load = 2", Quantity::Parameter(0), 2.0)
+///     .in_direction(Direction::Rising)
+///     .ending();
+/// assert_eq!((event.kind, event.terminal), (Kind::UZ, true));
+/// ```
 #[derive(Clone)]
 pub struct Event {
     /// Its name, which appears with the special point.
@@ -51,6 +64,9 @@ pub struct Event {
     pub terminal: bool,
     /// Makes the condition.
     pub condition: MakeCondition,
+    /// Makes the condition that stands in place of those held along the curve, where those are singular
+    /// at the event.
+    pub instead: Option<MakeCondition>,
 }
 
 impl Event {
@@ -90,6 +106,19 @@ impl Event {
         Self::new("Bogdanov–Takens point", BogdanovTakens::default)
     }
 
+    /// The end of a curve of Hopf points, where their frequency, its own unknown, vanishes: a
+    /// Bogdanov–Takens point, which is a double zero on a curve of folds. (Beyond it the curve would be
+    /// traced back with negative frequency.)
+    pub fn vanishing_frequency() -> Self {
+        let event = Self::with_test(
+            "Bogdanov–Takens point",
+            Kind::BT,
+            Test::Own(0),
+            BogdanovTakens::default,
+        );
+        Event { instead: Some(Event::fold().condition), ..event }.ending()
+    }
+
     /// A parameter or monitor at a level, marked `UZ`.
     pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
         let make = move || Level::new(quantity, level, Kind::UZ);
@@ -108,7 +137,9 @@ impl Event {
         self
     }
 
-    fn with_test<C: Condition + 'static>(
+    /// An event with any test function and any condition: what all others are made of. The condition
+    /// may have unknowns of its own.
+    pub fn with_test<C: Condition + 'static>(
         name: impl Into<String>,
         kind: Kind,
         test: Test,
@@ -121,13 +152,16 @@ impl Event {
             direction: Direction::Either,
             terminal: false,
             condition: Rc::new(move || Box::new(condition())),
+            instead: None,
         }
     }
 
-    /// Whether a test function that goes from `before` to `after` passes this event.
-    pub(super) fn passed(&self, before: f64, after: f64) -> bool {
+    /// Whether a test function that goes from `before` to `after` passes this event, on the way that
+    /// the branch takes or against it.
+    pub(super) fn passed(&self, before: f64, after: f64, backward: bool) -> bool {
         let rising = before < 0.0 && after >= 0.0;
         let falling = before > 0.0 && after <= 0.0;
+        let (rising, falling) = if backward { (falling, rising) } else { (rising, falling) };
         match self.direction {
             Direction::Either => rising || falling,
             Direction::Rising => rising,
@@ -142,6 +176,8 @@ pub(super) fn condition_of(kind: Kind, parameter: usize) -> Option<MakeCondition
         Kind::LP => Some(Event::fold().condition),
         Kind::BP => Some(Event::branch_point(parameter).condition),
         Kind::HB => Some(Event::hopf().condition),
+        Kind::CP => Some(Event::cusp().condition),
+        Kind::BT => Some(Event::bogdanov_takens().condition),
         _ => None,
     }
 }

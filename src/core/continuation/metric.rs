@@ -8,13 +8,27 @@ use crate::core::zero::Names;
 /// length of the parameter's range. A group that is zero at the start is measured by what the tangent
 /// makes of the parameter's range, and a parameter without a finite range by what the tangent needs to
 /// change the unknowns by their size, later by what it has covered; only if neither is known (or a
-/// tangent decides by rounding) is 1 used. Hence a change of units
-/// changes nothing but the numbers.
+/// tangent decides by rounding) is 1 used. Hence a change of
+/// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such a
+/// group, if its unit is unusual, is best given a scale
+/// ([`Continuation::scale`](super::Continuation::scale)).
+///
+/// ```
+/// use tangency::core::{continuation::Metric, zero::Names};
+/// let names = Names::new([("u", 2), ("v", 1)], ["p"]);
+/// // u = (3, 4) is measured by 5; v = 0 by its slope times the range of p; p by its range.
+/// let metric =
+///     Metric::new(&names, &[3.0, 4.0, 0.0], &[0.0, 0.0, 2.0], &[[0.0, 10.0]], &[0.0], &[1.0], &[]);
+/// assert_eq!(metric.weights(&names, 0), [1.0 / 25.0, 1.0 / 25.0, 1.0 / 400.0, 1.0 / 100.0]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Metric {
     groups: Vec<f64>,
+    /// Groups whose scale the user has given, so that it does not grow.
+    fixed: Vec<bool>,
     parameters: Vec<f64>,
-    /// Values at the start of those parameters whose range is open: their scales grow.
+    /// Values at the start of those parameters whose range is open and whose scale is not given: their
+    /// scales grow.
     open: Vec<Option<f64>>,
     own: Vec<f64>,
 }
@@ -47,20 +61,19 @@ impl Metric {
                 _ => steepest * slope.abs(),
             })
             .collect();
-        // What the tangent reaches over the first range that is known.
+        // What the tangent reaches over the first range that is known, unless it is vertical there.
+        let steep = z_tangent.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
         let reach = parameters
             .iter()
             .zip(p_tangent)
-            .filter(|(scale, slope)| usable(**scale) && usable(slope.abs()))
+            .filter(|(scale, slope)| usable(**scale) && slope.abs() > VERTICAL * steep)
             .map(|(scale, slope)| scale / slope.abs())
             .next();
         let groups: Vec<f64> = sizes
             .iter()
             .zip(&slopes)
             .map(|(&size, slope)| match reach.map(|reach| reach * slope) {
-                Some(reach) if reach.is_finite() && reach > NOTHING && size <= ZERO * reach => {
-                    reach
-                }
+                Some(reach) if usable(reach) && size <= ZERO * reach => reach,
                 _ if size > NOTHING => size,
                 _ => 1.0,
             })
@@ -77,24 +90,38 @@ impl Metric {
                 *scale = if usable(scaled) { scaled } else { 1.0 };
             }
         }
-        let open =
-            ranges.iter().zip(p).map(|([low, high], p)| (high - low).is_infinite().then_some(*p));
-        let open = open.collect();
+        let is_open =
+            |(range, p): (&[f64; 2], &f64)| (range[1] - range[0]).is_infinite().then_some(*p);
+        let open = ranges.iter().zip(p).map(is_open).collect();
         let own =
             own.iter().map(|y| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y))).collect();
-        Metric { groups, parameters, open, own }
+        Metric { fixed: vec![false; groups.len()], groups, parameters, open, own }
+    }
+
+    /// Replaces scales by those that are given: of groups, then of released parameters.
+    pub fn with_scales(mut self, scales: &[Option<f64>]) -> Self {
+        let (groups, parameters) = scales.split_at(self.groups.len().min(scales.len()));
+        for ((scale, fixed), given) in self.groups.iter_mut().zip(&mut self.fixed).zip(groups) {
+            *scale = given.unwrap_or(*scale);
+            *fixed = given.is_some();
+        }
+        for ((scale, open), given) in self.parameters.iter_mut().zip(&mut self.open).zip(parameters)
+        {
+            *scale = given.unwrap_or(*scale);
+            *open = open.filter(|_| given.is_none());
+        }
+        self
     }
 
     /// Lets the scales grow with the unknowns, and those of parameters without a range with what they
     /// have covered.
     pub fn grow(&mut self, names: &Names, z: &[f64], p: &[f64]) {
-        for (scale, size) in self.groups.iter_mut().zip(group_norms(names, z)) {
-            *scale = scale.max(size);
+        let sizes = group_norms(names, z);
+        for ((scale, fixed), size) in self.groups.iter_mut().zip(&self.fixed).zip(sizes) {
+            *scale = if *fixed { *scale } else { scale.max(size) };
         }
         for ((scale, open), p) in self.parameters.iter_mut().zip(&self.open).zip(p) {
-            if let Some(start) = open {
-                *scale = scale.max((p - start).abs());
-            }
+            *scale = open.map_or(*scale, |start| scale.max((p - start).abs()));
         }
     }
 
@@ -117,12 +144,15 @@ impl Metric {
 /// zero but for rounding.
 const ZERO: f64 = 1e-9;
 
-/// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a parameter's
-/// or an unknown's level set but for rounding.
+/// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a level set of
+/// a parameter or an unknown but for rounding.
 const TINY: f64 = 1e-8;
 
 /// Unknowns this small in their own units, that the tangent does not change either, are rounding.
 const NOTHING: f64 = 1e-12;
+
+/// A parameter's part of the tangent this small, compared with that of the unknowns, is rounding.
+const VERTICAL: f64 = 1e-12;
 
 fn usable(scale: f64) -> bool {
     (TINY..1.0 / TINY).contains(&scale)
@@ -150,8 +180,16 @@ mod tests {
     fn a_change_of_units_scales_the_weights() {
         let names = Names::new([("u", 2), ("v", 1)], ["p"]);
         let metric = |u: f64, p: f64| {
-            Metric::new(&names, &[0.0, 0.0, 3.0], &[u, 2.0 * u, 1.0], &[[0.0, 10.0 * p]], &[p], &[])
-                .weights(&names, 0)
+            Metric::new(
+                &names,
+                &[0.0, 0.0, 3.0],
+                &[u, 2.0 * u, 1.0],
+                &[[0.0, 10.0 * p]],
+                &[0.0],
+                &[p],
+                &[],
+            )
+            .weights(&names, 0)
         };
         let (here, there) = (metric(1.0, 1.0), metric(1e3, 1e-2));
         for (i, factor) in [1e3, 1e3, 1.0, 1e-2].into_iter().enumerate() {

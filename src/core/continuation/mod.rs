@@ -1,9 +1,14 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
 mod branch;
+mod error;
 mod event;
+mod hidden;
 mod locate;
 mod metric;
+mod observer;
+mod prepare;
+mod refine;
 mod run;
 mod settings;
 mod start;
@@ -11,7 +16,9 @@ mod stepper;
 mod trace;
 
 pub use branch::{Branch, End, Kind, Point, SpecialPoint};
+pub use error::TraceError;
 pub use event::{Direction, Event, MakeCondition, Test};
 pub use metric::Metric;
+pub use observer::Observer;
 pub use settings::{SettingError, Settings};
-pub use trace::{Continuation, Observer, TraceError};
+pub use trace::Continuation;

@@ -1,21 +1,23 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
+use super::event::Test;
+use super::hidden::Before;
 use super::locate::Located;
-use super::stepper::{Place, Stepper};
-use super::trace::Observer;
-use super::{Branch, End, Kind, SpecialPoint};
+use super::stepper::{AT_START, Place, Step, Stepper};
+use super::{Branch, End, Kind, Observer, Point, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
-use crate::core::continuation::event::Test;
+use crate::core::extended::Closing;
 use crate::core::newton::scaled_norm;
-use std::ops::ControlFlow;
 
 /// A trace under way.
 pub(super) struct Tracer<'a> {
     pub stepper: Stepper<'a>,
     pub branch: Branch,
     pub start: Place,
-    /// Events in the first step are those of the special point where the curve starts.
-    pub skip_first: bool,
+    /// The first events are bounds: −1 for a lower, 1 for an upper one.
+    pub sides: Vec<f64>,
+    /// How fast the levels' test functions grow at the start.
+    pub slopes: Vec<f64>,
     /// Whether to trace backward, forward.
     pub directions: [bool; 2],
     /// How many labels have been given.
@@ -25,7 +27,7 @@ pub(super) struct Tracer<'a> {
 /// One of the two halves of a branch, from the start outward. `after` of its special points counts
 /// points from the start, which is 0.
 struct Half {
-    places: Vec<super::Point>,
+    points: Vec<Point>,
     special: Vec<SpecialPoint>,
     end: End,
 }
@@ -38,33 +40,52 @@ struct Ending {
 }
 
 impl Tracer<'_> {
+    /// Refuses a start beyond a bound.
+    pub fn check_bounds(&self) -> Result<(), TraceError> {
+        let events = &self.stepper.events;
+        let beyond = |i: &usize| self.start.tests[*i] * self.sides[*i] > 0.0;
+        let Some(i) = (0..self.sides.len()).find(beyond) else { return Ok(()) };
+        let Test::Level(quantity, level) = events[i].test else { return Ok(()) };
+        let other = |side: f64| {
+            let level = events.iter().zip(&self.sides).find_map(|(event, s)| match event.test {
+                Test::Level(q, level) if q == quantity && *s == side => Some(level),
+                _ => None,
+            });
+            level.unwrap_or(side * f64::INFINITY)
+        };
+        let (low, high) =
+            if self.sides[i] < 0.0 { (level, other(1.0)) } else { (other(-1.0), level) };
+        let value = level + self.start.tests[i];
+        Err(TraceError::OutOfRange { name: events[i].name.clone(), value, low, high })
+    }
+
     /// Traces both halves and joins them.
     pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
         observer.begin(&self.branch);
         let start = self.start.clone();
-        let mut turned = start.clone();
-        self.stepper.turn(&mut turned);
-        let _ = observer.point(&start.point);
+        let stopped = observer.point(&start.point).is_break();
         let [backward, forward] = self.directions;
-        // The start is the first point that is labelled, if it is an end.
-        let behind = match self.outward(&turned) {
-            Some(end) => Some(self.no_half(end, observer)),
-            None if backward => None,
-            None => Some(self.no_half(End::Start, observer)),
+        // A start that is an end is found, and labelled, first.
+        let behind = match (self.leaves_at_once(true), backward) {
+            (Some(end), true) => Some(self.no_half(end, observer)),
+            (_, false) => Some(self.no_half(End::Start, observer)),
+            (None, true) => None,
         };
-        let ahead = match forward {
-            true => self.half(start.clone(), observer),
-            false => self.no_half(End::Start, observer),
+        let ahead = match (stopped, forward) {
+            (true, _) => self.no_half(End::Interrupted, observer),
+            (_, true) => self.half(start.clone(), false, observer),
+            (_, false) => self.no_half(End::Start, observer),
         };
-        let closed = matches!(ahead.end, End::Closed { .. });
-        let interrupted = ahead.end == End::Interrupted;
-        let behind: Half = if closed {
-            Half { places: Vec::new(), special: Vec::new(), end: ahead.end.clone() }
-        } else {
-            match behind {
-                Some(behind) => behind,
-                None if interrupted => self.no_half(End::Interrupted, observer),
-                None => self.half(turned, observer),
+        let behind = match (behind, &ahead.end) {
+            (Some(behind), End::Closed { .. }) => Half { end: ahead.end.clone(), ..behind },
+            (Some(behind), _) => behind,
+            (None, end @ (End::Closed { .. } | End::Interrupted)) => {
+                self.no_half(end.clone(), observer)
+            }
+            (None, _) => {
+                let mut turned = start.clone();
+                self.stepper.turn(&mut turned);
+                self.half(turned, true, observer)
             }
         };
         self.join(behind, start, ahead);
@@ -76,121 +97,150 @@ impl Tracer<'_> {
         let start = self.start.clone();
         let mut special = self.end_point(&start, &end, 0);
         self.stepper.refine_start(&mut special);
-        let mut half = Half { places: Vec::new(), special: Vec::new(), end };
-        self.announce(&mut half, special, observer);
+        let mut half = Half { points: Vec::new(), special: Vec::new(), end };
+        self.mark(&mut half, special, observer);
         half
     }
 
-    /// Labels a special point and shows it.
-    fn announce(
-        &mut self,
-        half: &mut Half,
-        mut special: SpecialPoint,
-        observer: &mut dyn Observer,
-    ) {
+    fn half(&mut self, start: Place, backward: bool, observer: &mut dyn Observer) -> Half {
+        let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
+        let mut place = start.clone();
+        half.end = match self.leaves_at_once(backward) {
+            Some(end) => end,
+            None => self.walk(&mut half, &mut place, &start, backward, observer),
+        };
+        let ended =
+            half.special.last().is_some_and(|s| s.after == half.points.len() && s.after > 0);
+        if !ended {
+            let special = self.end_point(&place, &half.end, half.points.len());
+            self.mark(&mut half, special, observer);
+        }
+        half
+    }
+
+    /// Labels a special point, shows it, and adds it.
+    fn mark(&mut self, half: &mut Half, mut special: SpecialPoint, observer: &mut dyn Observer) {
         self.labels += 1;
         special.label = self.labels;
         observer.special(&self.branch, &special);
         half.special.push(special);
     }
 
-    fn half(&mut self, start: Place, observer: &mut dyn Observer) -> Half {
-        let mut half = Half { places: Vec::new(), special: Vec::new(), end: End::Start };
-        let settings = self.stepper.settings.clone();
-        let mut length = settings.initial_step.min(settings.max_step);
-        let mut place = start.clone();
-        half.end = match self.outward(&place) {
-            Some(end) => end,
-            None => loop {
-                if half.places.len() >= settings.max_points {
-                    break End::PointLimit { points: half.places.len() };
-                }
-                let step = match self.stepper.step(&place, length) {
-                    Ok(step) => step,
-                    Err((step, cause)) => {
-                        break End::StepTooSmall { step, cause: cause.to_string() };
-                    }
-                };
-                length = step.next;
-                let skip = self.skip_first && half.places.is_empty();
-                let mut found = self.events_between(&place, &step.place, step.length, skip);
-                let ending = self.ending(&mut found, &place, &step, &start, half.places.len());
-                let after = half.places.len();
-                for Located { mut special, .. } in found {
-                    special.after = after;
-                    self.announce(&mut half, special, observer);
-                }
-                match ending {
-                    Some(Ending { end, at }) => {
-                        if let Some(Located { mut special, .. }) = at {
-                            half.places.push(point_of(&special));
-                            special.after = half.places.len();
-                            self.announce(&mut half, special, observer);
-                        }
-                        break end;
-                    }
-                    None => {
-                        place = step.place;
-                        self.stepper.settle(&mut place);
-                        half.places.push(place.point.clone());
-                        if let ControlFlow::Break(()) = observer.point(&place.point) {
-                            break End::Interrupted;
-                        }
-                    }
-                }
-            },
-        };
-        let ended =
-            half.special.last().is_some_and(|s| s.after == half.places.len() && s.after > 0);
-        if !ended && !matches!(half.end, End::Closed { .. }) {
-            let special = self.end_point(&place, &half.end, half.places.len());
-            self.announce(&mut half, special, observer);
-        }
-        half
-    }
-
-    /// The end of a branch that starts on a bound and would leave at once.
-    fn outward(&self, start: &Place) -> Option<End> {
-        let released = self.stepper.equations.released();
-        let first = self.stepper.equations.parameters_at();
-        self.stepper.events.iter().find_map(|event| {
-            let Test::Level(Quantity::Parameter(p), value) = event.test else { return None };
-            let slope = start.tangent[first + released.iter().position(|&r| r == p)?];
-            let range = self.range(p)?;
-            let low = value == range[0];
-            let leaves = if low { slope < 0.0 } else { slope > 0.0 };
-            let at = start.point.parameters[p] == value;
-            (event.terminal && at && leaves)
-                .then(|| End::ParameterBound { name: event.name.clone(), value })
-        })
-    }
-
-    /// The levels at which a parameter ends the branch, ascending.
-    fn range(&self, parameter: usize) -> Option<[f64; 2]> {
-        let mut levels = self.stepper.events.iter().filter_map(|event| match event.test {
-            Test::Level(Quantity::Parameter(p), value) if p == parameter && event.terminal => {
-                Some(value)
+    /// Steps until something ends the branch.
+    fn walk(
+        &mut self,
+        half: &mut Half,
+        place: &mut Place,
+        start: &Place,
+        backward: bool,
+        observer: &mut dyn Observer,
+    ) -> End {
+        let settings = &self.stepper.settings;
+        let (max_points, max_step) = (settings.max_points, settings.max_step);
+        let mut length = settings.initial_step.min(max_step);
+        let mut before: Option<Before> = None;
+        loop {
+            let points = half.points.len();
+            if points >= max_points {
+                return End::PointLimit { points };
             }
-            _ => None,
-        });
-        let first = levels.next()?;
-        let last = levels.last().unwrap_or(f64::INFINITY);
-        Some([first.min(last), first.max(last)])
+            let mut step = match self.stepper.step(place, length) {
+                Ok(step) => step,
+                Err((step, cause)) => {
+                    return End::StepTooSmall { step, cause: cause.to_string() };
+                }
+            };
+            if points == 0
+                && let Some(end) = self.left_at_once(start, &step.place)
+            {
+                return end;
+            }
+            if let Some(shorter) =
+                before.as_ref().and_then(|before| self.stepper.hidden(before, place, &step))
+            {
+                step = shorter;
+            }
+            length = step.next.clamp(self.stepper.settings.min_step, max_step);
+            let mut found = self.events_between(place, &step, backward, points == 0);
+            let ending = self.ending(&mut found, place, &step, start, points);
+            for Located { mut special, .. } in found {
+                special.after = points;
+                self.mark(half, special, observer);
+            }
+            let at_bound = matches!(
+                &ending,
+                Some(Ending { end: End::ParameterBound { .. } | End::MonitorBound { .. }, .. })
+            );
+            let Some(Ending { end, at }) = ending else {
+                before = Some(Before { tests: place.tests.clone(), length: step.length });
+                *place = step.place;
+                self.stepper.settle(place);
+                half.points.push(place.point.clone());
+                if observer.point(&place.point).is_break() {
+                    return End::Interrupted;
+                }
+                continue;
+            };
+            let last = at.as_ref().map_or(start.point.clone(), |last| point_of(&last.special));
+            // The branch ends here anyhow, whatever the observer says.
+            let _ = observer.point(&last);
+            half.points.push(last);
+            match at {
+                Some(Located { mut special, .. }) => {
+                    special.after = half.points.len();
+                    if at_bound {
+                        special.event = end.to_string();
+                    }
+                    self.mark(half, special, observer);
+                }
+                None => *place = start.clone(),
+            }
+            return end;
+        }
     }
 
-    /// All events between two places, in the order in which the branch meets them.
+    /// The end of a half that starts on a bound and is about to leave.
+    fn leaves_at_once(&self, backward: bool) -> Option<End> {
+        let way = if backward { -1.0 } else { 1.0 };
+        let leaves =
+            |i: &usize| self.start.tests[*i] == 0.0 && way * self.slopes[*i] * self.sides[*i] > 0.0;
+        (0..self.sides.len()).find(leaves).and_then(|i| self.bound(i))
+    }
+
+    /// The end of a half that starts on a bound, along it, and has left with its first step.
+    fn left_at_once(&self, start: &Place, place: &Place) -> Option<End> {
+        let left = |i: &usize| start.tests[*i] == 0.0 && place.tests[*i] * self.sides[*i] > 0.0;
+        (0..self.sides.len()).find(left).and_then(|i| self.bound(i))
+    }
+
+    fn bound(&self, index: usize) -> Option<End> {
+        let event = &self.stepper.events[index];
+        let name = event.name.clone();
+        match event.test {
+            Test::Level(Quantity::Parameter(_), value) => Some(End::ParameterBound { name, value }),
+            Test::Level(Quantity::Monitor(_), value) => Some(End::MonitorBound { name, value }),
+            _ => None,
+        }
+    }
+
+    /// All events in a step, in the order in which the branch meets them, but for those of the start.
     fn events_between(
         &mut self,
         from: &Place,
-        to: &Place,
-        length: f64,
-        skip: bool,
+        step: &Step,
+        backward: bool,
+        at_start: bool,
     ) -> Vec<Located> {
+        let (to, length) = (&step.place, step.length);
         let mut found: Vec<Located> = Vec::new();
         for index in 0..self.stepper.events.len() {
             let event = &self.stepper.events[index];
-            let passed = event.passed(from.tests[index], to.tests[index]);
-            if !passed || (skip && !event.terminal) {
+            if !event.passed(from.tests[index], to.tests[index], backward) {
+                continue;
+            }
+            // At a neutral saddle, λ and −λ, the sign changes as at a Hopf point, but nothing is lost or
+            // gained in stability.
+            if event.test == Test::Hopf && from.point.unstable == to.point.unstable {
                 continue;
             }
             let kind = event.kind;
@@ -202,7 +252,9 @@ impl Tracer<'_> {
                     && (!located.special.converged
                         || (other.along - located.along).abs() < 1e-3 * length)
             };
-            if !(kind == Kind::LP && found.iter().any(same)) {
+            let double = kind == Kind::LP && found.iter().any(same);
+            let of_the_start = at_start && located.along <= AT_START;
+            if !(double || of_the_start) {
                 found.push(located);
             }
         }
@@ -216,34 +268,28 @@ impl Tracer<'_> {
         &mut self,
         found: &mut Vec<Located>,
         from: &Place,
-        step: &super::stepper::Step,
+        step: &Step,
         start: &Place,
         points: usize,
     ) -> Option<Ending> {
-        if points >= 2 && self.passes(start, from, step) {
+        if points >= 2
+            && let Some(along) = self.passes(start, from, step)
+        {
+            found.retain(|located| located.along <= along + AT_START);
             return Some(Ending { end: End::Closed { points: points + 1 }, at: None });
         }
         let events = &self.stepper.events;
         let index = found.iter().position(|located| events[located.event].terminal)?;
-        let event = events[found[index].event].clone();
         found.truncate(index + 1);
-        let at = found.pop();
-        let name = event.name.clone();
-        let end = match (event.kind, event.test) {
-            (Kind::EP, Test::Level(Quantity::Parameter(_), value)) => {
-                End::ParameterBound { name, value }
-            }
-            (Kind::EP, Test::Level(Quantity::Monitor(_), value)) => {
-                End::MonitorBound { name, value }
-            }
-            _ => End::Event { event: name },
-        };
-        Some(Ending { end, at })
+        let at = found.pop()?;
+        let event = events[at.event].name.clone();
+        let bound = (at.event < self.sides.len()).then(|| self.bound(at.event)).flatten();
+        Some(Ending { end: bound.unwrap_or(End::Event { event }), at: Some(at) })
     }
 
-    /// Whether a step passes through the start, in the start's direction: a Newton correction at the
-    /// start's own distance along the step decides.
-    fn passes(&mut self, start: &Place, from: &Place, step: &super::stepper::Step) -> bool {
+    /// How far along a step it passes through the start, in the start's direction: a Newton correction
+    /// at the start's own distance along the step decides.
+    fn passes(&mut self, start: &Place, from: &Place, step: &Step) -> Option<f64> {
         let stepper = &mut self.stepper;
         let row = stepper.covector(&from.tangent);
         let offset: Vec<f64> =
@@ -253,7 +299,7 @@ impl Tracer<'_> {
         let distance = scaled_norm(&offset, &stepper.weights);
         if !(0.0..=step.length).contains(&along) || distance > 1.5 * step.length || alignment < 0.0
         {
-            return false;
+            return None;
         }
         let fraction = along / step.length;
         let mut unknowns: Vec<f64> = from
@@ -262,16 +308,16 @@ impl Tracer<'_> {
             .zip(&step.place.unknowns)
             .map(|(a, b)| a + fraction * (b - a))
             .collect();
-        let closing =
-            crate::core::extended::Closing { row: &row, base: &from.unknowns, length: along };
-        if stepper.correct(&mut unknowns, closing).is_err() {
-            return false;
-        }
+        let closing = Closing { row: &row, base: &from.unknowns, length: along };
+        stepper.correct(&mut unknowns, closing).ok()?;
         unknowns.iter_mut().zip(&start.unknowns).for_each(|(x, s)| *x -= s);
-        scaled_norm(&unknowns, &stepper.weights) < 1e3 * stepper.settings.tolerance.max(1e-12)
+        let met =
+            scaled_norm(&unknowns, &stepper.weights) < 1e3 * stepper.settings.tolerance.max(1e-12);
+        met.then_some(along)
     }
 
     fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
+        let error = self.stepper.parameter_error();
         let equations = &mut self.stepper.equations;
         equations.load(&place.unknowns);
         let at = equations.at();
@@ -292,7 +338,7 @@ impl Tracer<'_> {
             parameters: place.point.parameters.clone(),
             monitors: place.point.monitors.clone(),
             unstable: place.point.unstable,
-            error: self.stepper.settings.tolerance * parameter.abs(),
+            error,
             bracket: [parameter; 2],
             converged: true,
             state: place.unknowns[..n].to_vec(),
@@ -303,29 +349,31 @@ impl Tracer<'_> {
 
     /// Joins the halves into one list from end to end.
     fn join(&mut self, mut behind: Half, start: Place, ahead: Half) {
-        let before = behind.places.len();
-        behind.places.reverse();
+        let before = behind.points.len();
+        behind.points.reverse();
         behind.special.reverse();
         for special in &mut behind.special {
             // Behind point k from the start means before it from the end; an end stays on its point.
-            let on_point = special.after == before && matches!(special.kind, Kind::EP | Kind::MX);
+            let on_point = special.after == before;
             special.after = before - special.after - usize::from(!on_point);
+            special.bracket.reverse();
+            special.tangent.iter_mut().for_each(|t| *t = -*t);
         }
         let mut special = behind.special;
         special.extend(ahead.special.into_iter().map(|mut special| {
             special.after += before;
             special
         }));
-        self.branch.points = behind.places;
+        self.branch.points = behind.points;
         self.branch.points.push(start.point);
-        self.branch.points.extend(ahead.places);
+        self.branch.points.extend(ahead.points);
         self.branch.special = special;
         self.branch.ends = [behind.end, ahead.end];
     }
 }
 
-fn point_of(special: &SpecialPoint) -> super::Point {
-    super::Point {
+fn point_of(special: &SpecialPoint) -> Point {
+    Point {
         parameters: special.parameters.clone(),
         monitors: special.monitors.clone(),
         unstable: special.unstable,

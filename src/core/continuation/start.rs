@@ -1,12 +1,19 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
 use super::metric::Metric;
+use super::stepper::AT_START;
+use crate::core::bifurcation::generic_vector;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
 use crate::core::zero::Names;
 
-/// Of two tangents, the one less aligned with the branch that one comes from.
-pub(super) fn other_branch(tangents: [Vec<f64>; 2], along: Option<&[f64]>) -> Vec<f64> {
+/// Of the tangents at a branch point, the one most aligned with the branch that one comes from, or the
+/// other one.
+pub(super) fn branch_along(
+    tangents: [Vec<f64>; 2],
+    along: Option<&[f64]>,
+    other: bool,
+) -> Vec<f64> {
     let [first, second] = tangents;
     let Some(along) = along else { return second };
     let aligned = |t: &[f64]| {
@@ -14,7 +21,7 @@ pub(super) fn other_branch(tangents: [Vec<f64>; 2], along: Option<&[f64]>) -> Ve
         let norm: f64 = t.iter().map(|t| t * t).sum();
         dot.abs() / norm.sqrt()
     };
-    if aligned(&first) < aligned(&second) { first } else { second }
+    if (aligned(&first) > aligned(&second)) == other { second } else { first }
 }
 
 /// A direction `(z, p)` with zeros for the conditions' own unknowns.
@@ -30,7 +37,8 @@ pub(super) struct Starting<'s, 'a> {
     pub newton: Newton,
     pub tolerances: Tolerances,
     pub ranges: &'s [[f64; 2]],
-    pub released: usize,
+    /// Scales that the user gives, of groups and then of released parameters.
+    pub scales: &'s [Option<f64>],
 }
 
 impl Starting<'_, '_> {
@@ -52,17 +60,37 @@ impl Starting<'_, '_> {
         if let Some(direction) = &direction {
             rows.push(direction.iter().zip(&weights).map(|(t, w)| t * w).collect());
         }
-        for fixed in (length - self.released..length).rev() {
+        for fixed in (self.equations.parameters_at()..length).rev() {
             let mut row = vec![0.0; length];
             row[fixed] = 1.0;
             rows.push(row);
         }
-        let mut outcome = Ok(vec![0.0; length]);
+        let mut outcome: Option<Result<Vec<f64>, NewtonError>> = None;
         for row in &rows {
             unknowns.copy_from_slice(&base);
-            outcome = self.correct(unknowns, row, &weights, correct);
-            if outcome.is_ok() {
-                break;
+            let tried = self.correct(unknowns, row, &weights, correct);
+            // The first failure is the one that tells: later rows only try harder.
+            if tried.is_ok() || outcome.is_none() {
+                let done = tried.is_ok();
+                outcome = Some(tried);
+                if done {
+                    break;
+                }
+            }
+        }
+        let mut outcome = outcome.unwrap_or_else(|| Ok(vec![0.0; length]));
+        if outcome.is_err() {
+            // A start that is a solution already may be a fold, which a hyperplane across some unknowns
+            // passes through, or a branch point, where this fails as well.
+            let mut row = generic_vector(length, 1);
+            row[n..].fill(0.0);
+            row.iter_mut().zip(&weights).for_each(|(r, w)| *r *= w.sqrt());
+            unknowns.copy_from_slice(&base);
+            if let Ok(tangent) = self.correct(unknowns, &row, &weights, correct) {
+                let moved: Vec<f64> = unknowns.iter().zip(&base).map(|(x, b)| x - b).collect();
+                if scaled_norm(&moved, &weights) <= AT_START {
+                    outcome = Ok(tangent);
+                }
             }
         }
         let mut tangent = outcome?;
@@ -116,9 +144,10 @@ impl Starting<'_, '_> {
 
     fn metric(&self, names: &Names, unknowns: &[f64], tangent: &[f64]) -> Metric {
         let n = names.dimension();
-        let parameters = unknowns.len() - self.released;
+        let parameters = self.equations.parameters_at();
         let own = self.equations.own_sizes(unknowns);
         let (z, p) = (&tangent[..n], &tangent[parameters..]);
-        Metric::new(names, &unknowns[..n], z, self.ranges, &unknowns[parameters..], p, &own)
+        let values = &unknowns[parameters..];
+        Metric::new(names, &unknowns[..n], z, self.ranges, values, p, &own).with_scales(self.scales)
     }
 }

@@ -4,7 +4,7 @@ use super::event::{Event, MakeCondition, Test};
 use super::metric::Metric;
 use super::{Point, Settings};
 use crate::core::bifurcation::hopf_test;
-use crate::core::condition::{Condition, EvaluationError, Quantity};
+use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
 
@@ -32,6 +32,9 @@ pub(super) struct Stepper<'a> {
     /// Conditions whose values are test functions, one for each event that needs it.
     pub tested: Vec<Option<Box<dyn Condition>>>,
 }
+
+/// Events nearer to the start than this, in scaled arclength, are those of the start itself.
+pub(super) const AT_START: f64 = 1e-6;
 
 /// How a step went.
 pub(super) struct Step {
@@ -81,6 +84,16 @@ impl Stepper<'_> {
 
     /// Records a corrected point: tangent (along `row`), monitors, stability, test functions.
     pub fn arrive(&mut self, unknowns: Vec<f64>, row: &[f64]) -> Result<Place, EvaluationError> {
+        self.arrive_with(unknowns, row, self.held.is_empty())
+    }
+
+    /// The same with stability, which costs a spectrum, only if it is asked for.
+    pub fn arrive_with(
+        &mut self,
+        unknowns: Vec<f64>,
+        row: &[f64],
+        stability: bool,
+    ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
         self.equations.residual(&unknowns, None, &mut tangent)?;
         self.equations.factor(&unknowns, Some(row))?;
@@ -92,8 +105,8 @@ impl Stepper<'_> {
         self.equations.solve(&mut tangent);
         let size = scaled_norm(&tangent, &self.weights);
         tangent.iter_mut().for_each(|t| *t /= size);
-        let (point, hopf) = self.record(self.held.is_empty())?;
-        let tests = self.tests(&tangent, determinant, hopf, &point)?;
+        let (point, hopf) = self.record(stability)?;
+        let tests = self.tests(&unknowns, &tangent, determinant, hopf, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
     }
 
@@ -105,22 +118,43 @@ impl Stepper<'_> {
         tangent: Vec<f64>,
     ) -> Result<Place, EvaluationError> {
         self.equations.load(&unknowns);
-        let at = self.equations.at();
-        at.system.assemble(at.x)?;
+        let At { system, x, .. } = self.equations.at();
+        system.assemble(x)?;
         let (point, hopf) = self.record(self.held.is_empty())?;
-        let tests = self.tests(&tangent, 0.0, hopf, &point)?;
+        let tests = self.tests(&unknowns, &tangent, 0.0, hopf, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
     }
 
-    /// A curve that starts on a level, but for rounding, does not pass it in its first step.
-    pub fn forget_levels_at(&self, place: &mut Place) {
-        for (test, event) in place.tests.iter_mut().zip(&self.events) {
-            if let Test::Level(_, level) = event.test
-                && test.abs() <= 1e-9 * level.abs().max(self.settings.tolerance)
-            {
-                *test = 0.0;
+    /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
+    /// how fast each level's test function grows along the curve at the start.
+    pub fn forget_levels_at(&mut self, start: &mut Place) -> Result<Vec<f64>, EvaluationError> {
+        let n = self.equations.dimension();
+        let first = self.equations.parameters_at();
+        self.equations.load(&start.unknowns);
+        let At { system, x, released } = self.equations.at();
+        let mut direction = vec![0.0; x.len()];
+        direction[..n].copy_from_slice(&start.tangent[..n]);
+        for (&p, slope) in released.iter().zip(&start.tangent[first..]) {
+            direction[n + p] = *slope;
+        }
+        let mut gradient = vec![0.0; x.len()];
+        let mut slopes = vec![0.0; self.events.len()];
+        for (i, event) in self.events.iter().enumerate() {
+            let Test::Level(quantity, level) = event.test else { continue };
+            slopes[i] = match quantity {
+                Quantity::Parameter(p) => direction[n + p],
+                Quantity::Monitor(m) => {
+                    system.assemble(x)?;
+                    system.monitor_gradient(m, x, &mut gradient);
+                    gradient.iter().zip(&direction).map(|(g, d)| g * d).sum()
+                }
+            };
+            let rounding = AT_START * f64::abs(slopes[i]) + 1e-12 * level.abs();
+            if start.tests[i].abs() <= rounding {
+                start.tests[i] = 0.0;
             }
         }
+        Ok(slopes)
     }
 
     /// One step of at most this length; shorter ones are tried down to `min_step`.
@@ -189,12 +223,14 @@ impl Stepper<'_> {
 
     fn tests(
         &mut self,
+        unknowns: &[f64],
         tangent: &[f64],
         determinant: f64,
         hopf: f64,
         point: &Point,
     ) -> Result<Vec<f64>, EvaluationError> {
         let parameter = tangent[self.equations.parameters_at()];
+        let own = self.equations.dimension();
         let mut value = [0.0];
         let mut tests = Vec::with_capacity(self.events.len());
         for (event, condition) in self.events.iter().zip(&mut self.tested) {
@@ -204,6 +240,7 @@ impl Stepper<'_> {
                 Test::Hopf => hopf,
                 Test::Level(Quantity::Parameter(p), level) => point.parameters[p] - level,
                 Test::Level(Quantity::Monitor(m), level) => point.monitors[m] - level,
+                Test::Own(j) => unknowns[own + j],
                 Test::Condition => {
                     if let Some(condition) = condition {
                         condition.values(self.equations.at(), &[], &mut value)?;

@@ -1,96 +1,11 @@
-//! Tracing a branch: from a start, both ways, through its events, to its ends.
+//! A curve to be traced, put together piece by piece.
 
-use super::event::{Event, MakeCondition, Test, condition_of};
-use super::run::Tracer;
-use super::start::{Starting, other_branch, with_own};
-use super::stepper::Stepper;
-use super::{Branch, End, Kind, Point, SettingError, Settings, SpecialPoint};
-use crate::core::bifurcation::branches_at;
-use crate::core::condition::{Condition, EvaluationError, Quantity};
-use crate::core::extended::Extended;
-use crate::core::newton::{Newton, NewtonError, Tolerances};
-use crate::core::zero::{Dynamics, System};
-use std::ops::{ControlFlow, RangeInclusive};
+use super::event::{Event, MakeCondition};
+use super::{Branch, Kind, Observer, Settings, SpecialPoint, TraceError};
+use crate::core::condition::Condition;
+use crate::core::zero::System;
+use std::ops::RangeInclusive;
 use std::rc::Rc;
-
-/// Why a trace could not begin.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TraceError {
-    /// A name that the problem does not have.
-    #[error("there is no parameter or monitor `{name}`; there are {known}")]
-    UnknownName {
-        /// The name.
-        name: String,
-        /// The names that exist.
-        known: String,
-    },
-    /// A range that is empty or not a number, or a start outside it.
-    #[error("the start {name} = {value} is not in its range {low} to {high}")]
-    OutOfRange {
-        /// The parameter.
-        name: String,
-        /// Where the branch starts.
-        value: f64,
-        /// The lower end.
-        low: f64,
-        /// The upper end.
-        high: f64,
-    },
-    /// The number of released parameters does not fit the number of conditions.
-    #[error(
-        "{released} parameters are released, but {needed} are needed: one, and one more for each condition held"
-    )]
-    Released {
-        /// How many are released.
-        released: usize,
-        /// How many are needed.
-        needed: usize,
-    },
-    /// A state of the wrong length.
-    #[error(
-        "the start has {found} unknowns, the problem {expected}: was it made with other settings?"
-    )]
-    StateLength {
-        /// The length of the state given.
-        found: usize,
-        /// The number of unknowns.
-        expected: usize,
-    },
-    /// No special point with this label, or not of a kind that fits.
-    #[error("{0}")]
-    Label(String),
-    /// A setting out of its range.
-    #[error(transparent)]
-    Setting(#[from] SettingError),
-    /// Newton's iteration failed at the start.
-    #[error("no start of the branch `{branch}` at {place}: {cause}")]
-    Start {
-        /// The branch.
-        branch: String,
-        /// Values of the released parameters there.
-        place: String,
-        /// Newton's failure.
-        #[source]
-        cause: NewtonError,
-    },
-}
-
-/// Sees a branch while it is traced: to print, to show progress, to interrupt.
-pub trait Observer {
-    /// A branch begins; its names are known, its points are not.
-    fn begin(&mut self, _branch: &Branch) {}
-
-    /// A point was reached. `Break` ends the trace; what there is of the branch is kept.
-    fn point(&mut self, _point: &Point) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    /// A special point was found, and labelled.
-    fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
-}
-
-/// An observer that sees nothing.
-impl Observer for () {}
 
 /// A curve to be traced: a builder.
 ///
@@ -109,27 +24,30 @@ impl Observer for () {}
 /// let mut plate = Dense::new(ParallelPlate);
 /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().unwrap();
-/// assert!((fold.parameters[0] - 4.0 / 27.0).abs() < 1e-15);
+/// assert!((fold.parameters[0] - 4.0 / 27.0).abs() < 1e-14);
 /// assert!((fold.state[0] - 1.0 / 3.0).abs() < 1e-12);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 pub struct Continuation<'a> {
-    system: &'a mut dyn System,
-    name: String,
-    x: Vec<f64>,
-    tangent: Option<Vec<f64>>,
-    released: Vec<(String, [f64; 2])>,
-    bounds: Vec<(String, [f64; 2])>,
-    marks: Vec<(String, f64)>,
-    events: Vec<Event>,
-    held: Vec<(Kind, Option<MakeCondition>)>,
-    settings: Settings,
-    switched: bool,
-    from_special: bool,
+    pub(super) system: &'a mut dyn System,
+    pub(super) name: String,
+    pub(super) x: Vec<f64>,
+    /// The direction `(z, p)` of the branch that the start lies on, where it is known.
+    pub(super) tangent: Option<Vec<f64>>,
+    pub(super) released: Vec<(String, [f64; 2])>,
+    pub(super) bounds: Vec<(String, [f64; 2])>,
+    pub(super) marks: Vec<(String, f64)>,
+    pub(super) scales: Vec<(String, f64)>,
+    pub(super) events: Vec<Event>,
+    pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
+    pub(super) settings: Settings,
+    /// The start is a branch point of a branch of solutions.
+    pub(super) at_branch_point: bool,
     /// What the curve one restarts from is made of: its direction means nothing on another curve.
-    restarted_on: Option<Kind>,
-    forward: bool,
-    backward: bool,
+    pub(super) restarted_on: Option<Kind>,
+    pub(super) switched: bool,
+    pub(super) forward: bool,
+    pub(super) backward: bool,
     errors: Vec<TraceError>,
 }
 
@@ -145,12 +63,13 @@ impl<'a> Continuation<'a> {
             released: Vec::new(),
             bounds: Vec::new(),
             marks: Vec::new(),
+            scales: Vec::new(),
             events: Vec::new(),
             held: Vec::new(),
             settings: Settings::default(),
-            switched: false,
-            from_special: false,
+            at_branch_point: false,
             restarted_on: None,
+            switched: false,
             forward: true,
             backward: true,
             errors: Vec::new(),
@@ -183,23 +102,47 @@ impl<'a> Continuation<'a> {
     /// A parameter's value at the start.
     pub fn at(mut self, parameter: &str, value: f64) -> Self {
         let n = self.system.names().dimension();
-        match self.system.names().parameter(parameter) {
-            Some(p) => self.x[n + p] = value,
-            None => self.errors.push(self.unknown(parameter)),
+        match self.parameter(parameter) {
+            Ok(p) => self.x[n + p] = value,
+            Err(error) => self.errors.push(error),
         }
         self
     }
 
     /// Starts at a special point of a branch: its state, parameters and direction.
+    ///
+    /// ```
+    /// # use tangency::core::continuation::{Continuation, Kind};
+    /// # use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
+    /// # struct Cusp;
+    /// # impl ZeroProblem for Cusp {
+    /// #     fn names(&self) -> Names { Names::new(["x"], ["b", "a"]).with_monitors(["square"]) }
+    /// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+    /// #         r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
+    /// #     }
+    /// #     fn monitors<T: Scalar>(&self, x: &[T], _: &[T], values: &mut [T]) { values[0] = x[0] * x[0]; }
+    /// # }
+    /// # let mut system = Dense::new(Cusp);
+    /// // Folds of b = x³ − a x at b = ±2 (a/3)^{3/2}; held in (b, a) they meet in a cusp at 0.
+    /// let branch =
+    ///     Continuation::of(&mut system).from(&[-1.0]).at("a", 0.5).along("b", -1.0..=1.0).trace()?;
+    /// let fold = branch.of_kind(Kind::LP).next().unwrap();
+    /// assert!((fold.parameters[0] - 2.0 * (0.5_f64 / 3.0).powf(1.5)).abs() < 1e-14);
+    /// let curve = Continuation::of(&mut system)
+    ///     .restart(&branch, fold.label)
+    ///     .hold(Kind::LP)
+    ///     .along("b", -1.0..=1.0)
+    ///     .along("a", -1.0..=1.0)
+    ///     .trace()?;
+    /// assert!(curve.of_kind(Kind::CP).next().unwrap().parameters[1].abs() < 1e-12);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
     pub fn restart(mut self, branch: &Branch, label: usize) -> Self {
         match branch.labelled(label) {
             Some(special) => self.restart_at(branch, special),
             None => {
-                let labels = branch.special.len();
-                self.errors.push(TraceError::Label(format!(
-                    "branch `{}` has no label {label}; its labels are 1 to {labels}",
-                    branch.name
-                )));
+                let (branch, last) = (branch.name.clone(), branch.special.len());
+                self.errors.push(TraceError::Label { branch, label, last });
                 self
             }
         }
@@ -210,9 +153,9 @@ impl<'a> Continuation<'a> {
             self = self.at(name, *value);
         }
         self = self.from(&special.state);
-        self.from_special = true;
-        let n = self.system.names().dimension();
         self.restarted_on = branch.condition;
+        self.at_branch_point = special.kind == Kind::BP && branch.condition.is_none();
+        let n = self.system.names().dimension();
         if special.tangent.len() == n + branch.released.len() {
             let mut tangent = vec![0.0; self.x.len()];
             tangent[..n].copy_from_slice(&special.tangent[..n]);
@@ -240,8 +183,39 @@ impl<'a> Continuation<'a> {
     }
 
     /// Marks where a parameter or a monitor takes a value, as `UZ`.
+    ///
+    /// ```
+    /// # use tangency::core::continuation::{Continuation, Kind};
+    /// # use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
+    /// # struct Cusp;
+    /// # impl ZeroProblem for Cusp {
+    /// #     fn names(&self) -> Names { Names::new(["x"], ["b", "a"]).with_monitors(["square"]) }
+    /// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+    /// #         r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
+    /// #     }
+    /// #     fn monitors<T: Scalar>(&self, x: &[T], _: &[T], values: &mut [T]) { values[0] = x[0] * x[0]; }
+    /// # }
+    /// # let mut system = Dense::new(Cusp);
+    /// let branch = Continuation::of(&mut system)
+    ///     .at("a", -1.0)
+    ///     .along("b", 0.0..=10.0)
+    ///     .bound("square", 0.0..=4.0)
+    ///     .mark("square", 1.0)
+    ///     .trace()?;
+    /// // x = 1 at b = 2, and x = 2, where the branch ends, at b = 10 (both by b = x³ + x).
+    /// assert!((branch.of_kind(Kind::UZ).next().unwrap().parameters[0] - 2.0).abs() < 1e-13);
+    /// assert!((branch.points.last().unwrap().parameters[0] - 10.0).abs() < 1e-12);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
     pub fn mark(mut self, name: &str, level: f64) -> Self {
         self.marks.push((name.into(), level));
+        self
+    }
+
+    /// Measures a group of unknowns, or a released parameter, by this size instead of the largest norm
+    /// that the group has had (or the length of the parameter's range).
+    pub fn scale(mut self, name: &str, size: f64) -> Self {
+        self.scales.push((name.into(), size));
         self
     }
 
@@ -252,7 +226,8 @@ impl<'a> Continuation<'a> {
     }
 
     /// Holds the condition of a kind of special point along the curve; one more parameter must be
-    /// released. `LP`, `BP` and `HB` are known to the core.
+    /// released. `LP`, `BP` and `HB` are known to the core; `CP` and `BT` are, too, for curves on which `LP`
+    /// is held already.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self
@@ -304,184 +279,6 @@ impl<'a> Continuation<'a> {
         if !self.errors.is_empty() {
             return Err(self.errors.swap_remove(0));
         }
-        let released = self.resolve_released()?;
-        let held = self.resolve_held(released[0])?;
-        self.resolve_events(&released, &held)?;
-        Ok(self.start(&released, held)?.run(observer))
-    }
-
-    fn unknown(&self, name: &str) -> TraceError {
-        let names = self.system.names();
-        let known: Vec<_> = names.parameters.iter().chain(&names.monitors).cloned().collect();
-        TraceError::UnknownName { name: name.into(), known: known.join(", ") }
-    }
-
-    fn quantity(&self, name: &str) -> Result<Quantity, TraceError> {
-        let names = self.system.names();
-        let parameter = names.parameter(name).map(Quantity::Parameter);
-        parameter
-            .or_else(|| names.monitor(name).map(Quantity::Monitor))
-            .ok_or_else(|| self.unknown(name))
-    }
-
-    fn resolve_released(&self) -> Result<Vec<usize>, TraceError> {
-        let needed = 1 + self.held.len();
-        if self.released.len() != needed {
-            return Err(TraceError::Released { released: self.released.len(), needed });
-        }
-        let n = self.system.names().dimension();
-        let mut released = Vec::new();
-        for (name, [low, high]) in &self.released {
-            let p = self.system.names().parameter(name).ok_or_else(|| self.unknown(name))?;
-            let value = self.x[n + p];
-            if !(*low < *high && (*low..=*high).contains(&value)) {
-                let name = name.clone();
-                return Err(TraceError::OutOfRange { name, value, low: *low, high: *high });
-            }
-            released.push(p);
-        }
-        Ok(released)
-    }
-
-    fn resolve_held(&self, parameter: usize) -> Result<Vec<MakeCondition>, TraceError> {
-        self.held
-            .iter()
-            .map(|(kind, make)| {
-                make.clone().or_else(|| condition_of(*kind, parameter)).ok_or_else(|| {
-                    TraceError::Label(format!(
-                        "a {} cannot be held along a curve; LP, BP and HB can",
-                        kind.meaning()
-                    ))
-                })
-            })
-            .collect()
-    }
-
-    /// Events in the order of the bounds first, so that a branch ends before anything beyond.
-    fn resolve_events(
-        &mut self,
-        released: &[usize],
-        held: &[MakeCondition],
-    ) -> Result<(), TraceError> {
-        let mut events = Vec::new();
-        for (name, [low, high]) in self.released.iter().chain(&self.bounds) {
-            let quantity = self.quantity(name)?;
-            for level in [*low, *high].into_iter().filter(|level| level.is_finite()) {
-                let mut event = Event::level(name.clone(), quantity, level).ending();
-                event.kind = Kind::EP;
-                events.push(event);
-            }
-        }
-        for (name, level) in &self.marks {
-            let quantity = self.quantity(name)?;
-            events.push(Event::level(format!("{name} = {level}"), quantity, *level));
-        }
-        let flow = self.system.dynamics() == Dynamics::Flow;
-        if held.is_empty() {
-            events.push(Event::branch_point(released[0]));
-            events.push(Event::fold());
-            if flow {
-                events.push(Event::hopf());
-            }
-        } else if self.held[0].0 == Kind::LP && held.len() == 1 {
-            events.push(Event::cusp());
-            if flow {
-                events.push(Event::bogdanov_takens());
-            }
-        }
-        events.append(&mut self.events);
-        self.events = events;
-        Ok(())
-    }
-
-    /// Corrects the start, finds the tangent and the scales.
-    fn start(self, released: &[usize], held: Vec<MakeCondition>) -> Result<Tracer<'a>, TraceError> {
-        let names = self.system.names().clone();
-        let n = names.dimension();
-        let place: Vec<String> = released
-            .iter()
-            .map(|&p| format!("{} = {}", names.parameters[p], self.x[n + p]))
-            .collect();
-        let failed = |cause: NewtonError| TraceError::Start {
-            branch: self.name.clone(),
-            place: place.join(", "),
-            cause,
-        };
-        let evaluation = |cause: EvaluationError| failed(NewtonError::from_evaluation(0, cause));
-        let switched = if self.switched {
-            let at = crate::core::condition::At { system: &mut *self.system, x: &self.x, released };
-            let tangents = branches_at(at, released[0]).map_err(evaluation)?;
-            Some(other_branch(tangents, self.tangent.as_deref()))
-        } else {
-            None
-        };
-        let same_curve = self.restarted_on == self.held.first().map(|(kind, _)| *kind);
-        let tangent = self.tangent.as_ref().filter(|_| same_curve);
-        let start = switched.as_ref().or(tangent);
-        let mut equations = Extended::new(self.system, &self.x, released.to_vec());
-        let mut unknowns = equations.unload(&self.x);
-        let direction = start.map(|t| equations.unload(t));
-        for make in &held {
-            unknowns = equations.hold(make(), &unknowns).map_err(evaluation)?;
-        }
-        let direction = direction.map(|t| with_own(&t, n, unknowns.len()));
-        let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
-        let mut starting = Starting {
-            equations: &mut equations,
-            newton: Newton::default(),
-            tolerances: Tolerances {
-                tolerance: self.settings.tolerance,
-                max_iterations: self.settings.max_iterations,
-            },
-            ranges: &ranges,
-            released: released.len(),
-        };
-        let correct = !self.switched;
-        let (metric, tangent) =
-            starting.begin(&names, &mut unknowns, direction, correct).map_err(failed)?;
-        let weights = metric.weights(equations.names(), 0);
-        let tested = self
-            .events
-            .iter()
-            .map(|event| (event.test == Test::Condition).then(|| (event.condition)()))
-            .collect();
-        let branch = Branch {
-            name: self.name.clone(),
-            condition: self.held.first().map(|(kind, _)| *kind),
-            unknowns: names.unknowns.clone(),
-            parameters: names.parameters.clone(),
-            released: self.released.iter().map(|r| r.0.clone()).collect(),
-            monitors: names.monitors.clone(),
-            points: Vec::new(),
-            special: Vec::new(),
-            ends: [End::Start, End::Start],
-            settings: self.settings.clone(),
-        };
-        let mut stepper = Stepper {
-            equations,
-            newton: Newton::default(),
-            settings: self.settings.clone(),
-            metric,
-            weights,
-            events: self.events.clone(),
-            held,
-            tested,
-        };
-        stepper.prepare_tests(&unknowns).map_err(evaluation)?;
-        let mut place = if self.switched {
-            stepper.arrive_at_branch_point(unknowns, tangent).map_err(evaluation)?
-        } else {
-            let row = stepper.covector(&tangent);
-            stepper.arrive(unknowns, &row).map_err(evaluation)?
-        };
-        stepper.forget_levels_at(&mut place);
-        Ok(Tracer {
-            stepper,
-            branch,
-            start: place,
-            skip_first: self.switched || self.from_special,
-            directions: [self.backward, self.forward],
-            labels: 0,
-        })
+        Ok(self.prepare()?.run(observer))
     }
 }

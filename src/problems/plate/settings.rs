@@ -1,6 +1,7 @@
 //! Which plate, and which model of it: the settings of a plate's scene.
 
-use super::sine::{self, SineError, SinePlate, SineSettings};
+use super::modal::{Modal, ModalError, ModalSettings, ModalSystem};
+use super::sine::{self, Projection, SineError, SinePlate, SineSettings};
 use super::{InPlane, Orders, PlateError, Ritz, RitzSettings, Supports, Theory, Units};
 use crate::core::dense::Dense;
 use crate::core::zero::System;
@@ -17,17 +18,6 @@ pub enum Model {
     Modal,
     /// The stress-function sine model of a supported plate (section 3.2).
     Sine,
-}
-
-/// What the equations of few modes are projected from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Projection {
-    /// Galerkin's method with the load by quadrature.
-    #[default]
-    Direct,
-    /// The equation times `(1 − w)²`, as the source does.
-    Multiplied,
 }
 
 /// A plate and its model.
@@ -79,6 +69,9 @@ pub enum SettingsError {
     /// The sine model is at fault.
     #[error(transparent)]
     Sine(#[from] SineError),
+    /// The modal model is at fault.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
     /// The model does not exist for this plate.
     #[error("the model `{model}` is for {what}, not for {found}; use `model=ritz`")]
     NotModelled {
@@ -123,13 +116,23 @@ impl PlateSettings {
         };
         match self.model {
             Model::Ritz => Ok(Box::new(Ritz::new(plate)?)),
-            Model::Modal => self.modal(plate),
+            Model::Modal => {
+                let aspect = parameters.aspect;
+                self.modal(RitzSettings { aspect, ..plate }, parameters.nu)
+            }
             Model::Sine => self.sine(plate),
         }
     }
 
-    fn modal(&self, _plate: RitzSettings) -> Result<Box<dyn System>, SettingsError> {
-        Err(SettingsError::NotModelled { model: "modal", what: "nothing", found: String::new() })
+    fn modal(&self, plate: RitzSettings, nu: f64) -> Result<Box<dyn System>, SettingsError> {
+        let settings = ModalSettings {
+            plate,
+            nu,
+            modes: self.modes,
+            projection: self.projection,
+            ..ModalSettings::new(plate.supports)
+        };
+        Ok(Box::new(ModalSystem::new(Modal::new(settings)?)))
     }
 
     fn sine(&self, plate: RitzSettings) -> Result<Box<dyn System>, SettingsError> {
@@ -155,10 +158,7 @@ impl PlateSettings {
                 Theory::Linear => sine::Theory::Linear,
                 Theory::VonKarman => sine::Theory::VonKarman,
             },
-            projection: match self.projection {
-                Projection::Direct => sine::Projection::Direct,
-                Projection::Multiplied => sine::Projection::Multiplied,
-            },
+            projection: self.projection,
             units: self.units,
             quadrature_points: None,
         };

@@ -1,0 +1,157 @@
+//! Why a trace could not begin.
+
+use super::SettingError;
+use crate::core::newton::NewtonError;
+
+/// Why a trace could not begin.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// A name that the problem does not have.
+    #[error("there is no {what} `{name}`{}; there are {known}", suggestion(nearest))]
+    UnknownName {
+        /// What was looked for: `parameter`, `parameter or monitor`, …
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The existing name most like it, if one is.
+        nearest: Option<String>,
+        /// The names that exist.
+        known: String,
+    },
+    /// A parameter released twice.
+    #[error("the parameter `{name}` is released twice")]
+    Twice {
+        /// The parameter.
+        name: String,
+    },
+    /// A start outside a range or bound.
+    #[error("the start {name} = {value} is not in its range {low} to {high}")]
+    OutOfRange {
+        /// The parameter or monitor.
+        name: String,
+        /// Where the branch starts.
+        value: f64,
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// A range that is empty or not a number.
+    #[error("the range of {name}, {low} to {high}, is empty: its lower end comes first")]
+    EmptyRange {
+        /// The parameter or monitor.
+        name: String,
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// A mark or a scale that is not a usable number.
+    #[error("{what} of {name} is {value}, but must be {range}")]
+    Value {
+        /// What has the value: `the mark`, `the scale`.
+        what: &'static str,
+        /// The parameter, monitor or group of unknowns.
+        name: String,
+        /// The value.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// The number of released parameters does not fit the number of conditions.
+    #[error(
+        "{released} parameters are released, but {needed} are needed: one, and one more for each condition held"
+    )]
+    Released {
+        /// How many are released.
+        released: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// A kind of special point whose condition the core does not know.
+    #[error(
+        "no condition for the kind {kind} is known to the core; hold one with `hold_condition`"
+    )]
+    NotHeld {
+        /// The kind.
+        kind: super::Kind,
+    },
+    /// An event whose test function is a condition with unknowns of its own.
+    #[error(
+        "the condition of the event `{event}` has unknowns of its own and so is no test function: \
+         give one with `Event::with_test`"
+    )]
+    NoTest {
+        /// The event.
+        event: String,
+    },
+    /// An event that names a parameter or monitor by a position that there is not.
+    #[error("the event `{event}` asks for {what} {position}, counted from 0, of {count}")]
+    Position {
+        /// The event.
+        event: String,
+        /// `parameter`, `monitor` or `own unknown`.
+        what: &'static str,
+        /// The position.
+        position: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A state of the wrong length.
+    #[error(
+        "the start has {found} unknowns, the problem {expected}: was it made with other settings?"
+    )]
+    StateLength {
+        /// The length of the state given.
+        found: usize,
+        /// The number of unknowns.
+        expected: usize,
+    },
+    /// No special point with this label.
+    #[error("branch `{branch}` has no label {label}; its labels are 1 to {last}")]
+    Label {
+        /// The branch.
+        branch: String,
+        /// The label.
+        label: usize,
+        /// The last label that exists.
+        last: usize,
+    },
+    /// A setting out of its range.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// Newton's iteration failed at the start.
+    #[error("no start of the branch `{branch}` at {place}: {cause}")]
+    Start {
+        /// The branch.
+        branch: String,
+        /// Values of the released parameters there.
+        place: String,
+        /// Newton's failure.
+        #[source]
+        cause: NewtonError,
+    },
+}
+
+impl TraceError {
+    /// A name that is not among those known, with the most similar one that is.
+    pub(super) fn unknown<'n>(
+        what: &'static str,
+        name: &str,
+        known: impl IntoIterator<Item = &'n str>,
+    ) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let nearest = known
+            .iter()
+            .map(|candidate| (strsim::jaro_winkler(candidate, name), candidate))
+            .filter(|(similarity, _)| *similarity > 0.7)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, candidate)| candidate.to_string());
+        TraceError::UnknownName { what, name: name.into(), nearest, known: known.join(", ") }
+    }
+}
+
+fn suggestion(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!(" (did you mean `{name}`?)")).unwrap_or_default()
+}

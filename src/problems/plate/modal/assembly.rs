@@ -1,0 +1,103 @@
+//! The derivative `∂r/∂q` of both projections, assembled from the tables.
+//!
+//! The residual on dual numbers carries eight derivatives through every sum; most of these sums are
+//! linear in `q` or in its products, so that their derivatives are known tables. Tested against the
+//! derivative of the residual by dual numbers.
+
+use super::membrane;
+use super::projection::{Direct, Linear, Multiplied, integrand};
+use super::tables::{at, sum};
+use crate::problems::plate::Parameters;
+use num_dual::DualSVec64;
+
+impl Direct {
+    /// The Hessian of `Π`, into `out` (`N × N`).
+    pub fn stiffness(
+        &self,
+        linear: &Linear,
+        q: &[f64],
+        plate: &Parameters<f64>,
+        largest: f64,
+        out: &mut [f64],
+    ) {
+        let n = q.len();
+        out.fill(0.0);
+        let nodes = self.load_nodes(largest);
+        for (values, weight) in nodes.values.chunks_exact(n).zip(&nodes.weights) {
+            let closeness = 1.0 / (1.0 - sum(q, values));
+            let slope = -2.0 * plate.load * weight * closeness.powi(3);
+            for (i, value) in values.iter().enumerate() {
+                let factor = slope * value;
+                let row = out[i * n..=i * n + i].iter_mut();
+                row.zip(values).for_each(|(entry, value)| *entry += factor * value);
+            }
+        }
+        for i in 0..n {
+            for k in 0..i {
+                out[k * n + i] = out[i * n + k];
+            }
+            out[i * n + i] += linear.squares[i];
+        }
+        for (force, matrix) in linear.forces(plate).iter().zip(&linear.slopes) {
+            out.iter_mut().zip(matrix).for_each(|(entry, slopes)| *entry -= force * slopes);
+        }
+        if let Some(form) = &self.form {
+            membrane::add_stiffness(form, q, 24.0 * plate.gap_ratio * plate.gap_ratio, out);
+        }
+    }
+}
+
+impl Multiplied {
+    /// `∂r_i/∂q_k` at `k·N + i` of `out`: the integrand's derivatives by what it is made of at each node
+    /// from dual numbers, those of its ingredients by `q` from the tables.
+    pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
+        let n = q.len();
+        out.fill(0.0);
+        let forces = linear.forces(plate).map(DualSVec64::<7>::from);
+        let stiffness = 12.0 * plate.gap_ratio * plate.gap_ratio;
+        let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
+        membrane::products(q, &mut pairs);
+        let scaled: Vec<f64> = q.iter().map(|q| stiffness * q).collect();
+        let bending: Vec<f64> =
+            q.iter().zip(&linear.squares).map(|(q, square)| q * square).collect();
+        let mut of_stress = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        for (node, weight) in self.nodes.weights.iter().enumerate() {
+            let [values, slopes_x, slopes_y] = self.modes_at(node, n);
+            let mut local = [0.0; 7];
+            local[0] = sum(q, values);
+            local[1] = sum(q, slopes_x);
+            local[2] = sum(q, slopes_y);
+            local[3] = sum(&bending, values);
+            if let Some(stress) = &self.stress {
+                for (k, rows) in stress.iter().enumerate() {
+                    let row = at(rows, node, pairs.len());
+                    local[4 + k] = stiffness * sum(&pairs, row);
+                    of_stress[k].fill(0.0);
+                    membrane::add_product_slopes(row, &scaled, &mut of_stress[k]);
+                }
+            }
+            let mut seeded = [DualSVec64::<7>::from(0.0); 7];
+            for (k, (seeded, value)) in seeded.iter_mut().zip(local).enumerate() {
+                *seeded = DualSVec64::from(value).derivative(k);
+            }
+            let parts = integrand(seeded, forces, plate.pressure.into());
+            let slopes = parts.map(|part| part.eps.0.map_or([0.0; 7], |eps| eps.into()));
+            for (k, column) in out.chunks_exact_mut(n).enumerate() {
+                let of_local = [
+                    values[k],
+                    slopes_x[k],
+                    slopes_y[k],
+                    linear.squares[k] * values[k],
+                    of_stress[0][k],
+                    of_stress[1][k],
+                    of_stress[2][k],
+                ];
+                let [plain, in_x, in_y] =
+                    slopes.map(|slope: [f64; 7]| weight * sum(&slope, &of_local));
+                for (i, entry) in column.iter_mut().enumerate() {
+                    *entry += plain * values[i] + in_x * slopes_x[i] + in_y * slopes_y[i];
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Algebra of the stretching energy as a quartic form,
+//! [`MembraneForm`](crate::problems::plate::MembraneForm).
+//!
+//! With `w = Σ q_i φ_i` the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus those of the in-plane
+//! displacements, and these depend on the products `q_i q_j` linearly: for each pair one solution with
+//! `K_uv` gives the whole stress `N_ij` that the pair develops, in equilibrium in the plane. Then
+//!
+//! ```text
+//! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)
+//! ```
+//!
+//! and its derivative by `q_i` is `24α₁² Σ_j (A s)_ij q_j`.
+
+use super::tables::sum;
+use crate::core::scalar::Scalar;
+
+/// `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`, into `products`.
+pub(super) fn products<T: Scalar>(q: &[T], products: &mut Vec<T>) {
+    products.clear();
+    for (i, first) in q.iter().enumerate() {
+        products.push(*first * *first);
+        let twice = *first * 2.0;
+        products.extend(q[i + 1..].iter().map(|second| twice * *second));
+    }
+}
+
+/// Adds `∂U_m/∂q_i = stiffness · Σ_j (A s)_ij q_j`, `stiffness = 24α₁²`, to `r`.
+pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut [T]) {
+    let mut pairs = Vec::with_capacity(q.len() * (q.len() + 1) / 2);
+    products(q, &mut pairs);
+    let mut rows = form.chunks_exact(pairs.len());
+    for i in 0..q.len() {
+        for (j, row) in (i..q.len()).zip(&mut rows) {
+            let tension = sum(&pairs, row) * stiffness;
+            r[i] += tension * q[j];
+            if j > i {
+                r[j] += tension * q[i];
+            }
+        }
+    }
+}
+
+/// Adds `Σ_P row_P ∂s_P/∂q_k` to `out`.
+pub(super) fn add_product_slopes(row: &[f64], q: &[f64], out: &mut [f64]) {
+    let mut row = row.iter();
+    for i in 0..q.len() {
+        for (j, entry) in (i..q.len()).zip(&mut row) {
+            out[i] += 2.0 * entry * q[j];
+            if j > i {
+                out[j] += 2.0 * entry * q[i];
+            }
+        }
+    }
+}
+
+/// Adds the derivative of [`add_force`] by `q` to `out` (`N × N`, symmetric).
+pub(super) fn add_stiffness(form: &[f64], q: &[f64], stiffness: f64, out: &mut [f64]) {
+    let n = q.len();
+    let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
+    products(q, &mut pairs);
+    let mut slopes = vec![0.0; n];
+    let mut rows = form.chunks_exact(pairs.len());
+    for i in 0..n {
+        for (j, row) in (i..n).zip(&mut rows) {
+            let tension = stiffness * sum(&pairs, row);
+            slopes.fill(0.0);
+            add_product_slopes(row, q, &mut slopes);
+            out[i * n + j] += tension;
+            let [qi, qj] = [i, j].map(|k| stiffness * q[k]);
+            out[i * n..(i + 1) * n].iter_mut().zip(&slopes).for_each(|(o, s)| *o += qj * s);
+            if j > i {
+                out[j * n + i] += tension;
+                out[j * n..(j + 1) * n].iter_mut().zip(&slopes).for_each(|(o, s)| *o += qi * s);
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The flat plate's modes, accurate to what is asked for and in a reproducible order.
+
+use super::ModalSettings;
+use super::error::ModalError;
+use super::tables::Nodes;
+use crate::problems::plate::tensor::Rule;
+use crate::problems::plate::{Modes, Orders, PlateError, Ritz, RitzSettings, Theory};
+use faer::{Mat, Side};
+
+/// The most transverse functions tried: the eigenproblem of the next rung would take seconds.
+const LARGEST_RUNG: usize = 600;
+
+/// Modes computed beyond those asked for, so that the last one's equals are all there to be ordered.
+const BEYOND: usize = 6;
+
+/// In-plane functions beyond the transverse ones in each direction: stresses contain products of slopes.
+const IN_PLANE_BEYOND: usize = 6;
+
+/// The lowest modes of the flat plate.
+pub(super) struct FlatModes {
+    /// The plate in whose unknowns the modes are written.
+    pub plate: Ritz,
+    /// `ω²`.
+    pub squares: Vec<f64>,
+    /// Coefficients in the unknowns of `plate`, of mean square 1 over the plate.
+    pub shapes: Vec<Vec<f64>>,
+}
+
+impl FlatModes {
+    /// As many modes as the settings ask for. Without orders in the settings, rung after rung of the
+    /// ladder of orders until two agree; with them, their modes must agree with the next rung's.
+    pub fn new(settings: &ModalSettings) -> Result<FlatModes, ModalError> {
+        let asked = settings.modes;
+        let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
+        let mut coarse = Rung::new(settings, orders)?;
+        loop {
+            let fine = Rung::new(settings, orders.finer())?;
+            let error = coarse.error(&fine, asked);
+            let fits = error <= settings.mode_accuracy;
+            if fits && settings.plate.orders.is_some() {
+                return coarse.ordered(settings, orders);
+            }
+            orders = with_in_plane(orders.finer());
+            if fits {
+                return fine.ordered(settings, orders);
+            }
+            let [x, y] = orders.finer().transverse;
+            if settings.plate.orders.is_some() || x * y > LARGEST_RUNG {
+                let good = (0..asked)
+                    .take_while(|&k| coarse.error(&fine, k + 1) <= settings.mode_accuracy);
+                return Err(ModalError::Accuracy {
+                    modes: asked,
+                    accuracy: settings.mode_accuracy,
+                    error,
+                    functions: settings.plate.orders.unwrap_or(orders).transverse,
+                    accurate: good.count(),
+                });
+            }
+            coarse = fine;
+        }
+    }
+}
+
+/// In-plane functions to go with the transverse ones.
+fn with_in_plane(orders: Orders) -> Orders {
+    Orders { in_plane: orders.transverse.map(|n| n + IN_PLANE_BEYOND), ..orders }
+}
+
+/// The usual orders, or the first ones above with more functions than modes and their equals.
+fn first_rung(settings: &ModalSettings) -> Orders {
+    let RitzSettings { supports, symmetric, aspect, .. } = settings.plate;
+    let symmetric = supports.alike().map(|alike| alike && symmetric);
+    let mut orders = Orders::usual(symmetric, aspect);
+    while orders.transverse[0] * orders.transverse[1] < settings.modes + BEYOND {
+        orders = orders.finer();
+    }
+    with_in_plane(orders)
+}
+
+/// The modes in one space of polynomials.
+struct Rung {
+    plate: Ritz,
+    modes: Modes,
+}
+
+impl Rung {
+    fn new(settings: &ModalSettings, orders: Orders) -> Result<Rung, ModalError> {
+        let bending = RitzSettings {
+            theory: Theory::Linear,
+            // Bending alone: no in-plane functions are wanted, and these are the fewest.
+            orders: Some(Orders { transverse: orders.transverse, in_plane: [2, 2] }),
+            ..settings.plate
+        };
+        let mut plate = Ritz::new(bending)?;
+        let (aspect, count) = (settings.plate.aspect, settings.modes + BEYOND);
+        let modes = plate.flat_modes(aspect, settings.nu, count).map_err(PlateError::from)?;
+        Ok(Rung { plate, modes })
+    }
+
+    /// The largest relative difference of `ω²` among the lowest modes; infinite where there are not as many.
+    fn error(&self, finer: &Rung, count: usize) -> f64 {
+        let (coarse, fine) = (&self.modes.squares, &finer.modes.squares);
+        if coarse.len().min(fine.len()) < count {
+            return f64::INFINITY;
+        }
+        let pairs = coarse.iter().zip(fine).take(count);
+        pairs.map(|(a, b)| (a - b).abs() / b.abs()).fold(0.0, f64::max)
+    }
+
+    /// Chooses among modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending order.
+    /// The eigenproblem leaves their combination to rounding; a supported square plate's become
+    /// (1,3), (3,1). Signs are such that the first of some moments that is not zero is positive.
+    fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, ModalError> {
+        let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
+        let model = &bending.model;
+        let rules = [0, 1]
+            .map(|axis| Rule::exact(2 * model.transverse[axis].degree(), model.symmetric[axis]));
+        let nodes =
+            |shapes: &[Vec<f64>]| Nodes::new(&bending, shapes, &rules, settings.plate.aspect);
+        let mut first = 0;
+        while first < squares.len() {
+            let equal = |square: f64| square <= squares[first] * (1.0 + settings.mode_accuracy);
+            let last = first + squares[first..].iter().take_while(|s| equal(**s)).count().max(1);
+            if last > first + 1 {
+                separate(&nodes(&shapes[first..last]), &mut shapes[first..last]);
+            }
+            first = last;
+        }
+        shapes.truncate(settings.modes);
+        let at_nodes = nodes(&shapes);
+        for (mode, shape) in shapes.iter_mut().enumerate() {
+            let sign = sign(&at_nodes, mode, &rules);
+            shape.iter_mut().for_each(|c| *c *= sign);
+        }
+        // The same transverse functions, and in-plane ones beside them.
+        let plate = Ritz::new(RitzSettings { orders: Some(orders), ..settings.plate })?;
+        Ok(FlatModes { plate, squares: squares[..settings.modes].to_vec(), shapes })
+    }
+}
+
+/// Turns orthonormal shapes within the space they span until `⟨φ_x²⟩` is diagonal and ascends.
+fn separate(nodes: &Nodes, shapes: &mut [Vec<f64>]) {
+    let count = shapes.len();
+    let gram = nodes.gram(&nodes.slopes[0], &nodes.slopes[0]);
+    let gram = Mat::from_fn(count, count, |i, k| gram[i * count + k]);
+    // Without a solution (values that are not finite) the shapes stay as they are.
+    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return };
+    let turned: Vec<Vec<f64>> = (0..count)
+        .map(|mode| {
+            let mut shape = vec![0.0; shapes[0].len()];
+            for (k, old) in shapes.iter().enumerate() {
+                let factor = eigen.U()[(k, mode)];
+                shape.iter_mut().zip(old).for_each(|(new, old)| *new += factor * old);
+            }
+            shape
+        })
+        .collect();
+    shapes.clone_from_slice(&turned);
+}
+
+/// The sign of the first moment of a mode that is not zero to rounding.
+fn sign(nodes: &Nodes, mode: usize, rules: &[Rule; 2]) -> f64 {
+    let modes = nodes.values.len() / nodes.weights.len();
+    let moment = |[i, j]: [i32; 2]| -> f64 {
+        let terms = nodes.values.iter().skip(mode).step_by(modes).zip(&nodes.weights).enumerate();
+        let columns = rules[1].len();
+        let terms = terms.map(|(node, (w, weight))| {
+            let [x, y] = [rules[0].nodes[node / columns], rules[1].nodes[node % columns]];
+            w * weight * x.powi(i) * y.powi(j)
+        });
+        terms.sum()
+    };
+    let moments = [[0, 0], [2, 0], [1, 0], [0, 1], [1, 1], [2, 1], [1, 2], [3, 0], [0, 3]];
+    let noted = moments.into_iter().map(moment).find(|moment| moment.abs() > 1e-6);
+    noted.map_or(1.0, f64::signum)
+}

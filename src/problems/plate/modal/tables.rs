@@ -1,0 +1,65 @@
+//! Modes at the nodes of tensor rules.
+
+use crate::core::scalar::Scalar;
+use crate::problems::plate::Ritz;
+use crate::problems::plate::tensor::Rule;
+
+/// Modes at nodes, all modes of one node together.
+pub(super) struct Nodes {
+    /// Of the mean over the plate.
+    pub weights: Vec<f64>,
+    /// `φ_i` at node `k`: entry `k·N + i`.
+    pub values: Vec<f64>,
+    /// `φ_ix`, `φ_iy` alike, lengths by the side `a`.
+    pub slopes: [Vec<f64>; 2],
+}
+
+impl Nodes {
+    /// All modes at the nodes of a rule.
+    pub fn new(plate: &Ritz, shapes: &[Vec<f64>], rules: &[Rule; 2], aspect: f64) -> Nodes {
+        let fields: Vec<_> = (shapes.iter())
+            .map(|shape| plate.field(shape, [&rules[0].nodes, &rules[1].nodes]))
+            .collect();
+        let nodes = rules[0].len() * rules[1].len();
+        let by_node = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            (0..nodes * shapes.len()).map(|e| value(e % shapes.len(), e / shapes.len())).collect()
+        };
+        let [x, y] = rules;
+        Nodes {
+            weights: x
+                .weights
+                .iter()
+                .flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
+                .collect(),
+            values: by_node(&|mode, node| fields[mode].value[node]),
+            slopes: [
+                by_node(&|mode, node| fields[mode].slopes[0][node] * 2.0),
+                by_node(&|mode, node| fields[mode].slopes[1][node] * (2.0 / aspect)),
+            ],
+        }
+    }
+
+    /// The means of all products of two tables' functions, `(i, k)` at `i·N + k`.
+    pub fn gram(&self, first: &[f64], second: &[f64]) -> Vec<f64> {
+        let modes = first.len() / self.weights.len();
+        let mut matrix = vec![0.0; modes * modes];
+        let rows = first.chunks_exact(modes).zip(second.chunks_exact(modes)).zip(&self.weights);
+        for ((first, second), weight) in rows {
+            for (row, first) in matrix.chunks_exact_mut(modes).zip(first) {
+                row.iter_mut().zip(second).for_each(|(entry, b)| *entry += weight * first * b);
+            }
+        }
+        matrix
+    }
+}
+
+/// Row `node` of a table.
+pub(super) fn at(rows: &[f64], node: usize, width: usize) -> &[f64] {
+    &rows[node * width..(node + 1) * width]
+}
+
+/// `Σ q_i t_i`.
+#[inline]
+pub(super) fn sum<T: Scalar>(q: &[T], table: &[f64]) -> T {
+    q.iter().zip(table).fold(T::zero(), |sum, (q, t)| sum + *q * *t)
+}

@@ -1,0 +1,86 @@
+//! Promise: after a warm-up, no Newton iteration allocates.
+
+mod common;
+
+use common::{Bratu, Columns, Oxidation};
+use tangency::core::bifurcation::{BranchPoint, Fold, Hopf};
+use tangency::core::condition::Condition;
+use tangency::core::dense::Dense;
+use tangency::core::extended::Extended;
+use tangency::core::newton::{Newton, Tolerances};
+use tangency::core::zero::System;
+
+const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+
+/// Solves twice from the same start, in which everything beyond the held condition is square, and
+/// counts what the second solve allocates.
+fn allocations(
+    system: &mut dyn System,
+    x: &[f64],
+    released: Vec<usize>,
+    condition: Option<Box<dyn Condition>>,
+) -> u64 {
+    let mut equations = Extended::new(system, x, released);
+    let mut start = equations.unload(x);
+    if let Some(condition) = condition {
+        start = equations.hold(condition, &start).unwrap();
+    }
+    let weights = vec![1.0; start.len()];
+    let mut newton = Newton::default();
+    let mut unknowns = start.clone();
+    newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
+    unknowns.copy_from_slice(&start);
+    let mut iterations = 0;
+    let counted = allocation_counter::measure(|| {
+        let report = newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES);
+        iterations = report.map_or(0, |report| report.iterations);
+    });
+    assert!(iterations >= 1, "the second solve converges as the first did");
+    counted.count_total
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(
+        allocation_counter::measure(|| drop(std::hint::black_box(vec![1.0; 100]))).count_total,
+        1
+    );
+}
+
+/// Five unknowns (plain factorisation) and sixty (faer's), with λ fixed.
+#[test]
+fn plain_newton_allocates_nothing() {
+    for n in [5, 60] {
+        let mut x = vec![0.0; n + 1];
+        x[n] = 2.0;
+        assert_eq!(allocations(&mut Dense::new(Bratu(n)), &x, vec![], None), 0, "n = {n}");
+    }
+}
+
+/// The same with a fold held and λ released.
+#[test]
+fn newton_on_a_fold_allocates_nothing() {
+    for n in [5, 60] {
+        let parabola = |i: usize| {
+            let t = (i + 1) as f64 / (n + 1) as f64;
+            4.8 * t * (1.0 - t)
+        };
+        let mut x: Vec<f64> = (0..n).map(parabola).collect();
+        x.push(3.5);
+        let fold: Box<dyn Condition> = Box::<Fold>::default();
+        assert_eq!(allocations(&mut Dense::new(Bratu(n)), &x, vec![0], Some(fold)), 0, "n = {n}");
+    }
+}
+
+/// Conditions with an unknown of their own: a Hopf point and a branch point.
+#[test]
+fn newton_on_other_conditions_allocates_nothing() {
+    let hopf: Box<dyn Condition> = Box::<Hopf>::default();
+    let x = [0.11, 0.27, 0.44, 1.05, 0.4];
+    let mut system = Dense::new(Oxidation);
+    // A point of the branch near the Hopf point, as a trace would give it.
+    assert_eq!(allocations(&mut system, &x, vec![0], Some(hopf)), 0);
+    let point: Box<dyn Condition> = Box::new(BranchPoint::new(0));
+    let x = [0.01, -0.01, 0.76, 0.25];
+    assert_eq!(allocations(&mut Dense::new(Columns), &x, vec![0], Some(point)), 0);
+}

@@ -1,0 +1,173 @@
+//! Problems with known answers, shared by the tests of the core.
+#![allow(dead_code, missing_docs)]
+
+use tangency::core::continuation::{Branch, Kind, SpecialPoint};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Dynamics, LeftDomain, Names, ZeroProblem};
+
+/// Asserts that two numbers agree to an absolute tolerance.
+#[track_caller]
+pub fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (found - expected).abs() <= tolerance,
+        "found {found:.17e}, expected {expected:.17e}, {:.1e} apart where {tolerance:.1e} is allowed",
+        (found - expected).abs()
+    );
+}
+
+/// The values of a column at all special points of a kind, ascending.
+pub fn values(branch: &Branch, kind: Kind, name: &str) -> Vec<f64> {
+    let column = branch.column(name).unwrap();
+    let mut values: Vec<f64> =
+        branch.of_kind(kind).map(|point| point.value(column).unwrap()).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The first special point of a kind.
+#[track_caller]
+pub fn first(branch: &Branch, kind: Kind) -> &SpecialPoint {
+    branch.of_kind(kind).next().unwrap_or_else(|| panic!("no {kind} on {}", branch.name))
+}
+
+/// `μ + x − x³/3 = 0`: folds `μ = ±2/3` at `x = ∓1`.
+pub struct CuspSlice;
+
+impl ZeroProblem for CuspSlice {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["mu"]).with_monitors(["square"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        r[0] = p[0] + x[0] - x[0].powi(3) / 3.0;
+    }
+    fn monitors<T: Scalar>(&self, x: &[T], _p: &[T], values: &mut [T]) {
+        values[0] = x[0] * x[0];
+    }
+}
+
+/// The cusp's normal form `x³ − a x − b = 0`: folds `4a³ = 27b²`, a cusp at 0.
+pub struct CuspForm;
+
+impl ZeroProblem for CuspForm {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["b", "a"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
+    }
+}
+
+/// The parallel-plate actuator in a unit of length: pulls in at `u = 1/3`, `load = 4/27`.
+pub struct ParallelPlate;
+
+impl ZeroProblem for ParallelPlate {
+    fn names(&self) -> Names {
+        Names::new(["u"], ["load"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
+    }
+    fn domain(&self, u: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+        if u[0] < 1.0 {
+            Ok(())
+        } else {
+            Err(LeftDomain::new("u", u[0], "the plate touches at u = 1"))
+        }
+    }
+}
+
+/// `p² + x² = radius²`: closed.
+pub struct Circle(pub f64);
+
+impl ZeroProblem for Circle {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["p"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        r[0] = x[0] * x[0] + p[0] * p[0] - self.0 * self.0;
+    }
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Static
+    }
+}
+
+/// AUTO's demo pp2.
+pub struct PredatorPrey;
+
+impl ZeroProblem for PredatorPrey {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["p"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let (x, y) = (z[0], z[1]);
+        r[0] = x * 3.0 * (T::one() - x) - x * y - p[0] * (T::one() - (x * -5.0).exp());
+        r[1] = x * y * 3.0 - y;
+    }
+}
+
+/// CO oxidation (Bykov), `q₂` and `k` free.
+pub struct Oxidation;
+
+impl ZeroProblem for Oxidation {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "s"], ["q2", "k"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let (x, y, s, q2, k) = (u[0], u[1], u[2], p[0], p[1]);
+        let z = T::one() - x - y - s;
+        r[0] = z * z * 5.0 - x * x * 2.0 - x * y * 10.0;
+        r[1] = q2 * z - y * 0.1 - x * y * 10.0;
+        r[2] = (z - k * s) * 0.0675;
+    }
+}
+
+/// Central differences of `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`.
+pub struct Bratu(pub usize);
+
+impl ZeroProblem for Bratu {
+    fn names(&self) -> Names {
+        Names::new([("u", self.0)], ["lambda"]).with_monitors(["middle"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let n = self.0;
+        let inverse = ((n + 1) * (n + 1)) as f64;
+        let at = |i: usize| if i == 0 || i > n { T::zero() } else { u[i - 1] };
+        for i in 1..=n {
+            r[i - 1] = (at(i - 1) - at(i) * 2.0 + at(i + 1)) * inverse + p[0] * at(i).exp();
+        }
+    }
+    fn monitors<T: Scalar>(&self, u: &[T], _p: &[T], values: &mut [T]) {
+        values[0] = u[self.0 / 2];
+    }
+}
+
+/// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`: branch points on `u = 0` at `a = (kπ)²/10` (continuum).
+pub struct TrivialBranch(pub usize);
+
+impl ZeroProblem for TrivialBranch {
+    fn names(&self) -> Names {
+        Names::new([("u", self.0)], ["a", "b"])
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        let n = self.0;
+        let inverse = ((n + 1) * (n + 1)) as f64;
+        let at = |i: usize| if i == 0 || i > n { T::zero() } else { u[i - 1] };
+        for i in 1..=n {
+            let source = at(i).exp() - 1.0 - p[1] * at(i) * at(i) * 0.5;
+            r[i - 1] = (at(i - 1) - at(i) * 2.0 + at(i + 1)) * inverse + p[0] * source * 10.0;
+        }
+    }
+}
+
+/// Two coupled columns under one load: a pitchfork from `x = y = 0`, at `p = 1 − c` and `1 + c`.
+pub struct Columns;
+
+impl ZeroProblem for Columns {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["p", "c"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        r[0] = (p[0] - 1.0) * z[0] + p[1] * z[1] - z[0].powi(3);
+        r[1] = (p[0] - 1.0) * z[1] + p[1] * z[0] - z[1].powi(3);
+    }
+}
