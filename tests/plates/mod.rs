@@ -83,9 +83,9 @@ pub fn at<'a>(branch: &'a Branch, name: &str, level: f64) -> &'a SpecialPoint {
         .unwrap_or_else(|| panic!("no point at {name} = {level}: {:?}", branch.ends))
 }
 
-/// Half a unit of the last of so many decimals, and a hundredth of it for what rounds up.
+/// One unit of the last of so many decimals.
 pub fn decimals(count: i32) -> f64 {
-    0.505 * 0.1_f64.powi(count)
+    0.1_f64.powi(count)
 }
 
 /// Two numbers agree to an absolute tolerance.
