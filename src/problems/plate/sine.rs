@@ -161,8 +161,8 @@ pub struct Vibration {
 ///
 /// A [`ZeroProblem`] with unknowns `w` (the `N` coefficients `w_mn`, deflection over gap), the
 /// parameters of [`Units`] and the monitors `deflection` (at the centre), `max_deflection`,
-/// `frequency` and `frequency_ratio` (over the flat plate without voltage at the same parameters,
-/// edge forces included). The residual's component `i` is the projection of eq. 3.12 on `φ_i` over the
+/// `frequency` and `frequency_ratio` (over the flat plate without voltage and edge forces). The
+/// residual's component `i` is the projection of eq. 3.12 on `φ_i` over the
 /// unit square; for [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential
 /// energy, in units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
@@ -322,13 +322,10 @@ impl SinePlate {
             }
     }
 
-    /// The lowest `ω²` of the flat plate without voltage, under the applied edge forces.
+    /// The lowest `ω²` of the flat plate without voltage and edge forces: it never vanishes.
     fn flat_squared<T: Scalar>(&self, plate: &Parameters<T>) -> T {
-        let squares = self.modes.iter().map(|&(k, l)| {
-            Self::flat_frequency((k, l), plate.aspect).powi(2)
-                - plate.compression_x * wave(k).powi(2)
-                - plate.compression_y * wave(l).powi(2) / (plate.aspect * plate.aspect)
-        });
+        let modes = self.modes.iter();
+        let squares = modes.map(|&mode| Self::flat_frequency(mode, plate.aspect).powi(2));
         let lowest = squares.reduce(|a, b| if b.real() < a.real() { b } else { a });
         lowest.unwrap_or_else(T::zero)
     }
