@@ -62,11 +62,11 @@ pub fn folds_from<'a>(
         .forward()
 }
 
-/// The pull-in of a branch: its only fold.
+/// The pull-in of a branch: its first fold, where the equilibria that begin at rest lose stability. (A
+/// long plate may fold again far beyond.)
 pub fn pull_in(branch: &Branch) -> &SpecialPoint {
-    let folds: Vec<_> = branch.of_kind(Kind::LP).collect();
-    assert_eq!(folds.len(), 1, "one fold, not {}: {:?}", folds.len(), branch.ends);
-    folds[0]
+    let fold = branch.of_kind(Kind::LP).next();
+    fold.unwrap_or_else(|| panic!("no fold on {}: {:?}", branch.name, branch.ends))
 }
 
 /// A column of a special point by name.
