@@ -3,7 +3,7 @@
 
 use super::event::{Event, Test};
 use super::stepper::{Place, Stepper};
-use super::{Point, SpecialPoint};
+use super::{Kind, Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances};
@@ -148,7 +148,7 @@ impl Stepper<'_> {
             at.system.assemble(at.x)
         };
         assembled.ok()?;
-        let (mut point, _) = self.record(event.kind == super::Kind::UZ).ok()?;
+        let (mut point, _) = self.record(event.kind == Kind::UZ).ok()?;
         if point.unstable.is_none() {
             // At a bifurcation an eigenvalue is zero but for rounding and would be counted at random.
             point.unstable = from.point.unstable.min(to.point.unstable);
@@ -159,7 +159,10 @@ impl Stepper<'_> {
         let width = (bracket[1] - bracket[0]).abs();
         let mut error = error.unwrap_or(width);
         let state = unknowns[..self.equations.dimension()].to_vec();
+        // Where a bound happens to cut a branch of solutions nobody asks for more than the branch has.
+        let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if converged
+            && !end_of_branch
             && self.settings.accuracy > 0.0
             && let Some((refined, change)) = self.refine(event, &point, &from.point)
         {
@@ -207,52 +210,40 @@ impl Stepper<'_> {
         }
     }
 
-    /// Finishes the special point loaded last on finer discretisations, until two of them agree to
-    /// the accuracy asked for: the finest point, and how much the last refinement changed the
-    /// continued parameter.
+    /// Finishes the special point loaded last on finer discretisations, until the accuracy asked for is
+    /// met: the finest point, and the estimated error of the continued parameter. `beside` is a
+    /// point of the branch near it, which says how large monitors are.
     fn refine(&mut self, event: &Event, point: &Point, beside: &Point) -> Option<(Point, f64)> {
         let released = self.equations.released().to_vec();
-        let conditions: Vec<_> =
-            self.held.iter().chain([&event.condition]).map(|make| make()).collect();
+        let sizes: Vec<f64> = values(point, &released)
+            .zip(values(beside, &released))
+            .map(|(here, there)| here.abs().max(there.abs()))
+            .collect();
+        let mut ladder = Ladder::new(values(point, &released).collect());
         let at = self.equations.at();
         let mut refinement = at.system.refined(at.x)?;
-        let mut coarse = point.clone();
         let mut found = None;
-        let mut conditions = Some(conditions);
         loop {
-            let makes = self.held.iter().chain([&event.condition]);
-            let fresh = conditions.take().unwrap_or_else(|| makes.map(|make| make()).collect());
+            let conditions =
+                self.held.iter().chain([&event.condition]).map(|make| make()).collect();
             let Refinement { system, x } = &mut refinement;
-            let Some((fine, x)) = self.converge_refined(&mut **system, x, &released, fresh) else {
+            let Some((fine, x)) = self.converge_refined(&mut **system, x, &released, conditions)
+            else {
                 return found;
             };
-            let change = (fine.parameters[released[0]] - coarse.parameters[released[0]]).abs();
-            let settled = self.settled(&coarse, &fine, beside, &released);
-            found = Some((fine.clone(), change));
+            let errors = ladder.climb(values(&fine, &released).collect());
+            let accuracy = self.settings.accuracy;
+            let settled = errors.iter().zip(&sizes).enumerate().all(|(i, (error, size))| {
+                let tolerance = if i < released.len() { accuracy } else { 100.0 * accuracy };
+                *error <= tolerance * size
+            });
+            found = Some((fine, errors[0]));
             if settled {
                 return found;
             }
             let Some(next) = refinement.system.refined(&x) else { return found };
             refinement = next;
-            coarse = fine;
         }
-    }
-
-    /// Whether two discretisations agree: released parameters to the accuracy asked for, monitors to
-    /// a thousand times that, measured by their size here or beside the point (a frequency vanishes
-    /// at a fold, as the root of rounding).
-    fn settled(&self, coarse: &Point, fine: &Point, beside: &Point, released: &[usize]) -> bool {
-        let accuracy = self.settings.accuracy;
-        let close = |a: f64, b: f64, size: f64, tolerance: f64| (a - b).abs() <= tolerance * size;
-        let (a, b) = (&coarse.parameters, &fine.parameters);
-        let sizes = fine.monitors.iter().zip(&beside.monitors).map(|(a, b)| a.abs().max(b.abs()));
-        released.iter().all(|&p| close(a[p], b[p], b[p].abs(), accuracy))
-            && coarse
-                .monitors
-                .iter()
-                .zip(&fine.monitors)
-                .zip(sizes)
-                .all(|((a, b), size)| close(*a, *b, size, 1e3 * accuracy))
     }
 
     fn converge_refined(
@@ -282,6 +273,49 @@ impl Stepper<'_> {
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
         Some((Point { parameters: x[n..].to_vec(), monitors, unstable: None }, x))
+    }
+}
+
+/// What must settle: the released parameters of a point and its first monitor. Others may be meant to
+/// vanish there, like a frequency at a fold, and would be compared with rounding.
+fn values<'a>(point: &'a Point, released: &'a [usize]) -> impl Iterator<Item = f64> + 'a {
+    let parameters = released.iter().map(|&p| point.parameters[p]);
+    parameters.chain(point.monitors.first().copied())
+}
+
+/// Values on one discretisation after another, and what is still to come.
+struct Ladder {
+    values: Vec<f64>,
+    changes: Option<Vec<f64>>,
+}
+
+impl Ladder {
+    fn new(values: Vec<f64>) -> Self {
+        Ladder { values, changes: None }
+    }
+
+    /// Takes the values of the next rung, and estimates their errors.
+    ///
+    /// A single change `d` bounds the error of the finer value if each rung at least halves it. With
+    /// two, changes are taken to go on shrinking by their ratio `ρ ≤ ½`: what is to come is
+    /// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
+    /// relied on: spectral convergence may turn algebraic where a corner singularity takes over.
+    fn climb(&mut self, values: Vec<f64>) -> Vec<f64> {
+        let changes: Vec<f64> =
+            values.iter().zip(&self.values).map(|(new, old)| (new - old).abs()).collect();
+        let errors = match &self.changes {
+            None => changes.clone(),
+            Some(before) => changes
+                .iter()
+                .zip(before)
+                .map(|(&change, &before)| {
+                    let ratio = (change / before.max(f64::MIN_POSITIVE)).clamp(0.1, 0.5);
+                    4.0 * change * ratio / (1.0 - ratio)
+                })
+                .collect(),
+        };
+        (self.values, self.changes) = (values, Some(changes));
+        errors
     }
 }
 

@@ -53,7 +53,7 @@ impl Default for Settings {
             tolerance: 1e-10,
             event_tolerance: 1e-12,
             max_iterations: 12,
-            accuracy: 1e-9,
+            accuracy: 1e-8,
         }
     }
 }

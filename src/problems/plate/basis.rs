@@ -144,7 +144,7 @@ impl Basis {
     /// eigenvalues of the scaled matrix say something about the plate. (In the polynomials themselves its
     /// condition is 1e6 with ten functions, and inverse iteration finds noise.)
     ///
-    /// The first function is the lowest mode. Without a solution of the eigenproblem (which would take
+    /// The first function is the lowest mode; all are positive next to `ξ = 1`. Without a solution of the eigenproblem (which would take
     /// values that are not finite), the basis stays as it is.
     #[must_use]
     pub fn into_beam_modes(mut self, symmetric: bool) -> Basis {
@@ -166,6 +166,12 @@ impl Basis {
         let Ok(eigen) = reduced.self_adjoint_eigen(Side::Lower) else { return self };
         let mut modes = eigen.U().to_owned();
         solve_upper_triangular_in_place(lower.transpose(), modes.as_mut(), Par::Seq);
+        for mode in 0..n {
+            let towards_end: f64 =
+                (0..n).map(|k| modes[(k, mode)] * table.values[(k + 1) * rule.len() - 1]).sum();
+            let sign = towards_end.signum();
+            modes.col_mut(mode).iter_mut().for_each(|entry| *entry *= sign);
+        }
         let back = &energy * &modes;
         // Eigenvalues ascend, and the largest mass for a given energy is the lowest mode.
         let rows = |matrix: &Mat<f64>| {
@@ -224,34 +230,37 @@ impl Basis {
 
     /// Values, slopes and curvatures of all functions at `ξ`, one after the other.
     pub fn at(&self, xi: f64) -> Vec<[f64; 3]> {
-        let plain = self.polynomials_at(xi);
-        let Some(mix) = &self.mix else { return plain };
-        let combine = |row: &[f64]| {
-            [0, 1, 2].map(|order| row.iter().zip(&plain).map(|(t, f)| t * f[order]).sum())
-        };
-        mix.to.chunks_exact(plain.len()).map(combine).collect()
+        let mut point = AtPoint::default();
+        self.evaluate(xi, &mut point);
+        point.values
     }
 
-    fn polynomials_at(&self, xi: f64) -> Vec<[f64; 3]> {
-        let legendre = legendre(self.degree, xi);
-        self.functions
-            .iter()
-            .map(|function| match *function {
-                Function::Cubic([c0, c1, c2, c3]) => [
-                    c0 + xi * (c1 + xi * (c2 + xi * c3)),
-                    c1 + xi * (2.0 * c2 + xi * 3.0 * c3),
-                    2.0 * c2 + 6.0 * c3 * xi,
-                ],
-                Function::Bubble(k) if self.integrals == 1 => {
-                    [once(&legendre, k), (k as f64 - 0.5).sqrt() * legendre[k - 1], f64::NAN]
-                }
-                Function::Bubble(k) => [
-                    twice(&legendre, k),
-                    once(&legendre, k - 1),
-                    (k as f64 - 1.5).sqrt() * legendre[k - 2],
-                ],
-            })
-            .collect()
+    /// The same into memory that is kept.
+    pub fn evaluate(&self, xi: f64, point: &mut AtPoint) {
+        legendre(self.degree, xi, &mut point.legendre);
+        let p = &point.legendre;
+        let polynomials = self.functions.iter().map(|function| match *function {
+            Function::Cubic([c0, c1, c2, c3]) => [
+                c0 + xi * (c1 + xi * (c2 + xi * c3)),
+                c1 + xi * (2.0 * c2 + xi * 3.0 * c3),
+                2.0 * c2 + 6.0 * c3 * xi,
+            ],
+            Function::Bubble(k) if self.integrals == 1 => {
+                [once(p, k), (k as f64 - 0.5).sqrt() * p[k - 1], f64::NAN]
+            }
+            Function::Bubble(k) => {
+                [twice(p, k), once(p, k - 1), (k as f64 - 1.5).sqrt() * p[k - 2]]
+            }
+        });
+        point.values.clear();
+        let Some(mix) = &self.mix else { return point.values.extend(polynomials) };
+        point.polynomials.clear();
+        point.polynomials.extend(polynomials);
+        let plain = &point.polynomials;
+        let combine = |row: &[f64]| {
+            [0, 1, 2].map(|order| row.iter().zip(plain).map(|(t, f)| t * f[order]).sum())
+        };
+        point.values.extend(mix.to.chunks_exact(plain.len()).map(combine));
     }
 
     /// Values, slopes and curvatures at all `nodes`.
@@ -260,12 +269,14 @@ impl Basis {
         let zeros = || vec![0.0; points * functions];
         let mut table =
             Table { points, functions, values: zeros(), slopes: zeros(), curvatures: zeros() };
+        let mut memory = AtPoint::default();
         for (point, node) in nodes.iter().enumerate() {
-            for (function, [value, slope, curvature]) in self.at(*node).into_iter().enumerate() {
+            self.evaluate(*node, &mut memory);
+            for (function, [value, slope, curvature]) in memory.values.iter().enumerate() {
                 let entry = function * points + point;
-                table.values[entry] = value;
-                table.slopes[entry] = slope;
-                table.curvatures[entry] = curvature;
+                table.values[entry] = *value;
+                table.slopes[entry] = *slope;
+                table.curvatures[entry] = *curvature;
             }
         }
         table
@@ -281,15 +292,23 @@ impl Function {
     }
 }
 
+/// The functions of a [`Basis`] at one point, and the memory that finding them takes.
+#[derive(Clone, Debug, Default)]
+pub struct AtPoint {
+    /// Value, slope and curvature of each function.
+    pub values: Vec<[f64; 3]>,
+    legendre: Vec<f64>,
+    polynomials: Vec<[f64; 3]>,
+}
+
 /// `P_0 … P_degree` at `ξ`.
-fn legendre(degree: usize, xi: f64) -> Vec<f64> {
-    let mut p = vec![1.0; degree.max(1) + 1];
+fn legendre(degree: usize, xi: f64, p: &mut Vec<f64>) {
+    p.resize(degree.max(1) + 1, 1.0);
     p[1] = xi;
     for k in 2..=degree {
         let j = k as f64;
         p[k] = ((2.0 * j - 1.0) * xi * p[k - 1] - (j - 1.0) * p[k - 2]) / j;
     }
-    p
 }
 
 /// `√(k − ½) ∫P_{k−1}`.

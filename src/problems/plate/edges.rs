@@ -22,7 +22,8 @@ pub enum Support {
 /// assert!("SCX".parse::<Supports>().is_err());
 /// # Ok::<(), tangency::problems::plate::PlateError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Supports(pub [Support; 4]);
 
 impl Supports {
@@ -73,6 +74,20 @@ impl std::str::FromStr for Supports {
             })
             .collect::<Result<_, _>>()?;
         Ok(Supports(edges.try_into().map_err(|_| unknown())?))
+    }
+}
+
+impl TryFrom<String> for Supports {
+    type Error = PlateError;
+
+    fn try_from(letters: String) -> Result<Self, PlateError> {
+        letters.parse()
+    }
+}
+
+impl From<Supports> for String {
+    fn from(supports: Supports) -> String {
+        supports.to_string()
     }
 }
 

@@ -41,6 +41,9 @@ pub enum PlateError {
         /// The largest possible.
         most: usize,
     },
+    /// Stresses were asked of a plate without stretching, or with too many in-plane functions for them.
+    #[error("the plate has no in-plane stresses: set theory to von_karman, with fewer functions")]
+    NoMembrane,
     /// A value of a parameter without meaning.
     #[error(transparent)]
     Domain(#[from] crate::core::zero::LeftDomain),

@@ -115,8 +115,7 @@ impl Model {
     pub fn new(settings: RitzSettings) -> Result<Model, PlateError> {
         let supports = settings.supports;
         let symmetric = supports.alike().map(|alike| alike && settings.symmetric);
-        let orders =
-            settings.orders.unwrap_or_else(|| Orders::usual(supports, symmetric, settings.aspect));
+        let orders = settings.orders.unwrap_or_else(|| Orders::usual(symmetric, settings.aspect));
         orders.check()?;
         check_held(supports)?;
         let ends = [supports.x(), supports.y()];

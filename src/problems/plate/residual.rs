@@ -124,7 +124,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// `s = −K_uv⁻¹ r(w)` by refinement with the `f64` factor, each turn exact to one order more.
-    fn solve_plane(
+    pub fn solve_plane(
         &mut self,
         model: &Model,
         membrane: &Membrane,

@@ -13,13 +13,19 @@ use crate::core::linear::BorderedLu;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, Names};
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
+use std::mem::swap;
 
 /// A plate on polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the deflection, the
 /// in-plane displacements being eliminated (see [`System`](crate::core::zero::System) for what can be done
 /// with it).
 ///
-/// The deflection over the gap is `w = Σ q_ij f_i(ξ) g_j(ζ)`, `ξ = 2x − 1`, `ζ = 2y − 1`, where x and y run from
-/// 0 to 1 along the sides. Unknowns are the `q_ij`, in the group `w`; parameters are those of [`Units`].
+/// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (on polynomials) and
+/// factors `d` by which a unit of each unknown weighs alike in energy; `ξ = 2x − 1`, `ζ = 2y − 1`, where x and
+/// y run from 0 to 1 along the sides. Unknowns are the `q_ij`, in the group `w`; parameters are those of [`Units`].
+///
+/// Edge forces act on pairs of edges: where one of a pair is free, its normal force is zero, and where any
+/// edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used unless
+/// [`RitzSettings::symmetric`] says otherwise.
 ///
 /// Monitors: `deflection` (of the centre, over the gap), `max_deflection` (towards the electrode), `frequency`
 /// (the lowest, `ωa²√(ρh/D)` or Hz; `−√(−ω²)` where unstable), `frequency_ratio` (over that of the flat plate
@@ -47,10 +53,16 @@ pub struct Ritz {
     pub(super) factors: [BorderedLu; 2],
     /// Where the assembled matrix belongs to; empty if nowhere.
     pub(super) assembled_at: Vec<f64>,
-    /// Whether the modes of the assembled matrix are known.
-    pub(super) modes_known: bool,
+    /// A matrix beside the assembled one, which monitors must leave alone.
+    pub(super) spare: Vec<f64>,
+    /// Where the modes belong to; empty if nowhere.
+    pub(super) modes_at: Vec<f64>,
     pub(super) flat: Option<FlatPlate>,
-    pub(super) vector: Vec<f64>,
+    /// Values of the functions in the middle of the plate.
+    pub(super) centre: Vec<f64>,
+    pub(super) mode: Vec<f64>,
+    pub(super) along_mode: Vec<f64>,
+    pub(super) all_parameters: Vec<usize>,
     pub(super) directions: [Vec<f64>; 3],
 }
 
@@ -76,20 +88,27 @@ impl Ritz {
         let names =
             Names::new([("w", n)], settings.units.names().iter().copied()).with_monitors(monitors);
         let length = names.length();
+        let mut centre = vec![0.0; n];
+        let mut search = Search::new(&model);
+        shape::products(&model, [0.0; 2], &mut search.point, &mut centre);
         Ok(Ritz {
             factor: PlaneFactor::new(model.plane.len()),
             assembly: Assembly::new(&model),
             vibration: Vibration::new(&model),
-            search: Search::new(&model),
+            search,
             plain: Workspace::new(&model),
             first: Workspace::new(&model),
             second: Workspace::new(&model),
             third: Workspace::new(&model),
             factors: Default::default(),
             assembled_at: Vec::with_capacity(length),
-            modes_known: false,
+            spare: vec![0.0; n * n],
+            modes_at: Vec::with_capacity(length),
             flat: None,
-            vector: vec![0.0; n],
+            centre,
+            mode: vec![0.0; n],
+            along_mode: vec![0.0; length],
+            all_parameters: (0..length - n).collect(),
             directions: [vec![0.0; length], vec![0.0; length], vec![0.0; length]],
             names,
             model,
@@ -116,7 +135,8 @@ impl Ritz {
     /// The deflection over the gap that coefficients `q` (a solution's unknowns, or a mode's) describe, at
     /// a point of the plate: `x` and `y` from 0 to 1 along the sides.
     pub fn deflection(&self, q: &[f64], x: f64, y: f64) -> f64 {
-        shape::local(&self.model, q, 2.0 * x - 1.0, 2.0 * y - 1.0)[0]
+        let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
+        shape::local(&self.model, q, at, &mut Default::default())[0]
     }
 
     /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
@@ -135,9 +155,11 @@ impl Ritz {
         let mut p = Units::Dimensionless.defaults().to_vec();
         (p[2], p[3]) = (alpha, nu);
         let parameters = Units::Dimensionless.parameters(&p);
-        self.forget();
+        self.modes_at.clear();
+        swap(&mut self.assembly.matrix, &mut self.spare);
         self.assembly.assemble_flat(&self.model, &parameters);
-        if self.vibration.solve(&self.assembly.matrix) {
+        swap(&mut self.assembly.matrix, &mut self.spare);
+        if self.vibration.solve(&self.spare) {
             Ok(self.vibration.lowest(count))
         } else {
             Err(LeftDomain::new("stiffness", f64::NAN, "it must be finite; check aspect and nu"))
@@ -151,11 +173,6 @@ impl Ritz {
     pub fn modes(&mut self, x: &[f64], count: usize) -> Result<Modes, LeftDomain> {
         self.ensure_modes(x)?;
         Ok(self.vibration.lowest(count))
-    }
-
-    pub(super) fn forget(&mut self) {
-        self.assembled_at.clear();
-        self.modes_known = false;
     }
 
     /// Checks `x`, brings the factor of `K_uv` up to date and returns the largest deflection.
@@ -189,14 +206,45 @@ impl Ritz {
         Ok(largest)
     }
 
+    /// Assembles at `x`, whatever the matrix is for.
+    pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        let largest = self.evaluate(x)?;
+        self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
+        let Some(entry) = self.assembly.matrix.iter().find(|entry| !entry.is_finite()) else {
+            return Ok(());
+        };
+        let remedy = "the parameters are too large for the equations to be evaluated";
+        Err(LeftDomain::new("an entry of the stiffness", *entry, remedy))
+    }
+
+    /// Evaluates the residual at `x` into `self.plain`; returns the largest deflection.
+    pub(super) fn evaluate(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
+        let largest = self.prepare(x)?;
+        let (q, p) = x.split_at(self.model.unknowns());
+        self.plain.q.copy_from_slice(q);
+        self.plain.p.copy_from_slice(p);
+        let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
+        // Between the nodes searched the plate may still have touched.
+        if nearest < 1.0 { Ok(largest) } else { Err(too_deep(nearest)) }
+    }
+
+    /// Brings the modes about `x` up to date, leaving the assembled matrix as it is.
     pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
-        if self.assembled_at != x {
-            crate::core::zero::System::assemble(self, x)?;
+        if self.modes_at == x {
+            return Ok(());
         }
-        if !self.modes_known {
-            self.modes_known = self.vibration.solve(&self.assembly.matrix);
-        }
-        if self.modes_known {
+        self.modes_at.clear();
+        let known = if self.assembled_at == x {
+            self.vibration.solve(&self.assembly.matrix)
+        } else {
+            swap(&mut self.assembly.matrix, &mut self.spare);
+            let done = self.assemble_at(x);
+            swap(&mut self.assembly.matrix, &mut self.spare);
+            done?;
+            self.vibration.solve(&self.spare)
+        };
+        if known {
+            self.modes_at.extend_from_slice(x);
             return Ok(());
         }
         let remedy = "no shift makes the stiffness positive definite; the equilibrium is far off";
@@ -219,7 +267,7 @@ fn component_name(names: &Names, i: usize) -> String {
     }
 }
 
-fn check_plane(alpha: f64, nu: f64) -> Result<(), LeftDomain> {
+pub(super) fn check_plane(alpha: f64, nu: f64) -> Result<(), LeftDomain> {
     if !(alpha > 0.0 && alpha.is_finite()) {
         return Err(LeftDomain::new("aspect", alpha, "the ratio of the sides must be positive"));
     }
@@ -243,13 +291,16 @@ fn check_device(units: Units, p: &[f64]) -> Result<(), LeftDomain> {
     Ok(())
 }
 
+/// No fewer than the parameters of any [`Units`].
+pub(super) const MOST_PARAMETERS: usize = 16;
+
 /// Whether `α` and `ν` stay fixed along a direction of `x`.
 pub(super) fn plane_fixed(units: Units, p: &[f64], directions: &[&[f64]]) -> bool {
     directions.iter().all(|direction| {
         if direction.iter().all(|d| *d == 0.0) {
             return true;
         }
-        let mut moved = [Dual64::from(0.0); 16];
+        let mut moved = [Dual64::from(0.0); MOST_PARAMETERS];
         for ((moved, p), d) in moved.iter_mut().zip(p).zip(*direction) {
             *moved = Dual64::new(*p, *d);
         }

@@ -1,41 +1,48 @@
 //! Deflections at points of the plate, and the largest one.
 
+use super::basis::AtPoint;
 use super::model::Model;
 
 /// Nodes on which the largest deflection is looked for: from the middle (or one end) to the end.
 const NODES: usize = 17;
 
 /// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point: `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
-pub(super) fn local(model: &Model, q: &[f64], xi: f64, zeta: f64) -> [f64; 6] {
-    let (f, g) = (model.transverse[0].at(xi), model.transverse[1].at(zeta));
+pub(super) fn local(model: &Model, q: &[f64], at: [f64; 2], memory: &mut [AtPoint; 2]) -> [f64; 6] {
+    let [f, g] = evaluate(model, at, memory);
     let mut sums = [0.0; 6];
-    let coefficients: Vec<f64> = q.iter().zip(&model.scale).map(|(q, scale)| q * scale).collect();
-    for (f, row) in f.iter().zip(coefficients.chunks_exact(g.len().max(1))) {
-        for (g, q) in g.iter().zip(row) {
-            let orders = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]];
-            for (sum, [a, b]) in sums.iter_mut().zip(orders) {
-                *sum += q * f[a] * g[b];
-            }
+    let products = f.iter().flat_map(|f| g.iter().map(move |g| (f, g)));
+    for ((f, g), (q, scale)) in products.zip(q.iter().zip(&model.scale)) {
+        let orders = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]];
+        for (sum, [a, b]) in sums.iter_mut().zip(orders) {
+            *sum += q * scale * f[a] * g[b];
         }
     }
     sums
 }
 
 /// Values of all products of functions at a point.
-pub(super) fn products(model: &Model, xi: f64, zeta: f64, out: &mut [f64]) {
-    let (f, g) = (model.transverse[0].at(xi), model.transverse[1].at(zeta));
-    for (f, row) in f.iter().zip(out.chunks_exact_mut(g.len().max(1))) {
-        for (g, out) in g.iter().zip(row) {
-            *out = f[0] * g[0];
-        }
+pub(super) fn products(model: &Model, at: [f64; 2], memory: &mut [AtPoint; 2], out: &mut [f64]) {
+    let [f, g] = evaluate(model, at, memory);
+    let values = f.iter().flat_map(|f| g.iter().map(move |g| f[0] * g[0]));
+    for ((out, value), scale) in out.iter_mut().zip(values).zip(&model.scale) {
+        *out = value * scale;
     }
-    out.iter_mut().zip(&model.scale).for_each(|(out, scale)| *out *= scale);
+}
+
+/// The functions of each direction at a point.
+fn evaluate<'a>(model: &Model, at: [f64; 2], memory: &'a mut [AtPoint; 2]) -> [&'a [[f64; 3]]; 2] {
+    for axis in 0..2 {
+        model.transverse[axis].evaluate(at[axis], &mut memory[axis]);
+    }
+    [&memory[0].values, &memory[1].values]
 }
 
 /// A grid of nodes, with tables, on which deflections are searched.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
     tables: [super::basis::Table; 2],
+    /// The functions at one point.
+    pub point: [AtPoint; 2],
     coefficients: Vec<f64>,
     half: Vec<f64>,
     field: Vec<f64>,
@@ -51,6 +58,7 @@ impl Search {
         });
         let tables = [0, 1].map(|axis| model.transverse[axis].table(&nodes[axis]));
         Search {
+            point: Default::default(),
             coefficients: vec![0.0; model.unknowns()],
             half: vec![0.0; tables[0].functions * nodes[1].len()],
             field: vec![0.0; nodes[0].len() * nodes[1].len()],
@@ -91,7 +99,7 @@ impl Search {
         let mut at = [xi, zeta];
         let reach = 1.0 / (NODES - 1) as f64;
         for _ in 0..20 {
-            let [_, wx, wy, wxx, wyy, wxy] = local(model, q, at[0], at[1]);
+            let [_, wx, wy, wxx, wyy, wxy] = local(model, q, at, &mut self.point);
             let moves = [0, 1].map(|axis| {
                 let slope = [wx, wy][axis];
                 let at_end = at[axis].abs() == 1.0 && slope * at[axis] >= 0.0;
@@ -115,7 +123,7 @@ impl Search {
                 break;
             }
         }
-        let refined = local(model, q, at[0], at[1])[0];
+        let refined = local(model, q, at, &mut self.point)[0];
         if refined >= best { (refined, at[0], at[1]) } else { (best, xi, zeta) }
     }
 }

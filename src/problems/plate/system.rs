@@ -3,12 +3,13 @@
 use super::model::Model;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
-use super::ritz::{Directional, FlatPlate, Ritz, plane_fixed, too_deep};
-use super::{frequency::signed_root, shape};
+use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
+use super::{frequency::signed_root, shape, tensor::dot};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System,
 };
 use num_dual::Dual64;
+use std::mem::take;
 
 /// How many eigenvalues are reported beside the unstable ones.
 const REPORTED: usize = 4;
@@ -75,6 +76,14 @@ fn prolonged(from: &Model, to: &Model, z: &[f64]) -> Vec<f64> {
 }
 
 impl Ritz {
+    /// `x = (z, p)` of the same plate, deflected alike, on finer orders (none smaller than this one's).
+    pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
+        let (z, p) = x.split_at(self.model.unknowns());
+        let mut carried = prolonged(&self.model, &finer.model, z);
+        carried.extend_from_slice(p);
+        carried
+    }
+
     /// Both gradients: `wᵀF_x v` by second derivatives, `wᵀF_xx[v, v]` by third ones. As `F` is itself a
     /// gradient, the components of the unknowns are those of one mixed derivative along `w` and `v`.
     fn gradient_of(
@@ -113,10 +122,10 @@ impl Ritz {
         }
     }
 
-    /// The lowest `ω²` about `x` and its mode, in `self.vector`.
+    /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
         self.ensure_modes(x)?;
-        self.vibration.shape(0, &mut self.vector);
+        self.vibration.shape(0, &mut self.mode);
         Ok(self.vibration.square(0))
     }
 
@@ -164,11 +173,12 @@ impl Ritz {
     fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, LeftDomain> {
         let n = self.model.unknowns();
         let omega = signed_root(self.lowest(x)?);
-        let shape = self.vector.clone();
-        let mut along = vec![0.0; x.len()];
-        along[..n].copy_from_slice(&shape);
-        let released: Vec<usize> = (0..x.len() - n).collect();
-        self.gradient_of(x, &shape, &along, false, &released, out);
+        self.along_mode[..n].copy_from_slice(&self.mode);
+        // Taken out for as long as the rest of the plate is at work on them.
+        let (mode, along) = (take(&mut self.mode), take(&mut self.along_mode));
+        let released = take(&mut self.all_parameters);
+        self.gradient_of(x, &mode, &along, false, &released, out);
+        (self.mode, self.along_mode, self.all_parameters) = (mode, along, released);
         out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
         Ok(omega)
     }
@@ -180,10 +190,11 @@ impl Ritz {
         let p = &x[n..];
         let unit = units.frequency_unit(p);
         out.iter_mut().for_each(|g| *g *= unit);
-        let mut seeded: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let mut seeded = [Dual64::from(0.0); MOST_PARAMETERS];
+        seeded.iter_mut().zip(p).for_each(|(seeded, p)| *seeded = Dual64::from(*p));
         for i in 0..p.len() {
             seeded[i].eps = 1.0;
-            out[n + i] += omega * units.frequency_unit(&seeded).eps;
+            out[n + i] += omega * units.frequency_unit(&seeded[..p.len()]).eps;
             seeded[i].eps = 0.0;
         }
     }
@@ -206,15 +217,7 @@ impl System for Ritz {
     }
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
-        let largest = self.prepare(x)?;
-        let (q, p) = x.split_at(self.model.unknowns());
-        self.plain.q.copy_from_slice(q);
-        self.plain.p.copy_from_slice(p);
-        let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
-        // Between the nodes searched the plate may still have touched.
-        if nearest.is_nan() || nearest >= 1.0 {
-            return Err(too_deep(nearest));
-        }
+        self.evaluate(x)?;
         r.copy_from_slice(&self.plain.r);
         match r.iter().position(|r| !r.is_finite()) {
             Some(i) => Err(LeftDomain::new(
@@ -227,20 +230,8 @@ impl System for Ritz {
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
-        self.forget();
-        let largest = self.prepare(x)?;
-        let (q, p) = x.split_at(self.model.unknowns());
-        self.plain.q.copy_from_slice(q);
-        self.plain.p.copy_from_slice(p);
-        let nearest = self.plain.evaluate(&self.model, &self.factor, largest, true);
-        if nearest.is_nan() || nearest >= 1.0 {
-            return Err(too_deep(nearest));
-        }
-        self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
-        if let Some(entry) = self.assembly.matrix.iter().find(|entry| !entry.is_finite()) {
-            let remedy = "the parameters are too large for the equations to be evaluated";
-            return Err(LeftDomain::new("an entry of the stiffness", *entry, remedy));
-        }
+        self.assembled_at.clear();
+        self.assemble_at(x)?;
         self.assembled_at.extend_from_slice(x);
         Ok(())
     }
@@ -314,12 +305,12 @@ impl System for Ritz {
         let (q, p) = x.split_at(self.model.unknowns());
         let flat = self.flat_frequency(p)?;
         let omega = signed_root(self.lowest(x)?);
-        values[0] = shape::local(&self.model, q, 0.0, 0.0)[0];
+        values[0] = dot(q, &self.centre);
         values[1] = self.search.largest(&self.model, q).0;
         values[2] = omega * self.model.settings.units.frequency_unit(p);
         values[3] = omega / flat;
-        if let (Some(gap), Some(displacement)) = (self.names.parameter("gap"), values.get_mut(4)) {
-            *displacement = p[gap] * shape::local(&self.model, q, 0.0, 0.0)[0];
+        if let Some(gap) = self.names.parameter("gap") {
+            values[4] = p[gap] * values[0];
         }
         Ok(())
     }
@@ -329,22 +320,22 @@ impl System for Ritz {
         out.fill(0.0);
         let done = match monitor {
             0 => {
-                shape::products(&self.model, 0.0, 0.0, &mut out[..n]);
+                out[..n].copy_from_slice(&self.centre);
                 Ok(())
             }
             1 => {
                 // The place of the largest deflection moves, but its slope is zero there.
                 let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
-                shape::products(&self.model, xi, zeta, &mut out[..n]);
+                shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
                 Ok(())
             }
             2 => self.frequency_gradient(x, out).map(|omega| self.apply_unit(x, omega, out)),
             3 => self.ratio_gradient(x, out),
             _ => {
                 if let Some(gap) = self.names.parameter("gap") {
-                    shape::products(&self.model, 0.0, 0.0, &mut out[..n]);
-                    out[..n].iter_mut().for_each(|g| *g *= x[n + gap]);
-                    out[n + gap] = shape::local(&self.model, &x[..n], 0.0, 0.0)[0];
+                    let weighted = out.iter_mut().zip(&self.centre);
+                    weighted.for_each(|(out, centre)| *out = x[n + gap] * centre);
+                    out[n + gap] = dot(&x[..n], &self.centre);
                 }
                 Ok(())
             }
@@ -362,9 +353,7 @@ impl System for Ritz {
         let mut settings = self.model.settings;
         settings.orders = Some(orders);
         let finer = Ritz::new(settings).ok()?;
-        let n = self.model.unknowns();
-        let mut finer_x = prolonged(&self.model, &finer.model, &x[..n]);
-        finer_x.extend_from_slice(&x[n..]);
-        Some(Refinement { system: Box::new(finer), x: finer_x })
+        let x = self.carry(x, &finer);
+        Some(Refinement { system: Box::new(finer), x })
     }
 }

@@ -51,6 +51,11 @@ impl Rule {
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
+
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
 }
 
 /// Functions of both variables at the nodes: which table of `ξ`, which of `ζ`.

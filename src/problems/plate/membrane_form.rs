@@ -1,0 +1,151 @@
+//! What a reduction to a few shapes needs of the full plate: fields at nodes, and the stretching energy as a
+//! quartic form of the shapes' amplitudes.
+
+use super::error::PlateError;
+use super::parameters::{Parameters, Units};
+use super::ritz::{Ritz, check_plane};
+use super::tensor::{Product, Rule};
+
+/// A deflection and its derivatives by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
+/// `p·m_y + q`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// `w`.
+    pub value: Vec<f64>,
+    /// `w_ξ`, `w_ζ`.
+    pub slopes: [Vec<f64>; 2],
+    /// `w_ξξ`, `w_ζζ`, `w_ξζ`.
+    pub curvatures: [Vec<f64>; 3],
+}
+
+/// The stretching energy of a deflection `w = Σ a_i φ_i`, in-plane displacements eliminated:
+///
+/// ```text
+/// U = 6α₁² Σ_ij Σ_kl a_i a_j A_(ij)(kl) a_k a_l,    A_(ij)(kl) = ⟨ε_ij : C : ε_kl⟩ − B_ijᵀ K_uv⁻¹ B_kl
+/// ```
+///
+/// with `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)` and the mean `⟨·⟩` over the plate. Sums run over ordered pairs; stored
+/// are the pairs with `i ≤ j`, so one with `i < j` counts twice.
+#[derive(Clone, Debug)]
+pub struct MembraneForm {
+    /// The pairs `(i, j)`, `i ≤ j`.
+    pub pairs: Vec<(usize, usize)>,
+    /// `A`, symmetric, `(pair, pair)` row by row.
+    pub quartic: Vec<f64>,
+    /// Rules along ξ and ζ at whose nodes the stresses are given.
+    pub rules: [Rule; 2],
+    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (ordered as in [`Field`]), in equilibrium in the plane, in
+    /// units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are `Σ_ij a_i a_j N_ij`.
+    pub stress: Vec<[Vec<f64>; 3]>,
+}
+
+impl Ritz {
+    /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its derivatives at the
+    /// grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
+    ///
+    /// ```
+    /// # use tangency::problems::plate::{Ritz, RitzSettings};
+    /// let mut plate = Ritz::new(RitzSettings::new("SSSS".parse()?))?;
+    /// let mode = plate.flat_modes(1.0, 0.3, 1)?.shapes.swap_remove(0);
+    /// let field = plate.field(&mode, [&[0.0], &[0.0]]);
+    /// // 2 sin πx sin πy, of mean square 1.
+    /// assert!((field.value[0] - 2.0).abs() < 1e-9);
+    /// # Ok::<(), tangency::problems::plate::PlateError>(())
+    /// ```
+    pub fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
+        let model = &self.model;
+        let [x, y] = [0, 1].map(|axis| model.transverse[axis].table(nodes[axis]));
+        let coefficients: Vec<f64> = q.iter().zip(&model.scale).map(|(q, d)| q * d).collect();
+        let points = nodes.map(<[f64]>::len);
+        let mut half = vec![0.0; x.functions * points[1]];
+        let mut expand = |x: &[f64], y: &[f64]| {
+            let mut field = vec![0.0; points[0] * points[1]];
+            Product { x, y, points }.expand(&coefficients, &mut half, &mut field);
+            field
+        };
+        Field {
+            value: expand(&x.values, &y.values),
+            slopes: [expand(&x.slopes, &y.values), expand(&x.values, &y.slopes)],
+            curvatures: [
+                expand(&x.curvatures, &y.values),
+                expand(&x.values, &y.curvatures),
+                expand(&x.slopes, &y.slopes),
+            ],
+        }
+    }
+
+    /// Rules along ξ and ζ by which the electrostatic load is integrated where the largest deflection is
+    /// `largest`. Symmetric directions have nodes on half the plate; weights are those of the mean over
+    /// all of it.
+    pub fn load_rules(&self, largest: f64) -> &[Rule; 2] {
+        &self.model.load_rule(largest).rules
+    }
+
+    /// The stretching energy of deflections spanned by `shapes` (coefficients, such as those of
+    /// [`flat_modes`](Ritz::flat_modes)) at the given `α` and `ν`.
+    ///
+    /// # Errors
+    /// [`PlateError`] if `α` or `ν` has no meaning, or the plate was built without stretching.
+    pub fn membrane_form(
+        &mut self,
+        shapes: &[Vec<f64>],
+        alpha: f64,
+        nu: f64,
+    ) -> Result<MembraneForm, PlateError> {
+        check_plane(alpha, nu)?;
+        let Some(membrane) = &self.model.membrane else { return Err(PlateError::NoMembrane) };
+        if !self.factor.update(&self.model.plane, alpha, nu) {
+            return Err(PlateError::NoMembrane);
+        }
+        let mut p = Units::Dimensionless.defaults().to_vec();
+        (p[2], p[3]) = (alpha, nu);
+        let parameters: Parameters<f64> = Units::Dimensionless.parameters(&p);
+        let rules = membrane.rules.clone();
+        let pairs: Vec<(usize, usize)> =
+            (0..shapes.len()).flat_map(|i| (i..shapes.len()).map(move |j| (i, j))).collect();
+        // N is quadratic in w: N(φ_i, φ_j) = ¼[N(φ_i + φ_j) − N(φ_i − φ_j)].
+        let mut stress_of = |i: usize, j: usize, sign: f64| {
+            let sum = shapes[i].iter().zip(&shapes[j]).zip(&self.model.scale);
+            for (q, ((first, second), scale)) in self.plain.q.iter_mut().zip(sum) {
+                *q = (first + sign * second) * scale;
+            }
+            self.plain.solve_plane(&self.model, membrane, &self.factor, &parameters, 1);
+            self.plain.stress.clone()
+        };
+        let stress: Vec<[Vec<f64>; 3]> = pairs
+            .iter()
+            .map(|(i, j)| {
+                let (mut sum, difference) = (stress_of(*i, *j, 1.0), stress_of(*i, *j, -1.0));
+                for (sum, difference) in sum.iter_mut().zip(&difference) {
+                    sum.iter_mut().zip(difference).for_each(|(a, b)| *a = 0.25 * (*a - b));
+                }
+                sum
+            })
+            .collect();
+        let weights: Vec<f64> = membrane.weights().collect();
+        let slopes: Vec<[Vec<f64>; 2]> = shapes
+            .iter()
+            .map(|shape| self.field(shape, [&rules[0].nodes, &rules[1].nodes]).slopes)
+            .collect();
+        let mut quartic = vec![0.0; pairs.len() * pairs.len()];
+        for (row, (i, j)) in pairs.iter().enumerate() {
+            let strain = pair_strain(&slopes[*i], &slopes[*j], 2.0 / alpha);
+            for (column, stress) in stress.iter().enumerate() {
+                let products = (0..weights.len())
+                    .map(|k| weights[k] * (0..3).map(|c| strain[c][k] * stress[c][k]).sum::<f64>());
+                quartic[row * pairs.len() + column] = products.sum();
+            }
+        }
+        Ok(MembraneForm { pairs, quartic, rules, stress })
+    }
+}
+
+/// `½ sym(∇φ_i ⊗ ∇φ_j)`: `e₁`, `e₂`, `γ`.
+fn pair_strain(first: &[Vec<f64>; 2], second: &[Vec<f64>; 2], along: f64) -> [Vec<f64>; 3] {
+    let field = |value: &dyn Fn(usize) -> f64| (0..first[0].len()).map(value).collect();
+    [
+        field(&|k| 2.0 * first[0][k] * second[0][k]),
+        field(&|k| 0.5 * along * along * first[1][k] * second[1][k]),
+        field(&|k| along * (first[0][k] * second[1][k] + first[1][k] * second[0][k])),
+    ]
+}
