@@ -6,7 +6,7 @@ use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
 use super::{frequency::signed_root, shape, tensor::dot};
 use crate::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System,
+    Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
 };
 use num_dual::Dual64;
 use std::mem::take;
@@ -211,6 +211,9 @@ impl Ritz {
     }
 }
 
+/// Points of a profile along the centre line.
+const PROFILE_POINTS: usize = 51;
+
 impl System for Ritz {
     fn names(&self) -> &Names {
         &self.names
@@ -343,6 +346,33 @@ impl System for Ritz {
         if done.is_err() {
             out.fill(f64::NAN);
         }
+    }
+
+    /// The first mode shape along the centre line, 1 at the centre (unless that is a node), and the
+    /// deflection there.
+    fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        let Ok(modes) = self.modes(x, 1) else { return Vec::new() };
+        let q = &x[..self.model.unknowns()];
+        let profile = |name: &str, q: &[f64], scale: f64| Profile {
+            name: name.into(),
+            along: "x/a".into(),
+            points: self
+                .centre_line(q, PROFILE_POINTS)
+                .into_iter()
+                .map(|(x, w)| [x, w / scale])
+                .collect(),
+        };
+        let mut profiles = vec![profile("deflection w/d", q, 1.0)];
+        if let Some(mode) = modes.shapes.first() {
+            let line = self.centre_line(mode, PROFILE_POINTS);
+            let largest = line.iter().fold(0.0_f64, |most, (_, w)| w.abs().max(most));
+            let centre = self.deflection(mode, 0.5, 0.5);
+            let scale = if centre.abs() > 0.01 * largest { centre } else { largest };
+            if scale != 0.0 {
+                profiles.push(profile("first mode shape", mode, scale));
+            }
+        }
+        profiles
     }
 
     fn refined(&self, x: &[f64]) -> Option<Refinement> {
