@@ -13,6 +13,9 @@ pub(super) fn document(document: &Document) -> Result<(), FormatError> {
     }
     let settings = document.settings.iter().map(|(name, _)| name);
     unique("the name of a setting", settings)?;
+    for (branch, column, shift) in &document.plot.shifts {
+        finite(&format!("plot, shift of `{column}` of `{branch}`"), *shift)?;
+    }
     unique("the column of a label", document.plot.labels.iter().map(|(column, _)| column))?;
     unique("the name of a branch", document.branches.iter().map(|branch| &branch.name))?;
     Ok(document.branches.iter().try_for_each(branch)?)

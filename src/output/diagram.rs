@@ -41,8 +41,13 @@ pub fn diagram(
     let (x, y) = axes(first, plot, x, y)?;
     let mut figure = Figure::new(&document.title, plot.label(x), plot.label(y));
     for (name, branch) in &branches {
-        let curve = Curve { name, branch, x: column(branch, x)?, y: column(branch, y)? };
-        curve.add_to(&mut figure);
+        let shift = [x, y].map(|column| plot.shift(&branch.name, column));
+        let name = match shift.iter().find(|shift| **shift != 0.0) {
+            Some(shift) => &format!("{name} (shifted by {shift})"),
+            None => name,
+        };
+        let (x, y) = (column(branch, x)?, column(branch, y)?);
+        Curve { name, branch, columns: [x, y], shift }.add_to(&mut figure);
     }
     let stability = branches.iter().flat_map(|(_, branch)| &branch.points);
     if stability.into_iter().any(|point| point.unstable.is_some()) {
@@ -55,7 +60,9 @@ pub fn diagram(
 fn named<'a>(documents: &[(&str, &'a Document)]) -> Vec<(String, &'a Branch)> {
     let mut branches: Vec<(String, &Branch)> = Vec::new();
     for (document_name, document) in documents {
-        for branch in &document.branches {
+        let curves = &document.plot.curves;
+        let drawn = |branch: &&Branch| curves.is_empty() || curves.contains(&branch.name);
+        for branch in document.branches.iter().filter(drawn) {
             let mut name = match documents.len() {
                 1 => branch.name.clone(),
                 _ => format!("{document_name}: {}", branch.name),
@@ -103,8 +110,9 @@ fn column(branch: &Branch, name: &str) -> Result<usize, FigureError> {
 struct Curve<'a> {
     name: &'a str,
     branch: &'a Branch,
-    x: usize,
-    y: usize,
+    /// The columns for the two axes, and what is added to them.
+    columns: [usize; 2],
+    shift: [f64; 2],
 }
 
 impl Curve<'_> {
@@ -137,7 +145,7 @@ impl Curve<'_> {
 
     /// A value that is missing is drawn as NaN, which the figure then refuses by name.
     fn at(&self, value: impl Fn(usize) -> Option<f64>) -> [f64; 2] {
-        [self.x, self.y].map(|column| value(column).unwrap_or(f64::NAN))
+        [0, 1].map(|axis| value(self.columns[axis]).map_or(f64::NAN, |v| v + self.shift[axis]))
     }
 }
 

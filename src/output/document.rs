@@ -4,7 +4,7 @@ use super::check;
 use super::error::{FileError, FormatError, UnknownPoint};
 use super::suggest::UnknownName;
 use super::write::write_atomically;
-use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
@@ -27,12 +27,15 @@ pub struct Document {
     /// How the branches are drawn by default.
     #[serde(default)]
     pub plot: Plot,
+    /// In what branches differ from the settings: a branch's name, and its own settings by name.
+    #[serde(default)]
+    pub differences: Vec<(String, Vec<(String, String)>)>,
     /// The branches; their names are unique.
     pub branches: Vec<Branch>,
 }
 
 /// How branches are drawn by default.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plot {
     /// The column for the horizontal axis; if it is not given, the first released parameter.
@@ -45,6 +48,26 @@ pub struct Plot {
     pub labels: Vec<(String, String)>,
     /// Further panels, as pairs of columns for the horizontal and the vertical axis.
     pub panels: Vec<(String, String)>,
+    /// The branches that diagrams show, by name; if none is given, all.
+    pub curves: Vec<String>,
+    /// What is added to a column of a branch in diagrams, to compare curves of different height: branch,
+    /// column, shift.
+    pub shifts: Vec<(String, String, f64)>,
+    /// Special points of all branches against a setting in which the branches differ.
+    pub against: Vec<Against>,
+}
+
+/// Special points of one kind against a setting in which branches differ: pull-in against the number
+/// of modes. Branches that differ in other settings as well make one series for each of these.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Against {
+    /// The kind of special point; the first one of each branch counts.
+    pub kind: Kind,
+    /// The setting, a number.
+    pub setting: String,
+    /// The parameter or monitor for the vertical axis.
+    pub column: String,
 }
 
 impl Plot {
@@ -52,6 +75,12 @@ impl Plot {
     pub fn label<'a>(&'a self, column: &'a str) -> &'a str {
         let entry = self.labels.iter().find(|(name, _)| name == column);
         entry.map_or(column, |(_, label)| label)
+    }
+
+    /// What is added to a column of a branch.
+    pub(super) fn shift(&self, branch: &str, column: &str) -> f64 {
+        let meant = |entry: &&(String, String, f64)| entry.0 == branch && entry.1 == column;
+        self.shifts.iter().find(meant).map_or(0.0, |(_, _, shift)| *shift)
     }
 }
 
@@ -63,6 +92,7 @@ impl Document {
             title: title.into(),
             settings: Vec::new(),
             plot: Plot::default(),
+            differences: Vec::new(),
             branches,
         }
     }

@@ -26,7 +26,7 @@ mod table;
 mod write;
 
 pub use diagram::diagram;
-pub use document::{Document, FORMAT, Plot};
+pub use document::{Against, Document, FORMAT, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};

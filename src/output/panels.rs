@@ -1,7 +1,7 @@
 //! Everything that a document says about its own drawing: diagrams, and profiles of special points.
 
 use super::diagram::diagram;
-use super::document::Document;
+use super::document::{Against, Document};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 use crate::core::continuation::{Kind, SpecialPoint};
@@ -35,17 +35,50 @@ pub fn figures(
         panel.title = String::new();
         figures.push(panel);
     }
+    for (_, document) in documents {
+        for against in &document.plot.against {
+            figures.push(special_points_against(document, against));
+        }
+    }
     figures.extend(profiles(documents));
     Ok(figures)
 }
 
-/// The profiles of the first end of each branch and of the user's own points, one figure for each name.
+/// Special points of a document's branches against a setting in which the branches differ. A branch
+/// without that setting has no place in it.
+fn special_points_against(document: &Document, against: &Against) -> Figure {
+    let Against { kind, setting, column } = against;
+    let label = document.plot.label(column);
+    let mut figure = Figure::new("", document.plot.label(setting), label);
+    for (name, differences) in &document.differences {
+        let number = differences.iter().find(|(key, _)| key == setting);
+        let number = number.and_then(|(_, value)| value.parse::<f64>().ok());
+        let point = document
+            .branch(name)
+            .ok()
+            .and_then(|branch| branch.of_kind(*kind).next()?.value(branch.column(column)?));
+        let (Some(x), Some(y)) = (number, point) else { continue };
+        let others = differences.iter().filter(|(key, _)| key != setting);
+        let name = others.map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(", ");
+        match figure.series.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.points.push([x, y]),
+            None => figure.series.push(Series::new(name, Style::DottedLine, vec![[x, y]])),
+        }
+    }
+    figure
+}
+
+/// The profiles of solutions at the user's own points and, to compare, at the first end of their
+/// branch: one figure for each kind of profile.
 fn profiles(documents: &[(&str, &Document)]) -> Vec<Figure> {
     let mut figures: Vec<Figure> = Vec::new();
     let branches = documents.iter().flat_map(|(_, document)| &document.branches);
     for branch in branches {
         let first = branch.special.iter().find(|point| point.kind == Kind::EP);
         let own = branch.special.iter().filter(|point| point.kind == Kind::UZ);
+        if branch.condition.is_some() || own.clone().next().is_none() {
+            continue;
+        }
         for point in first.into_iter().chain(own) {
             for profile in &point.profiles {
                 add(&mut figures, &branch.name, point, profile);

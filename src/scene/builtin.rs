@@ -23,11 +23,15 @@ macro_rules! built_in {
 
 /// All scenes that come with the program, in the order in which they are listed.
 pub const BUILT_IN: &[BuiltIn] = built_in![
-    "plate-supported": "a supported plate through pull-in (figures 3.3, 3.10, 3.11)",
-    "plate-clamped": "a clamped plate through pull-in (figures 3.14, 3.17, 3.21)",
-    "plate-pull-in-gap": "pull-in against gap ratio for the in-plane edges (3.6, 3.7, 3.15, 3.16, 3.18-3.20)",
-    "plate-pull-in-aspect": "pull-in against aspect ratio, a curve of folds for each gap ratio (3.8, 3.9)",
-    "plate-modes": "models of few modes against the full one (3.3-3.5, 3.17)",
+    "plate-supported": "a supported plate through pull-in, and its mode shapes (figures 3.12, 3.13)",
+    "plate-clamped": "a clamped plate through pull-in, and its mode shapes (3.14, 3.22, 3.23)",
+    "plate-aspect": "load against deflection for several aspect ratios (3.10)",
+    "plate-frequency": "frequency against load for several gap ratios (3.11, 3.21)",
+    "plate-pull-in-gap": "pull-in against gap ratio for each in-plane edge model (3.6, 3.7, 3.15, 3.16, 3.18, 3.19)",
+    "plate-pull-in-edges": "pull-in of supported and clamped plates side by side (3.20)",
+    "plate-pull-in-aspect": "pull-in against aspect ratio for several gap ratios (3.8, 3.9)",
+    "plate-modes": "models of few modes against the full one (3.3, 3.4, 3.5)",
+    "plate-modes-clamped": "few modes of a clamped plate against the full model (3.17)",
     "plate-buckling": "a plate compressed at its edges: a branch point, and the buckled branches",
     "plate-device": "a plate in SI units: volts to pull-in, frequency in hertz",
 ];

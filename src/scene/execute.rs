@@ -50,6 +50,8 @@ pub fn execute(
     let mut document = Document::new(scene.title.clone(), Vec::new());
     document.plot = scene.plot.clone();
     document.settings = scene.record();
+    let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
+    document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
     let mut done: Vec<Branch> = Vec::new();
     let mut error = None;
     let runs: Vec<&Run> = match start {
