@@ -41,7 +41,7 @@ impl Trace {
         self.refuse_inputs(&document)?;
         let mut watch = Watch::new(out);
         let outcome = execute(&scene, start.as_ref(), &mut watch);
-        let interrupted = watch.finish()?;
+        let watched = watch.finish();
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
             false => self.save(&name, &outcome.document, &document, out),
@@ -49,7 +49,10 @@ impl Trace {
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
             Some(cause) => Err(at_fault(cause)),
-            None => saved.and(if interrupted { Err(CommandError::Interrupted) } else { Ok(()) }),
+            None => saved.and(match watched? {
+                true => Err(CommandError::Interrupted),
+                false => Ok(()),
+            }),
         }
     }
 

@@ -33,7 +33,7 @@ impl<'a> Continuation<'a> {
         names.parameter(name).ok_or_else(|| TraceError::unknown("parameter", name, known))
     }
 
-    fn quantity(&self, name: &str) -> Result<Quantity, TraceError> {
+    pub(super) fn quantity(&self, name: &str) -> Result<Quantity, TraceError> {
         let names = self.system.names();
         let known = names.parameters.iter().chain(&names.monitors).map(String::as_str);
         let parameter = names.parameter(name).map(Quantity::Parameter);
