@@ -1,6 +1,93 @@
 //! Numerical continuation: curves of zeros, the special points on them, and curves of those.
+//!
+//! # The mathematics
+//!
+//! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. With all
+//! parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of
+//!
+//! ```text
+//!     F(z, p) = 0
+//! ```
+//!
+//! form a curve, a **branch**. It is followed by its arclength `s`, not by the parameter: from a point
+//! `x₀ = (z₀, p₀)` with tangent `t`, `F_x t = 0`, the next point solves
+//!
+//! ```text
+//!     F(x) = 0,    ⟨t, x − x₀⟩ = Δs
+//! ```
+//!
+//! whose matrix, `F_z` bordered by one row and one column, is regular at folds too.
+//!
+//! A **monitor** is a scalar of the solution. A **condition** is what holds at a **special point**: that
+//! a monitor is at a level, or that a matrix is singular. With the bordered system
+//!
+//! ```text
+//!     ⎡ F_z  b ⎤⎡ v ⎤   ⎡ 0 ⎤
+//!     ⎣ cᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦
+//! ```
+//!
+//! a **fold** is `g(x) = 0`. A branch with its condition determines the point: Newton's iteration
+//! finishes it, and what it would still change is its error. The condition alone, held while a second
+//! parameter is released, is one equation fewer than there are unknowns: a **curve of folds**, traced
+//! like any other, with special points of its own (cusps, Bogdanov–Takens points). Branch points, Hopf
+//! points and conditions of the user's own work in the same way.
+//!
+//! # The shortest example
+//!
+//! The parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`, `load = 4/27`. The residual is
+//! stated once, over [`Scalar`](core::scalar::Scalar)s; derivatives of any order come from dual numbers.
+//!
+//! ```
+//! use tangency::core::continuation::{Continuation, Kind};
+//! use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
+//!
+//! struct ParallelPlate;
+//!
+//! impl ZeroProblem for ParallelPlate {
+//!     fn names(&self) -> Names {
+//!         Names::new(["u"], ["load"])
+//!     }
+//!     fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+//!         r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
+//!     }
+//! }
+//!
+//! let mut plate = Dense::new(ParallelPlate);
+//! let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).trace()?;
+//! let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+//! assert!((fold.parameters[0] - 4.0 / 27.0).abs() < 1e-14 && fold.error < 1e-13);
+//! assert!((fold.state[0] - 1.0 / 3.0).abs() < 1e-12);
+//! # Ok::<(), tangency::core::continuation::TraceError>(())
+//! ```
+//!
+//! # The map
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`core::zero`], [`core::scalar`] | what a user states ([`ZeroProblem`](core::zero::ZeroProblem)) and what the stepper sees ([`System`](core::zero::System)) |
+//! | [`core::dense`], [`core::linear`] | a system from any residual, by dual numbers and a bordered LU |
+//! | [`core::condition`], [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points |
+//! | [`core::extended`], [`core::newton`] | the problem with the conditions held, and Newton's iteration on it |
+//! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): stepping, events, switching; [`Branch`](core::continuation::Branch)es as data |
+//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate |
+//! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
+//! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced |
+//!
+//! `core` knows no device and `output` no problem; `scene` joins them, and the binary adds the command
+//! line. How the core is put together, with pictures, is told in `docs/core.md`; the way in for users is
+//! the README.
 
 pub mod core;
 pub mod output;
 pub mod problems;
 pub mod scene;
+
+/// The README's code, as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
+
+/// The code of `docs/core.md`, as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/core.md")]
+pub struct CoreNotes;

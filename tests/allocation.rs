@@ -5,10 +5,12 @@ mod common;
 use common::{Bratu, Columns, Oxidation};
 use tangency::core::bifurcation::{BranchPoint, Fold, Hopf};
 use tangency::core::condition::Condition;
+use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::dense::Dense;
 use tangency::core::extended::Extended;
 use tangency::core::newton::{Newton, Tolerances};
 use tangency::core::zero::System;
+use tangency::problems::plate::{Ritz, RitzSettings};
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
 
@@ -83,4 +85,27 @@ fn newton_on_other_conditions_allocates_nothing() {
     let point: Box<dyn Condition> = Box::new(BranchPoint::new(0));
     let x = [0.01, -0.01, 0.76, 0.25];
     assert_eq!(allocations(&mut Dense::new(Columns), &x, vec![0], Some(point)), 0);
+}
+
+/// The plate, whose structure is its own, with the load fixed and at its fold.
+#[test]
+fn newton_on_the_plate_allocates_nothing() {
+    let mut plate = Ritz::new(RitzSettings::new("CCCC".parse().unwrap())).unwrap();
+    let n = plate.names().dimension();
+    let mut x = plate.at_rest();
+    x[n] = 150.0;
+    assert_eq!(allocations(&mut plate, &x, vec![], None), 0);
+    let branch = Continuation::of(&mut plate)
+        .settings(Settings { accuracy: 0.0, ..Settings::default() })
+        .at("gap_ratio", 1.0)
+        .at("aspect", 1.0)
+        .at("nu", 0.3)
+        .along("load", 0.0..=300.0)
+        .bound("max_deflection", 0.0..=0.9)
+        .trace()
+        .unwrap();
+    let fold = branch.of_kind(Kind::LP).next().unwrap();
+    let mut x: Vec<f64> = fold.state.iter().chain(&fold.parameters).copied().collect();
+    x[n] *= 0.999;
+    assert_eq!(allocations(&mut plate, &x, vec![0], Some(Box::new(Fold::default()))), 0);
 }

@@ -138,3 +138,199 @@ fn arguments_that_cannot_be_understood_end_with_two() {
     let output = tangency(folder.path(), &["--help"]);
     assert!(output.status.success() && stdout(&output).contains("points"));
 }
+
+/// A folder with nothing in it.
+fn empty() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// The built-in scenes, one line each: name and summary.
+#[test]
+fn scenes_are_listed_one_line_each() {
+    let output = tangency(empty().path(), &["scenes"]);
+    assert_eq!(output.status.code(), Some(0));
+    let lines: Vec<&str> = stdout(&output).lines().collect();
+    assert_eq!(lines.len(), tangency::scene::BUILT_IN.len());
+    for (line, scene) in lines.iter().zip(tangency::scene::BUILT_IN) {
+        let (name, summary) = line.split_once("  ").unwrap();
+        assert_eq!((name, summary.trim()), (scene.name, scene.summary));
+    }
+}
+
+/// A trace prints a line for each special point, in AUTO's manner, and writes a document and a picture into
+/// `out`; the table of the document has the same points.
+#[test]
+fn a_trace_prints_its_special_points_and_writes_two_files() {
+    let folder = empty();
+    let output = tangency(folder.path(), &["trace", "plate-clamped"]);
+    assert_eq!(output.status.code(), Some(0));
+    let lines: Vec<&str> = stdout(&output).lines().collect();
+    assert_eq!(lines[0], "plate");
+    let header: Vec<&str> = lines[1].split_whitespace().collect();
+    assert_eq!(
+        header,
+        ["label", "kind", "load", "deflection", "max_deflection", "frequency", "frequency_ratio"]
+    );
+    let fold: Vec<&str> =
+        lines.iter().find(|line| line.contains("LP")).unwrap().split_whitespace().collect();
+    let load: f64 = fold[2].parse().unwrap();
+    assert!((load / 191.915137112 - 1.0).abs() < 1e-8, "{load}");
+    assert_eq!(fold.len(), 7);
+    let [document, picture] = ["out/plate-clamped.ron", "out/plate-clamped.svg"];
+    assert_eq!(lines[lines.len() - 2..], [document, picture]);
+    assert!(lines[lines.len() - 3].contains("max_deflection reached its bound 0.9"));
+    let svg = std::fs::read_to_string(folder.path().join(picture)).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Clamped microplate through pull-in"));
+    let points = tangency(folder.path(), &["points", document]);
+    let rows: Vec<&str> = stdout(&points).lines().skip(1).collect();
+    let printed = lines.iter().filter(|line| {
+        let mut words = line.split_whitespace();
+        words.next().is_some_and(|label| label.parse::<usize>().is_ok())
+    });
+    assert_eq!(rows.len(), printed.count());
+    let names: Vec<_> = std::fs::read_dir(folder.path().join("out")).unwrap().collect();
+    assert_eq!(names.len(), 2, "nothing but the two files: {names:?}");
+}
+
+/// `--set` and `--out`, and a restart from a labelled point of the result, which finds the same fold.
+#[test]
+fn a_trace_is_changed_by_name_and_restarted_from_a_label() {
+    let folder = empty();
+    let changed = ["trace", "plate-supported", "--set", "gap_ratio=2", "--set", "in_plane=free"];
+    let output = tangency(folder.path(), &[&changed[..], &["--out", "a/b"]].concat());
+    assert_eq!(output.status.code(), Some(0));
+    let first = Document::load(folder.path().join("a/b/plate-supported.ron")).unwrap();
+    let fold = |document: &Document| {
+        let fold = document.branches[0].special.iter().find(|point| point.event == "fold");
+        fold.unwrap().parameters[0]
+    };
+    assert!((fold(&first) / 61.243306692 - 1.0).abs() < 1e-8);
+    let end = first.branches[0].special.last().unwrap().label;
+    let start = format!("a/b/plate-supported.ron:plate/{end}");
+    let again = [&changed[..], &["--out", "c", "--start", &start]].concat();
+    let output = tangency(folder.path(), &again);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let second = Document::load(folder.path().join("c/plate-supported.ron")).unwrap();
+    assert!((fold(&second) / fold(&first) - 1.0).abs() < 1e-9);
+}
+
+/// What is asked of a trace and cannot be had is answered with the place, the value and the remedy; no file
+/// is written.
+#[test]
+fn a_trace_that_cannot_begin_says_why() {
+    let folder = empty();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    std::fs::write(folder.path().join("foreign.ron"), "(modes: 3)").unwrap();
+    let clamped =
+        |arguments: &[&'static str]| [&["trace", "plate-clamped"][..], arguments].concat();
+    let set = |change: &'static str| clamped(&["--set", change]);
+    for (arguments, said) in [
+        (vec!["trace", "plate-clampt"], vec!["`plate-clampt`", "did you mean `plate-clamped`?"]),
+        (vec!["trace", "nowhere.ron"], vec!["cannot read nowhere.ron"]),
+        (vec!["trace", "foreign.ron"], vec!["foreign.ron", "1:", "a scene begins with"]),
+        (set("gap_ration=2"), vec!["`gap_ration`", "did you mean `gap_ratio`?"]),
+        (set("aspect=-1"), vec!["aspect", "-1", "must be positive"]),
+        (set("nu=0.7"), vec!["nu", "7", "between −1 and ½"]),
+        (set("gap_ratio=NaN"), vec!["`gap_ratio`", "NaN", "finite"]),
+        (set("supports=XXXX"), vec!["XXXX", "four letters"]),
+        (set("in_plane=movable"), vec!["`in_plane`", "movable", "slide"]),
+        (set("accuracy=2"), vec!["`accuracy`", "2", "between 0 and 1"]),
+        (clamped(&["--set", "model=modal", "--set", "modes=0"]), vec!["0", "modes"]),
+        (clamped(&["--out", "file/below"]), vec!["cannot write file/below", "choose a folder"]),
+        (clamped(&["--start", "nothing.ron:1"]), vec!["cannot read nothing.ron"]),
+    ] {
+        let output = tangency(folder.path(), &arguments);
+        let message = failure(&output, 1);
+        for part in said {
+            assert!(message.contains(part), "{arguments:?}: {message}");
+        }
+        assert!(!folder.path().join("out").exists(), "{arguments:?} left a file");
+    }
+    for change in ["gap_ratio", "=2", "gap_ratio="] {
+        let message = tangency(folder.path(), &set(change));
+        assert!(failure(&message, 2).contains("NAME=VALUE"));
+    }
+}
+
+/// A scene's file, or the document that is started from, is never overwritten.
+#[test]
+fn a_trace_never_replaces_its_inputs() {
+    let folder = empty();
+    let scene = tangency::scene::BUILT_IN[0];
+    let path = folder.path().join("mine.ron");
+    std::fs::write(&path, scene.text).unwrap();
+    let output = tangency(folder.path(), &["trace", "mine.ron", "--out", "."]);
+    assert!(failure(&output, 1).contains("is an input and is not overwritten"));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), scene.text);
+    assert!(tangency(folder.path(), &["trace", "mine.ron"]).status.success());
+    let before = std::fs::read_to_string(folder.path().join("out/mine.ron")).unwrap();
+    let again = ["trace", "mine.ron", "--start", "out/mine.ron:plate/1"];
+    assert!(failure(&tangency(folder.path(), &again), 1).contains("is not overwritten"));
+    assert_eq!(std::fs::read_to_string(folder.path().join("out/mine.ron")).unwrap(), before);
+}
+
+/// A trace that takes some seconds: many short steps.
+fn long_trace(folder: &Path) -> std::process::Child {
+    Command::new(env!("CARGO_BIN_EXE_tangency"))
+        .args(["trace", "plate-clamped", "--set", "max_step=0.0002", "--set", "max_points=100000"])
+        .args(["--set", "orders=(transverse: (8, 8), in_plane: (10, 10))"])
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// A reader of a trace's lines who leaves ends it quietly.
+#[test]
+fn a_reader_who_leaves_a_trace_is_no_failure() {
+    let folder = empty();
+    let mut child = long_trace(folder.path());
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{output:?}");
+}
+
+/// Ctrl-C keeps what is traced: a document and a picture of a part of the branch, and a message.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_trace_is_kept() {
+    use std::io::{BufRead, BufReader};
+    use tangency::core::continuation::End;
+    let folder = empty();
+    let mut child = long_trace(folder.path());
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    // The name, the header and the start: the trace is under way.
+    for _ in 0..3 {
+        lines.next().unwrap().unwrap();
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let rest: Vec<String> = lines.map(Result::unwrap).collect();
+    let output = child.wait_with_output().unwrap();
+    assert!(failure(&output, 1).contains("interrupted; what was traced until then is kept"));
+    assert!(rest.iter().any(|line| line.ends_with("interrupted")), "{rest:?}");
+    let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
+    let branch = &document.branches[0];
+    assert_eq!(branch.ends[1], End::Interrupted);
+    assert!(branch.points.len() < 5000 && branch.special.len() >= 2);
+    assert!(folder.path().join("out/plate-clamped.svg").exists());
+    // And it goes on from there.
+    let label = branch.special.last().unwrap().label;
+    let start = format!("out/plate-clamped.ron:{label}");
+    let output = tangency(
+        folder.path(),
+        &[
+            "trace",
+            "plate-clamped",
+            "--set",
+            "orders=(transverse: (8, 8), in_plane: (10, 10))",
+            "--start",
+            &start,
+            "--out",
+            "next",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(stdout(&output).contains("  LP  "));
+}

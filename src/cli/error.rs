@@ -26,7 +26,7 @@ pub enum CommandError {
         place: String,
         /// What is wrong.
         #[source]
-        cause: SceneError,
+        cause: Box<SceneError>,
     },
     /// There is no built-in scene of this name, and no such file.
     #[error("{0}; a scene is a built-in name (see `tangency scenes`) or the path of a RON file")]

@@ -30,7 +30,8 @@ impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
     pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
         let (name, text) = self.text()?;
-        let at_fault = |cause| CommandError::Scene { place: self.scene.clone(), cause };
+        let at_fault =
+            |cause| CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) };
         let mut scene = Scene::parse(&text).map_err(at_fault)?;
         for Setting { name, value } in &self.settings {
             scene.set(name, value).map_err(at_fault)?;
@@ -40,14 +41,18 @@ impl Trace {
         self.refuse_inputs(&document)?;
         let mut watch = Watch::new(out);
         let outcome = execute(&scene, start.as_ref(), &mut watch);
-        let interrupted = watch.finish()?;
-        if !outcome.document.branches.is_empty() {
-            self.save(&name, &outcome.document, &document, out)?;
-        }
+        let watched = watch.finish();
+        let saved = match outcome.document.branches.is_empty() {
+            true => Ok(()),
+            false => self.save(&name, &outcome.document, &document, out),
+        };
+        // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
             Some(cause) => Err(at_fault(cause)),
-            None if interrupted => Err(CommandError::Interrupted),
-            None => Ok(()),
+            None => saved.and(match watched? {
+                true => Err(CommandError::Interrupted),
+                false => Ok(()),
+            }),
         }
     }
 

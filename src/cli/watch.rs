@@ -2,7 +2,7 @@
 
 use super::CommandError;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -50,8 +50,9 @@ impl<'a, W: Write> Watch<'a, W> {
     pub fn finish(self) -> Result<bool, CommandError> {
         self.bar.finish_and_clear();
         match self.failure {
-            Some(failure) => Err(failure.into()),
-            None => Ok(INTERRUPTED.load(Ordering::SeqCst)),
+            // A reader who has left does not mind what is saved.
+            Some(failure) if failure.kind() != ErrorKind::BrokenPipe => Err(failure.into()),
+            _ => Ok(INTERRUPTED.load(Ordering::SeqCst)),
         }
     }
 
@@ -77,7 +78,7 @@ impl<W: Write> Observer for Watch<'_, W> {
     fn point(&mut self, _point: &Point) -> ControlFlow<()> {
         self.points += 1;
         self.bar.set_message(format!("{} points", self.points));
-        match INTERRUPTED.load(Ordering::SeqCst) || self.failure.is_some() {
+        match INTERRUPTED.load(Ordering::SeqCst) {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }

@@ -4,7 +4,7 @@
 //! parameter released it can be held along a curve; together with a branch it defines a point.
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
-use super::continuation::Kind;
+use super::kind::Kind;
 use super::zero::{LeftDomain, Singular, System};
 
 /// Why equations could not be evaluated.

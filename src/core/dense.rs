@@ -250,6 +250,9 @@ impl<P: ZeroProblem> System for Dense<P> {
             Dynamics::Flow => {
                 matrix.eigenvalues().ok()?.into_iter().map(|l| (l.re, l.im)).collect()
             }
+            Dynamics::Restoring => {
+                matrix.eigenvalues().ok()?.into_iter().map(|l| (-l.re, l.im)).collect()
+            }
             Dynamics::Potential => {
                 let hessian = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
                 hessian.into_iter().map(|l| (-l, 0.0)).collect()

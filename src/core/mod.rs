@@ -5,6 +5,7 @@ pub mod condition;
 pub mod continuation;
 pub mod dense;
 pub mod extended;
+pub mod kind;
 pub mod linear;
 pub mod newton;
 pub mod quadrature;

@@ -132,6 +132,9 @@ pub enum Dynamics {
     Flow,
     /// `F = ∇Π`, the gradient of a potential: stable where the Hessian `F_z` is positive definite.
     Potential,
+    /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the gradient
+    /// of a potential: stable where every eigenvalue of `F_z` has a positive real part.
+    Restoring,
     /// No motion is meant: stability is not reported.
     Static,
 }

@@ -131,6 +131,9 @@ fn trace(
     if let Some(kind) = run.hold {
         curve = curve.hold(kind);
     }
+    if let Some((name, level)) = &run.hold_level {
+        curve = curve.hold_level(name, *level);
+    }
     curve = match run.direction {
         Way::Both => curve,
         Way::Forward => curve.forward(),

@@ -65,6 +65,9 @@ pub struct Run {
     /// The kind of special point that is held along the curve, where it is a curve of events.
     #[serde(default)]
     pub hold: Option<Kind>,
+    /// The parameter or monitor that is held at a level along the curve, where it is a curve of marks.
+    #[serde(default)]
+    pub hold_level: Option<(String, f64)>,
     /// The parameters that are released, the continued one first, with their ranges.
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors, where the branch ends.

@@ -205,7 +205,7 @@ impl Scene {
         run.along.iter().try_for_each(|range| scene.require_parameter(&range.name, false))?;
         unique("range", run.along.iter().map(|range| range.name.as_str()))?;
         unique("setting of a run", run.set.iter().map(|(name, _)| name.as_str()))?;
-        for (name, value) in &run.marks {
+        for (name, value) in run.marks.iter().chain(&run.hold_level) {
             finite(&format!("run `{}`, mark of `{name}`", run.name), *value)?;
         }
         if let Start::From { run: from, .. } = &run.start

@@ -2,7 +2,7 @@
 
 use super::{dot, generic_vector, normalise};
 use crate::core::condition::{At, Condition, EvaluationError};
-use crate::core::continuation::Kind;
+use crate::core::kind::Kind;
 use crate::core::zero::{Border, Slot};
 
 /// A branch point: `J = [F_z  F_p]` has rank `n − 1`.

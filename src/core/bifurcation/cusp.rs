@@ -14,7 +14,7 @@
 use super::dot;
 use super::null::NullVectors;
 use crate::core::condition::{At, Condition, EvaluationError};
-use crate::core::continuation::Kind;
+use crate::core::kind::Kind;
 
 /// A cusp: on a curve of folds, `a = wᵀ F_zz[v, v] = 0`.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 
 use super::null::NullVectors;
 use crate::core::condition::{At, Condition, EvaluationError};
-use crate::core::continuation::Kind;
+use crate::core::kind::Kind;
 
 /// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 
 use super::generic_vector;
 use crate::core::condition::{At, Condition, EvaluationError};
-use crate::core::continuation::Kind;
+use crate::core::kind::Kind;
 use crate::core::linear::BorderedLu;
 use crate::core::zero::{Border, Dynamics};
 

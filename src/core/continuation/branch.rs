@@ -1,57 +1,9 @@
 //! Branches as data: what a trace leaves behind, to be saved, drawn, restarted and tested.
 
 use super::settings::Settings;
+use crate::core::kind::Kind;
 use crate::core::zero::{Group, Profile};
 use serde::{Deserialize, Serialize};
-
-/// The kind of a special point, written as the two letters that the field reads at a glance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Kind {
-    /// `EP`: an end of the branch, or its start.
-    EP,
-    /// `LP`: a limit point or fold.
-    LP,
-    /// `BP`: a branch point.
-    BP,
-    /// `HB`: a Hopf point.
-    HB,
-    /// `CP`: a cusp on a curve of folds.
-    CP,
-    /// `BT`: a Bogdanov–Takens point.
-    BT,
-    /// `UZ`: a user's event.
-    UZ,
-    /// `MX`: the branch ended because a method failed.
-    MX,
-}
-
-impl Kind {
-    /// What the two letters mean, in words.
-    ///
-    /// ```
-    /// use tangency::core::continuation::Kind;
-    /// assert_eq!((Kind::LP.to_string(), Kind::LP.meaning()), ("LP".to_string(), "fold"));
-    /// ```
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Kind::EP => "end point",
-            Kind::LP => "fold",
-            Kind::BP => "branch point",
-            Kind::HB => "Hopf point",
-            Kind::CP => "cusp",
-            Kind::BT => "Bogdanov–Takens point",
-            Kind::UZ => "user's point",
-            Kind::MX => "method failed",
-        }
-    }
-}
-
-impl std::fmt::Display for Kind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(&format!("{self:?}"))
-    }
-}
 
 /// A regular point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -195,12 +195,12 @@ impl Stepper<'_> {
         let n = self.equations.dimension();
         let at = self.equations.at();
         let profiles = at.system.profiles(at.x);
-        // Where a bound happens to cut a branch of solutions nobody asks for more than the branch has.
+        // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
+        let rungs = if end_of_branch { 1 } else { usize::MAX };
         if converged
-            && !end_of_branch
             && self.settings.accuracy > 0.0
-            && let Some((refined, change)) = self.refine(event, &point, &from.point)
+            && let Some((refined, change)) = self.refine(event, &point, &from.point, rungs)
         {
             error += change;
             point = Point { unstable: point.unstable, ..refined };

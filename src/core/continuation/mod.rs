@@ -15,7 +15,8 @@ mod start;
 mod stepper;
 mod trace;
 
-pub use branch::{Branch, End, Kind, Point, SpecialPoint};
+pub use crate::core::kind::Kind;
+pub use branch::{Branch, End, Point, SpecialPoint};
 pub use error::TraceError;
 pub use event::{Direction, Event, MakeCondition, Test};
 pub use metric::Metric;

@@ -24,16 +24,23 @@ impl Stepper<'_> {
             monitors: start.monitors.clone(),
             unstable: start.unstable,
         };
-        if let Some((refined, error)) = self.refine(&event, &point, &point) {
+        if let Some((refined, error)) = self.refine(&event, &point, &point, usize::MAX) {
             (start.parameters, start.monitors) = (refined.parameters, refined.monitors);
             start.error += error;
         }
     }
 
     /// Finishes the special point loaded last on finer discretisations, until the accuracy asked for is
-    /// met: the finest point, and the estimated error of the continued parameter. `beside` is a
-    /// point of the branch near it, which says how large monitors are.
-    pub fn refine(&mut self, event: &Event, point: &Point, beside: &Point) -> Option<(Point, f64)> {
+    /// met or `rungs` of them have been climbed: the finest point, and the estimated error of the
+    /// continued parameter. `beside` is a point of the branch near it, which says how large monitors
+    /// are.
+    pub fn refine(
+        &mut self,
+        event: &Event,
+        point: &Point,
+        beside: &Point,
+        rungs: usize,
+    ) -> Option<(Point, f64)> {
         let released = self.equations.released().to_vec();
         let sizes: Vec<f64> = settling(point, &released)
             .zip(settling(beside, &released))
@@ -43,7 +50,7 @@ impl Stepper<'_> {
         let at = self.equations.at();
         let mut refinement = at.system.refined(at.x)?;
         let mut found = None;
-        loop {
+        for rung in 1.. {
             let curve = match &event.instead {
                 Some(instead) => std::slice::from_ref(instead),
                 None => &self.held[..],
@@ -60,12 +67,13 @@ impl Stepper<'_> {
                 *error <= tolerance * size
             });
             found = Some((fine, errors[0]));
-            if settled {
-                return found;
+            if settled || rung >= rungs {
+                break;
             }
-            let Some(next) = refinement.system.refined(&x) else { return found };
+            let Some(next) = refinement.system.refined(&x) else { break };
             refinement = next;
         }
+        found
     }
 
     fn converge_refined(

@@ -2,7 +2,7 @@
 
 use super::event::{Event, MakeCondition};
 use super::{Branch, Kind, Observer, Settings, SpecialPoint, TraceError};
-use crate::core::condition::Condition;
+use crate::core::condition::{Condition, Level};
 use crate::core::zero::System;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
@@ -231,6 +231,18 @@ impl<'a> Continuation<'a> {
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self
+    }
+
+    /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter must be
+    /// released.
+    pub fn hold_level(mut self, name: &str, level: f64) -> Self {
+        match self.quantity(name) {
+            Ok(quantity) => self.hold_condition(move || Level::new(quantity, level, Kind::UZ)),
+            Err(error) => {
+                self.errors.push(error);
+                self
+            }
+        }
     }
 
     /// Holds a condition of the user's own.
