@@ -307,7 +307,7 @@ fn restarts_reproduce_the_branch() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// No beginning of a scene is taken for a scene, and its end is where it breaks off.
     #[test]
