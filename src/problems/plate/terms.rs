@@ -33,7 +33,8 @@ impl Projection {
     pub(super) fn dynamics(self) -> crate::core::zero::Dynamics {
         match self {
             Projection::Direct => crate::core::zero::Dynamics::Potential,
-            Projection::Multiplied => crate::core::zero::Dynamics::Static,
+            // Nearly (1 − w)² times a gradient: its eigenvalues have the signs of the gradient's.
+            Projection::Multiplied => crate::core::zero::Dynamics::Restoring,
         }
     }
 }
