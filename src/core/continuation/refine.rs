@@ -129,7 +129,8 @@ impl Ladder {
     /// A single change `d` bounds the error of the finer value if each rung at least halves it. With
     /// two, changes are taken to go on shrinking by their ratio `ρ ≤ ½`: what is to come is
     /// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
-    /// relied on: spectral convergence may turn algebraic where a corner singularity takes over.
+    /// relied on, nor is a change below a hundredth of the one before: spectral convergence may turn
+    /// algebraic where a corner singularity takes over, and changes pass zero where errors change sign.
     fn climb(&mut self, values: Vec<f64>) -> Vec<f64> {
         let changes: Vec<f64> =
             values.iter().zip(&self.values).map(|(new, old)| (new - old).abs()).collect();
@@ -139,6 +140,7 @@ impl Ladder {
                 .iter()
                 .zip(before)
                 .map(|(&change, &before)| {
+                    let change = change.max(0.01 * before);
                     let ratio = (change / before.max(f64::MIN_POSITIVE)).clamp(0.1, 0.5);
                     4.0 * change * ratio / (1.0 - ratio)
                 })
