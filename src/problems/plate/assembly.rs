@@ -8,7 +8,7 @@
 //! variable tabulated, that is two matrix products, `X A Y`, whatever the number of functions.
 //! Tested against the derivative of the residual by dual numbers.
 
-use super::model::{Membrane, Model, PairTables};
+use super::discretisation::{Discretisation, Membrane, PairTables};
 use super::parameters::Parameters;
 use super::plane::PlaneFactor;
 use super::residual::{Workspace, quadratic_terms};
@@ -50,7 +50,7 @@ impl Integral<'_> {
 }
 
 impl Assembly {
-    pub fn new(model: &Model) -> Assembly {
+    pub fn new(model: &Discretisation) -> Assembly {
         let n = model.unknowns();
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         let plane = &model.plane;
@@ -77,7 +77,7 @@ impl Assembly {
     /// Assembles at the state that `work` was last evaluated at; `factor` belongs to it.
     pub fn assemble(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         factor: &PlaneFactor,
         work: &mut Workspace<f64>,
         largest: f64,
@@ -100,13 +100,13 @@ impl Assembly {
     }
 
     /// Assembles at `w = 0` without any load: bending alone.
-    pub fn assemble_flat(&mut self, model: &Model, parameters: &Parameters<f64>) {
+    pub fn assemble_flat(&mut self, model: &Discretisation, parameters: &Parameters<f64>) {
         self.matrix.fill(0.0);
         self.bend(model, parameters);
         self.scale(&model.scale);
     }
 
-    fn bend(&mut self, model: &Model, parameters: &Parameters<f64>) {
+    fn bend(&mut self, model: &Discretisation, parameters: &Parameters<f64>) {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         let n = nx * ny;
         for (coefficient, left, right) in quadratic_terms(model, parameters) {
@@ -128,7 +128,7 @@ impl Assembly {
     /// `12α₁²⟨δe:C:δe' + N:δ²e⟩` at fixed in-plane displacements.
     fn stretch(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         membrane: &Membrane,
         work: &Workspace<f64>,
         parameters: &Parameters<f64>,
@@ -160,7 +160,7 @@ impl Assembly {
     }
 
     /// Adds `⟨… f_i f_k … g_j g_l⟩` (pairs of ξ-functions fastest) to entry `(i j, k l)`.
-    fn scatter_square(&mut self, model: &Model) {
+    fn scatter_square(&mut self, model: &Discretisation) {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         for (column, entries) in self.matrix.chunks_exact_mut(nx * ny).enumerate() {
             let (k, l) = (column / ny, column % ny);
@@ -175,7 +175,7 @@ impl Assembly {
     /// Subtracts `12α₁² BᵀK_uv⁻¹B`.
     fn condense(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         membrane: &Membrane,
         factor: &PlaneFactor,
         work: &mut Workspace<f64>,
@@ -211,7 +211,7 @@ impl Assembly {
     /// `B = ∂r/∂q` from the weighted slopes of the deflection.
     fn couple(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         membrane: &Membrane,
         slopes: &[Vec<f64>; 2],
         parameters: &Parameters<f64>,
@@ -252,7 +252,7 @@ impl Assembly {
 
     fn scatter_coupling(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         active: &[usize],
         along_y: usize,
         first_row: usize,
@@ -271,7 +271,7 @@ impl Assembly {
     /// Subtracts `2λ⟨φφᵀ/(1−w)³⟩`.
     fn attract(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         work: &mut Workspace<f64>,
         parameters: &Parameters<f64>,
         largest: f64,

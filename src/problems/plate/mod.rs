@@ -27,12 +27,12 @@
 
 mod assembly;
 pub mod basis;
+mod discretisation;
 mod domain;
 mod edges;
 mod error;
 mod membrane_form;
 pub mod modal;
-mod model;
 mod modes;
 mod monitors;
 mod orders;
@@ -50,10 +50,10 @@ mod tensor;
 mod terms;
 mod vibration;
 
+pub use discretisation::RitzSettings;
 pub use edges::{InPlane, Support, Supports};
 pub use error::PlateError;
 pub use membrane_form::{Field, MembraneForm};
-pub use model::RitzSettings;
 pub use modes::Modes;
 pub use orders::Orders;
 pub use parameters::{Parameters, Units};

@@ -26,7 +26,7 @@ mod vibration;
 pub use error::ModalError;
 pub use system::ModalSystem;
 
-use super::model::LARGEST_DEFLECTION;
+use super::discretisation::LARGEST_DEFLECTION;
 use super::shape::{self, Search};
 use super::tensor::{Rule, dot};
 use super::vibration::{Vibrates, reals, signed_root};
@@ -317,8 +317,6 @@ impl ZeroProblem for Modal {
 
     /// The deflection and the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
-        let lowest = self.lowest(z, p);
-        let shape = lowest.as_ref().map(|vectors| vectors.right.as_slice());
-        profile::profiles(z, shape, |z, x| self.deflection(z, x, 0.5))
+        profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }
 }

@@ -13,7 +13,7 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{MatMut, MatRef, Par};
 
-use super::model::Model;
+use super::discretisation::Discretisation;
 use super::vibration::signed_root;
 
 /// Natural frequencies and modes of a plate, the lowest first.
@@ -51,7 +51,7 @@ pub(super) struct Eigenproblem {
 }
 
 impl Eigenproblem {
-    pub fn new(model: &Model) -> Eigenproblem {
+    pub fn new(model: &Discretisation) -> Eigenproblem {
         let n = model.unknowns();
         let [x, y] = &model.lines;
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());

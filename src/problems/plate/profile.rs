@@ -1,6 +1,7 @@
 //! Curves that are kept with special points: along the centre line `y = b/2`.
 
 use super::modes::extreme;
+use super::vibration::Vibrates;
 use crate::core::zero::Profile;
 
 /// Points of a profile; the one in the middle is the centre of the plate.
@@ -38,4 +39,15 @@ pub(super) fn profiles(
         }
     }
     profiles
+}
+
+/// [`profiles`] of the deflection `z` and the lowest mode about it.
+pub(super) fn with_lowest_mode<P: Vibrates>(
+    problem: &P,
+    z: &[f64],
+    p: &[f64],
+    deflection: impl Fn(&[f64], f64) -> f64,
+) -> Vec<Profile> {
+    let lowest = problem.lowest(z, p);
+    profiles(z, lowest.as_ref().map(|vectors| vectors.right.as_slice()), deflection)
 }

@@ -13,7 +13,7 @@
 //! The in-plane displacements `s` are eliminated: `K_uv s = −r(w)`. As `Π` is stationary in `s`, `F` is its
 //! partial derivative by `q` at that `s`. The mean takes `α` out of the mass matrix.
 
-use super::model::{Membrane, Model};
+use super::discretisation::{Discretisation, Membrane};
 use super::parameters::Parameters;
 use super::plane::PlaneFactor;
 use super::tensor::Product;
@@ -38,7 +38,7 @@ pub(super) struct Workspace<T> {
 }
 
 impl<T: Scalar> Workspace<T> {
-    pub fn new(model: &Model) -> Workspace<T> {
+    pub fn new(model: &Discretisation) -> Workspace<T> {
         let zeros = |length: usize| vec![T::zero(); length];
         let plane = &model.plane;
         let nodes = model.membrane.as_ref().map_or(0, |m| m.points()[0] * m.points()[1]);
@@ -67,7 +67,7 @@ impl<T: Scalar> Workspace<T> {
     /// largest deflection at the nodes where the load is evaluated.
     pub fn evaluate(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         factor: &PlaneFactor,
         largest: f64,
         plane_fixed: bool,
@@ -92,7 +92,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// Bending, applied edge forces and pressure: `Σ c L q R` with constant matrices.
-    fn bend(&mut self, model: &Model, parameters: &Parameters<T>) {
+    fn bend(&mut self, model: &Discretisation, parameters: &Parameters<T>) {
         let [nx, ny] = [model.transverse[0].len(), model.transverse[1].len()];
         for (coefficient, left, right) in quadratic_terms(model, parameters) {
             if left.is_empty() {
@@ -126,7 +126,7 @@ impl<T: Scalar> Workspace<T> {
     /// `s = −K_uv⁻¹ r(w)` by refinement with the `f64` factor, each turn exact to one order more.
     pub fn solve_plane(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         membrane: &Membrane,
         factor: &PlaneFactor,
         parameters: &Parameters<T>,
@@ -148,7 +148,7 @@ impl<T: Scalar> Workspace<T> {
     /// Stresses of the present `w` and `s`; `at_rest` skips what `s = 0` contributes.
     fn find_stress(
         &mut self,
-        model: &Model,
+        model: &Discretisation,
         membrane: &Membrane,
         parameters: &Parameters<T>,
         at_rest: bool,
@@ -175,7 +175,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// Adds `u_x`, `v_y`, `u_y + v_x` to the strains.
-    fn add_plane_strain(&mut self, model: &Model, membrane: &Membrane, along: T) {
+    fn add_plane_strain(&mut self, model: &Discretisation, membrane: &Membrane, along: T) {
         let [u, v] = &mut self.grids;
         model.plane.unpack(&self.s, u, v);
         let [u_x, u_y] = membrane.slopes(&membrane.u);
@@ -193,7 +193,12 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// `K_uv s + r(w)` of the present stresses into `right`.
-    fn project_on_plane(&mut self, model: &Model, membrane: &Membrane, parameters: &Parameters<T>) {
+    fn project_on_plane(
+        &mut self,
+        model: &Discretisation,
+        membrane: &Membrane,
+        parameters: &Parameters<T>,
+    ) {
         let along = parameters.aspect.recip() * 2.0;
         let two = T::from(2.0);
         let [u_x, u_y] = membrane.slopes(&membrane.u);
@@ -233,7 +238,7 @@ impl<T: Scalar> Workspace<T> {
     }
 
     /// Adds the electrostatic load, `−λ⟨φ/(1−w)²⟩`; returns the largest deflection at its nodes.
-    fn attract(&mut self, model: &Model, parameters: &Parameters<T>, largest: f64) -> f64 {
+    fn attract(&mut self, model: &Discretisation, parameters: &Parameters<T>, largest: f64) -> f64 {
         let load = model.load_rule(largest);
         let product = load.values();
         let field = &mut self.fields[0][..product.points[0] * product.points[1]];
@@ -257,7 +262,7 @@ impl<T: Scalar> Workspace<T> {
 /// of ξ, matrix of those of ζ (transposed). A pair of edges that is free at one end carries no
 /// normal force; a plate with any free edge carries no shear.
 pub(super) fn quadratic_terms<'a, T: Scalar>(
-    model: &'a Model,
+    model: &'a Discretisation,
     parameters: &Parameters<T>,
 ) -> [(T, &'a [f64], &'a [f64]); 9] {
     use super::edges::Support::Free;

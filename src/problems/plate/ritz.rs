@@ -1,8 +1,8 @@
 //! The full Ritz model of an electrostatically actuated von Kármán plate.
 
 use super::assembly::Assembly;
+use super::discretisation::{Discretisation, LARGEST_DEFLECTION, RitzSettings};
 use super::error::PlateError;
-use super::model::{LARGEST_DEFLECTION, Model, RitzSettings};
 use super::modes::{Eigenproblem, Modes};
 use super::orders::Orders;
 use super::parameters::Units;
@@ -39,7 +39,7 @@ use std::mem::swap;
 /// # Ok::<(), tangency::problems::plate::PlateError>(())
 /// ```
 pub struct Ritz {
-    pub(super) model: Model,
+    pub(super) model: Discretisation,
     pub(super) names: Names,
     pub(super) factor: PlaneFactor,
     pub(super) assembly: Assembly,
@@ -78,7 +78,7 @@ impl Ritz {
     /// # Errors
     /// [`PlateError`] for orders out of range and for supports that leave the plate loose.
     pub fn new(settings: RitzSettings) -> Result<Ritz, PlateError> {
-        let model = Model::new(settings)?;
+        let model = Discretisation::new(settings)?;
         let n = model.unknowns();
         let names = monitors::names(settings.units, n);
         let length = names.length();

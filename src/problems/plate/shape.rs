@@ -1,13 +1,18 @@
 //! Deflections at points of the plate, and the largest one.
 
 use super::basis::AtPoint;
-use super::model::Model;
+use super::discretisation::Discretisation;
 
 /// Nodes of a half side on which the largest deflection is looked for.
 const NODES: usize = 17;
 
 /// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point: `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
-pub(super) fn local(model: &Model, q: &[f64], at: [f64; 2], memory: &mut [AtPoint; 2]) -> [f64; 6] {
+pub(super) fn local(
+    model: &Discretisation,
+    q: &[f64],
+    at: [f64; 2],
+    memory: &mut [AtPoint; 2],
+) -> [f64; 6] {
     let [f, g] = evaluate(model, at, memory);
     let mut sums = [0.0; 6];
     let products = f.iter().flat_map(|f| g.iter().map(move |g| (f, g)));
@@ -21,7 +26,12 @@ pub(super) fn local(model: &Model, q: &[f64], at: [f64; 2], memory: &mut [AtPoin
 }
 
 /// Values of all products of functions at a point.
-pub(super) fn products(model: &Model, at: [f64; 2], memory: &mut [AtPoint; 2], out: &mut [f64]) {
+pub(super) fn products(
+    model: &Discretisation,
+    at: [f64; 2],
+    memory: &mut [AtPoint; 2],
+    out: &mut [f64],
+) {
     let [f, g] = evaluate(model, at, memory);
     let values = f.iter().flat_map(|f| g.iter().map(move |g| f[0] * g[0]));
     for ((out, value), scale) in out.iter_mut().zip(values).zip(&model.scale) {
@@ -30,7 +40,11 @@ pub(super) fn products(model: &Model, at: [f64; 2], memory: &mut [AtPoint; 2], o
 }
 
 /// The functions of each direction at a point.
-fn evaluate<'a>(model: &Model, at: [f64; 2], memory: &'a mut [AtPoint; 2]) -> [&'a [[f64; 3]]; 2] {
+fn evaluate<'a>(
+    model: &Discretisation,
+    at: [f64; 2],
+    memory: &'a mut [AtPoint; 2],
+) -> [&'a [[f64; 3]]; 2] {
     for axis in 0..2 {
         model.transverse[axis].evaluate(at[axis], &mut memory[axis]);
     }
@@ -56,7 +70,7 @@ pub(super) struct Search {
 }
 
 impl Search {
-    pub fn new(model: &Model) -> Search {
+    pub fn new(model: &Discretisation) -> Search {
         let nodes = model.symmetric.map(search_nodes);
         let tables = [0, 1].map(|axis| model.transverse[axis].table(&nodes[axis]));
         Search {
@@ -70,7 +84,7 @@ impl Search {
     }
 
     /// The largest deflection on the grid and where it is, `(w, ξ, ζ)`; not a number if any is not.
-    pub fn on_grid(&mut self, model: &Model, q: &[f64]) -> (f64, f64, f64) {
+    pub fn on_grid(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         for ((out, q), scale) in self.coefficients.iter_mut().zip(q).zip(&model.scale) {
             *out = q * scale;
         }
@@ -92,7 +106,7 @@ impl Search {
 
     /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's iteration in
     /// the variables that are not at an end which the deflection still rises towards.
-    pub fn largest(&mut self, model: &Model, q: &[f64]) -> (f64, f64, f64) {
+    pub fn largest(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         let (best, xi, zeta) = self.on_grid(model, q);
         let held = |axis: usize| model.symmetric[axis];
         if best.is_nan() || (held(0) && held(1) && xi == 0.0 && zeta == 0.0) {

@@ -288,8 +288,6 @@ impl ZeroProblem for SinePlate {
 
     /// The deflection and the first mode shape along the centre line.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
-        let lowest = self.lowest(z, p);
-        let shape = lowest.as_ref().map(|vectors| vectors.right.as_slice());
-        profile::profiles(z, shape, |z, x| self.deflection(z, x, 0.5))
+        profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
     }
 }

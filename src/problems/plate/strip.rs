@@ -236,9 +236,7 @@ impl ZeroProblem for Strip {
 
     /// The deflection and the first mode shape along the strip.
     fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
-        let lowest = self.lowest(z, p);
-        let shape = lowest.as_ref().map(|vectors| vectors.right.as_slice());
-        profile::profiles(z, shape, |z, x| self.deflection(z, x))
+        profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x))
     }
 }
 

@@ -1,6 +1,6 @@
 //! [`Ritz`] as a [`System`]: what the stepper sees of the plate.
 
-use super::model::Model;
+use super::discretisation::Discretisation;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
@@ -21,7 +21,7 @@ const LARGEST_RUNG: usize = 500;
 /// The mixed derivative of `F` along `directions` (each as long as `x`), left in `work.r`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
-    model: &Model,
+    model: &Discretisation,
     factor: &PlaneFactor,
     x: &[f64],
     directions: &[&[f64]],
@@ -45,7 +45,7 @@ fn differentiate<T: Directional>(
 }
 
 /// The unknowns of the same deflection in a larger space of polynomials.
-fn prolonged(from: &Model, to: &Model, z: &[f64]) -> Vec<f64> {
+fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
     let [nx, ny] = [0, 1].map(|axis| from.transverse[axis].len());
     let [mx, my] = [0, 1].map(|axis| to.transverse[axis].len());
     // One direction: functions of the coarse basis in those of the fine one, `(coarse, fine)`.

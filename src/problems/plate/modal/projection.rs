@@ -4,7 +4,7 @@ use super::spectrum::FlatModes;
 use super::tables::{Nodes, at};
 use super::{ModalError, ModalSettings, membrane};
 use crate::core::scalar::Scalar;
-use crate::problems::plate::model::LARGEST_DEFLECTION;
+use crate::problems::plate::discretisation::LARGEST_DEFLECTION;
 use crate::problems::plate::tensor::{Rule, dot};
 use crate::problems::plate::{MembraneForm, Parameters, Support, Theory};
 

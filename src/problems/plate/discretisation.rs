@@ -86,7 +86,7 @@ pub(super) struct Membrane {
 }
 
 /// A plate without its state.
-pub(super) struct Model {
+pub(super) struct Discretisation {
     pub settings: RitzSettings,
     pub orders: Orders,
     /// Directions in which only symmetric displacements are considered.
@@ -103,8 +103,8 @@ pub(super) struct Model {
 /// Deflections beyond this one are refused: the electrostatic load is no longer integrated to 1e-11.
 pub(super) const LARGEST_DEFLECTION: f64 = 0.96;
 
-impl Model {
-    pub fn new(settings: RitzSettings) -> Result<Model, PlateError> {
+impl Discretisation {
+    pub fn new(settings: RitzSettings) -> Result<Discretisation, PlateError> {
         let supports = settings.supports;
         let symmetric = supports.alike().map(|alike| alike && settings.symmetric);
         let orders = settings.orders.unwrap_or_else(|| Orders::usual(symmetric, settings.aspect));
@@ -123,7 +123,17 @@ impl Model {
             .map(|(count, largest)| LoadRule::new(&transverse, symmetric, count, largest))
             .into();
         let scale = scales(&lines);
-        Ok(Model { settings, orders, symmetric, transverse, lines, loads, membrane, plane, scale })
+        Ok(Discretisation {
+            settings,
+            orders,
+            symmetric,
+            transverse,
+            lines,
+            loads,
+            membrane,
+            plane,
+            scale,
+        })
     }
 
     /// The number of unknowns.
