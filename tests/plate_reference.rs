@@ -383,7 +383,7 @@ fn flat_plates_buckle_at_branch_points() {
         ("SCSC", "edge_force_x", false, 7.6912836, 1e-7 / 7.69),
     ] {
         let mut settings = plate(supports, InPlane::Slide);
-        settings.symmetric = symmetric;
+        settings.symmetric = Some(symmetric);
         let mut system = system(&settings, 1.0);
         let flat = compressed(&mut *system, force, 1e-10);
         let what = format!("{supports}, {force}");
@@ -499,8 +499,11 @@ fn curves_of_branch_points_follow_the_exact_buckling_loads() {
 #[test]
 fn plates_with_other_edges_pull_in_in_order() {
     let load = |supports: &str, symmetric: bool| {
-        let settings =
-            PlateSettings { supports: supports.into(), symmetric, ..PlateSettings::default() };
+        let settings = PlateSettings {
+            supports: supports.into(),
+            symmetric: Some(symmetric),
+            ..PlateSettings::default()
+        };
         let mut system = system(&settings, 1.0);
         let branch = through_pull_in(&mut *system, &[]).settings(accuracy(1e-6)).trace().unwrap();
         let fold = pull_in(&branch);

@@ -44,13 +44,8 @@ pub enum CommandError {
     #[error("interrupted; what was traced until then is kept")]
     Interrupted,
     /// The standard output cannot be written to.
-    #[error("cannot write to the standard output: {0}")]
+    #[error(
+        "the standard output cannot be written to: {0}; files that were named are complete, and the output can go to a file instead"
+    )]
     Output(#[from] std::io::Error),
-}
-
-impl CommandError {
-    /// Whether the reader of the standard output has left, as `head` does: that is no failure.
-    pub fn reader_left(&self) -> bool {
-        matches!(self, CommandError::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe)
-    }
 }

@@ -28,7 +28,7 @@ enum Command {
     Plot(plot::Plot),
 }
 
-/// Runs the command line. The exit code is 0 on success and where the reader of the output has left,
+/// Runs the command line. The exit code is 0 on success,
 /// 1 after an error, 2 for arguments that cannot be understood.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
@@ -41,7 +41,6 @@ pub fn main() -> ExitCode {
     };
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.reader_left() => ExitCode::SUCCESS,
         Err(error) => {
             // Nothing can be done where even the error stream is closed.
             let _ = writeln!(std::io::stderr(), "error: {error}");

@@ -39,6 +39,9 @@ impl Trace {
         let start = self.start.as_ref().map(Start::point).transpose()?;
         let document = self.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;
+        // A folder that cannot be written to is better known before the work than after it.
+        std::fs::create_dir_all(&self.out)
+            .map_err(|source| FileError::Write { path: self.out.clone(), source })?;
         let mut watch = Watch::new(out);
         let outcome = execute(&scene, start.as_ref(), &mut watch);
         let watched = watch.finish();

@@ -2,7 +2,7 @@
 
 use super::CommandError;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -50,9 +50,8 @@ impl<'a, W: Write> Watch<'a, W> {
     pub fn finish(self) -> Result<bool, CommandError> {
         self.bar.finish_and_clear();
         match self.failure {
-            // A reader who has left does not mind what is saved.
-            Some(failure) if failure.kind() != ErrorKind::BrokenPipe => Err(failure.into()),
-            _ => Ok(INTERRUPTED.load(Ordering::SeqCst)),
+            Some(failure) => Err(failure.into()),
+            None => Ok(INTERRUPTED.load(Ordering::SeqCst)),
         }
     }
 

@@ -329,9 +329,14 @@ pub trait System {
         Vec::new()
     }
 
+    /// Whether the equations are exact as they stand: no discretisation of something else that
+    /// [`refined`](System::refined) could improve.
+    fn exact(&self) -> bool {
+        true
+    }
+
     /// The same problem on a finer discretisation: special points are finished on it, and the
-    /// difference is the discretisation's share of their `error`. `None` where the equations are
-    /// exact as they stand.
+    /// difference is the discretisation's share of their `error`. `None` where there is none finer.
     fn refined(&self, _x: &[f64]) -> Option<Refinement> {
         None
     }

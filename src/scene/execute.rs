@@ -177,8 +177,9 @@ fn reach(scene: &Scene, runs: &[Run], values: &[f64]) -> Vec<f64> {
     for ((reach, value), (name, _)) in reach.iter_mut().zip(values).zip(&names) {
         let ranges = runs.iter().flat_map(|run| &run.along).filter(|range| range.name == *name);
         for end in ranges.flat_map(|range| [range.low, range.high]).flatten() {
-            let ratio = |end: f64| (end / value).ln().abs();
-            if ratio(end).is_finite() && ratio(end) > ratio(*reach) {
+            // By ratio, as an aspect ratio is meant; from zero, by size.
+            let far = |end: f64| if *value == 0.0 { end.abs() } else { (end / value).ln().abs() };
+            if far(end).is_finite() && far(end) > far(*reach) {
                 *reach = end;
             }
         }

@@ -38,7 +38,7 @@ impl Problem {
                     ("projection", written(&plate.projection)),
                     ("orders", plate.orders.as_ref().map_or("usual".into(), |v| written(v))),
                     ("units", written(&plate.units)),
-                    ("symmetric", plate.symmetric.to_string()),
+                    ("symmetric", plate.symmetric.map_or("usual".into(), |v| v.to_string())),
                 ]
             }
         }
@@ -57,7 +57,7 @@ impl Problem {
                     "projection" => assign(&mut plate.projection, name, value)?,
                     "orders" => plate.orders = usual_or(name, value)?,
                     "units" => assign(&mut plate.units, name, value)?,
-                    "symmetric" => assign(&mut plate.symmetric, name, value)?,
+                    "symmetric" => plate.symmetric = usual_or(name, value)?,
                     _ => return Ok(false),
                 }
                 Ok(true)
@@ -69,10 +69,7 @@ impl Problem {
     /// from there.
     pub(super) fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self {
-            Problem::Plate(plate) => {
-                let aspect = plate.units.parameters(reach).aspect;
-                Ok(plate.system(p, aspect)?)
-            }
+            Problem::Plate(plate) => Ok(plate.system(p, reach)?),
         }
     }
 }

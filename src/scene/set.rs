@@ -177,6 +177,13 @@ impl Scene {
     }
 
     fn check(&self) -> Result<(), SceneError> {
+        if self.runs.is_empty() {
+            return Err(SceneError::Invalid {
+                place: "the list of runs".into(),
+                found: "empty".into(),
+                rule: "must hold one run or more".into(),
+            });
+        }
         self.check_parameters()?;
         unique("parameter", self.parameters.iter().map(|(name, _)| name.as_str()))?;
         unique("run", self.runs.iter().map(|run| run.name.as_str()))?;

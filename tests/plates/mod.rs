@@ -23,7 +23,9 @@ pub fn linear(supports: &str) -> PlateSettings {
 
 /// The system of a plate fit for aspect ratios up to this one.
 pub fn system(settings: &PlateSettings, aspect: f64) -> Box<dyn System> {
-    settings.system(Units::Dimensionless.defaults(), aspect).expect("a plate")
+    let mut reach = Units::Dimensionless.defaults().to_vec();
+    reach[2] = aspect;
+    settings.system(Units::Dimensionless.defaults(), &reach).expect("a plate")
 }
 
 /// Settings with another accuracy.

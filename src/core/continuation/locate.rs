@@ -198,12 +198,20 @@ impl Stepper<'_> {
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         let rungs = if end_of_branch { 1 } else { usize::MAX };
-        if converged
-            && self.settings.accuracy > 0.0
-            && let Some((refined, change)) = self.refine(event, &point, &from.point, rungs)
-        {
-            error += change;
-            point = Point { unstable: point.unstable, ..refined };
+        let mut converged = converged;
+        if converged && self.settings.accuracy > 0.0 {
+            match self.refine(event, &point, &from.point, rungs) {
+                Some((refined, change)) => {
+                    error += change;
+                    point = Point { unstable: point.unstable, ..refined };
+                }
+                None if self.equations.system().exact() => {}
+                None => {
+                    // Nothing is known of the discretisation's share: no digit is promised.
+                    converged = false;
+                    error = unknowns[parameter].abs();
+                }
+            }
         }
         let special = SpecialPoint {
             label: 0,

@@ -183,6 +183,14 @@ impl<'a> Continuation<'a> {
     /// the other one. `None` if the start is no branch point.
     fn leaving(&mut self, released: &[usize]) -> Result<Option<Vec<f64>>, EvaluationError> {
         let at_branch_point = self.at_branch_point && self.held.is_empty();
+        if self.switched
+            && let Some(kind) = self.restarted_at.filter(|kind| *kind != Kind::BP)
+        {
+            return Err(EvaluationError::NotApplicable(format!(
+                "the point to switch at is a {}, but branches cross at branch points (BP) only",
+                kind.meaning()
+            )));
+        }
         if !(self.switched || at_branch_point) {
             return Ok(None);
         }
@@ -271,6 +279,7 @@ impl<'a> Continuation<'a> {
             sides,
             slopes,
             directions: [self.backward, self.forward],
+            from_branch_point: !correct,
             labels: 0,
         };
         tracer.check_bounds()?;

@@ -10,11 +10,11 @@ use crate::core::newton::Newton;
 use crate::core::zero::{Refinement, System};
 
 impl Stepper<'_> {
-    /// A curve of events starts at a special point: it is finished like one, with the parameter
-    /// released last held where it is.
+    /// The start of a curve is finished like a special point, with the parameter released last held where
+    /// it is.
     pub fn refine_start(&mut self, start: &mut SpecialPoint) {
         let Some(&last) = self.equations.released().last() else { return };
-        if self.held.is_empty() || self.settings.accuracy == 0.0 {
+        if self.settings.accuracy == 0.0 {
             return;
         }
         let level = start.parameters[last];

@@ -20,6 +20,9 @@ pub(super) struct Tracer<'a> {
     pub slopes: Vec<f64>,
     /// Whether to trace backward, forward.
     pub directions: [bool; 2],
+    /// Whether the start is a branch point that the curve leaves: where it is a pitchfork, the parameter
+    /// turns there, which is no fold.
+    pub from_branch_point: bool,
     /// How many labels have been given.
     pub labels: usize,
 }
@@ -252,8 +255,10 @@ impl Tracer<'_> {
                     && (!located.special.converged
                         || (other.along - located.along).abs() < 1e-3 * length)
             };
-            let double = kind == Kind::LP && found.iter().any(same);
-            let of_the_start = at_start && located.along <= AT_START;
+            let pitchfork = at_start && self.from_branch_point;
+            let double = kind == Kind::LP && (pitchfork || found.iter().any(same));
+            let terminal = self.stepper.events[index].terminal;
+            let of_the_start = at_start && !terminal && located.along <= AT_START;
             if !(double || of_the_start) {
                 found.push(located);
             }

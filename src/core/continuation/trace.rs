@@ -45,6 +45,8 @@ pub struct Continuation<'a> {
     pub(super) at_branch_point: bool,
     /// What the curve one restarts from is made of: its direction means nothing on another curve.
     pub(super) restarted_on: Option<Kind>,
+    /// The kind of the special point one restarts from.
+    pub(super) restarted_at: Option<Kind>,
     pub(super) switched: bool,
     pub(super) forward: bool,
     pub(super) backward: bool,
@@ -69,6 +71,7 @@ impl<'a> Continuation<'a> {
             settings: Settings::default(),
             at_branch_point: false,
             restarted_on: None,
+            restarted_at: None,
             switched: false,
             forward: true,
             backward: true,
@@ -154,6 +157,7 @@ impl<'a> Continuation<'a> {
         }
         self = self.from(&special.state);
         self.restarted_on = branch.condition;
+        self.restarted_at = Some(special.kind);
         self.at_branch_point = special.kind == Kind::BP && branch.condition.is_none();
         let n = self.system.names().dimension();
         if special.tangent.len() == n + branch.released.len() {

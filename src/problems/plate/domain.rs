@@ -7,8 +7,10 @@ use crate::core::zero::LeftDomain;
 /// `α ≤ 0`, or `ν` is not between −1 and ½.
 pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, LeftDomain> {
     for (name, value) in units.names().iter().zip(p) {
-        let positive =
-            matches!(*name, "length" | "width" | "thickness" | "gap" | "young" | "density");
+        let positive = matches!(
+            *name,
+            "length" | "width" | "thickness" | "gap" | "young" | "density" | "permittivity"
+        );
         if !value.is_finite() {
             return Err(LeftDomain::new(*name, *value, "every parameter must be finite"));
         }

@@ -42,8 +42,9 @@ pub struct PlateSettings {
     pub orders: Option<Orders>,
     /// What the parameters mean.
     pub units: Units,
-    /// Whether symmetry is used where edges and load allow it.
-    pub symmetric: bool,
+    /// Whether the symmetry of the edges is used. If not given, it is unless edge forces act: a compressed
+    /// plate may buckle into two half waves first, which symmetry knows nothing of.
+    pub symmetric: Option<bool>,
 }
 
 impl Default for PlateSettings {
@@ -57,7 +58,7 @@ impl Default for PlateSettings {
             projection: Projection::Direct,
             orders: None,
             units: Units::Dimensionless,
-            symmetric: true,
+            symmetric: None,
         }
     }
 }
@@ -85,8 +86,8 @@ pub enum SettingsError {
 }
 
 impl PlateSettings {
-    /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and
-    /// whose aspect ratio reaches `farthest_aspect`.
+    /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and go as
+    /// far as `reach`.
     ///
     /// # Errors
     /// [`SettingsError`] with what is at fault and the remedy.
@@ -94,25 +95,24 @@ impl PlateSettings {
     /// ```
     /// use tangency::problems::plate::{PlateSettings, Units};
     /// let settings = PlateSettings { supports: "CCCC".into(), ..PlateSettings::default() };
-    /// let system = settings.system(Units::Dimensionless.defaults(), 1.0)?;
+    /// let system = settings.system(Units::Dimensionless.defaults(), Units::Dimensionless.defaults())?;
     /// assert_eq!(system.names().parameters[0], "load");
     /// # Ok::<(), tangency::problems::plate::SettingsError>(())
     /// ```
-    pub fn system(
-        &self,
-        p: &[f64],
-        farthest_aspect: f64,
-    ) -> Result<Box<dyn System>, SettingsError> {
+    pub fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SettingsError> {
         let supports: Supports = self.supports.parse()?;
-        let parameters = self.units.parameters(p);
+        let [parameters, farthest] = [p, reach].map(|p| self.units.parameters(p));
+        let compressed = [parameters, farthest]
+            .iter()
+            .any(|plate| [plate.compression_x, plate.compression_y, plate.shear] != [0.0; 3]);
         let plate = RitzSettings {
             supports,
             in_plane: self.in_plane.unwrap_or(supports.usual_in_plane()),
             theory: self.theory,
             orders: self.orders,
-            aspect: farthest_aspect,
+            aspect: farthest.aspect,
             units: self.units,
-            symmetric: self.symmetric && parameters.shear == 0.0,
+            symmetric: self.symmetric.unwrap_or(!compressed),
         };
         match self.model {
             Model::Ritz => Ok(Box::new(Ritz::new(plate)?)),

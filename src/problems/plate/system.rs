@@ -342,6 +342,10 @@ impl System for Ritz {
         profile::profiles(q, shape.map(Vec::as_slice), |q, x| self.deflection(q, x, 0.5))
     }
 
+    fn exact(&self) -> bool {
+        false
+    }
+
     fn refined(&self, x: &[f64]) -> Option<Refinement> {
         let orders = self.model.orders.finer();
         if orders.transverse[0] * orders.transverse[1] > LARGEST_RUNG {
