@@ -39,9 +39,7 @@ impl Trace {
         let start = self.start.as_ref().map(Start::point).transpose()?;
         let document = self.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;
-        // A folder that cannot be written to is better known before the work than after it.
-        std::fs::create_dir_all(&self.out)
-            .map_err(|source| FileError::Write { path: self.out.clone(), source })?;
+        self.refuse_folder()?;
         let mut watch = Watch::new(out);
         let outcome = execute(&scene, start.as_ref(), &mut watch);
         let watched = watch.finish();
@@ -97,6 +95,18 @@ impl Trace {
         let text = std::fs::read_to_string(path)
             .map_err(|source| FileError::Read { path: path.into(), source })?;
         Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
+    }
+
+    /// A folder that cannot be is better known before the work than after it.
+    fn refuse_folder(&self) -> Result<(), CommandError> {
+        match self.out.ancestors().find(|path| path.exists()) {
+            Some(path) if !path.is_dir() => Err(FileError::Write {
+                path: self.out.clone(),
+                source: std::io::ErrorKind::NotADirectory.into(),
+            }
+            .into()),
+            _ => Ok(()),
+        }
     }
 
     /// The results must not replace the scene's file or the document that is started from.

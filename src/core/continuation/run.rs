@@ -257,8 +257,8 @@ impl Tracer<'_> {
             };
             let pitchfork = at_start && self.from_branch_point;
             let double = kind == Kind::LP && (pitchfork || found.iter().any(same));
-            let terminal = self.stepper.events[index].terminal;
-            let of_the_start = at_start && !terminal && located.along <= AT_START;
+            let bound = index < self.sides.len();
+            let of_the_start = at_start && !bound && located.along <= AT_START;
             if !(double || of_the_start) {
                 found.push(located);
             }
