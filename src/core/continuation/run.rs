@@ -322,7 +322,9 @@ impl Tracer<'_> {
     }
 
     fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
-        let error = self.stepper.parameter_error();
+        // On a bound the continued parameter is what it is.
+        let given = self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. });
+        let error = if given { 0.0 } else { self.stepper.parameter_error() };
         let equations = &mut self.stepper.equations;
         equations.load(&place.unknowns);
         let at = equations.at();
