@@ -121,16 +121,20 @@ impl Screen {
         self.assemble(" label", "kind", |(_, _, name)| name.clone())
     }
 
-    /// The line of one special point.
+    /// The line of one special point; one that has not converged says so.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
-        self.assemble(&label, &point.kind.to_string(), |(list, index, _)| {
+        let mut line = self.assemble(&label, &point.kind.to_string(), |(list, index, _)| {
             let values = match list {
                 List::Parameters => &point.parameters,
                 List::Monitors => &point.monitors,
             };
             values.get(*index).map_or(String::new(), |value| significant(*value, 12))
-        })
+        });
+        if !point.converged {
+            line.push_str(&format!("  not converged, error {:.1e}", point.error));
+        }
+        line
     }
 
     fn assemble(
