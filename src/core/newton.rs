@@ -5,7 +5,7 @@
 //! it would cause, which is independent of the units of equations (P. Deuflhard, *Newton Methods for
 //! Nonlinear Problems*, 2004, sections 2.1 and 3.3). The step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`,
 //! else λ is halved. While the simplified corrections contract well they are used as they are:
-//! most points of a branch cost one factorisation. Converged means that a correction *and* the
+//! most corrections cost one factorisation. Converged means that a correction *and* the
 //! residual so measured are below the tolerance, in the scaled norm of the branch.
 
 use super::condition::EvaluationError;

@@ -19,7 +19,7 @@ use crate::core::zero::Names;
 /// // u = (3, 4) is measured by 5; v = 0 by its slope times the range of p; p by its range.
 /// let metric =
 ///     Metric::new(&names, &[3.0, 4.0, 0.0], &[0.0, 0.0, 2.0], &[[0.0, 10.0]], &[0.0], &[1.0], &[]);
-/// assert_eq!(metric.weights(&names, 0), [1.0 / 25.0, 1.0 / 25.0, 1.0 / 400.0, 1.0 / 100.0]);
+/// assert_eq!(metric.weights(&names), [1.0 / 25.0, 1.0 / 25.0, 1.0 / 400.0, 1.0 / 100.0]);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Metric {
@@ -126,15 +126,13 @@ impl Metric {
     }
 
     /// The weights of `X = (z, y, p)` for a system with these names, which may be a refinement: its
-    /// groups are the same, though longer. `more` own unknowns of a further condition are not
-    /// measured.
-    pub fn weights(&self, names: &Names, more: usize) -> Vec<f64> {
+    /// groups are the same, though longer.
+    pub fn weights(&self, names: &Names) -> Vec<f64> {
         let mut weights = Vec::new();
         for (group, scale) in names.unknowns.iter().zip(&self.groups) {
             weights.extend(std::iter::repeat_n(1.0 / (scale * scale), group.length));
         }
         weights.extend(&self.own);
-        weights.extend(std::iter::repeat_n(0.0, more));
         weights.extend(self.parameters.iter().map(|scale| 1.0 / (scale * scale)));
         weights
     }
@@ -189,7 +187,7 @@ mod tests {
                 &[p],
                 &[],
             )
-            .weights(&names, 0)
+            .weights(&names)
         };
         let (here, there) = (metric(1.0, 1.0), metric(1e3, 1e-2));
         for (i, factor) in [1e3, 1e3, 1.0, 1e-2].into_iter().enumerate() {

@@ -247,7 +247,7 @@ impl<'a> Continuation<'a> {
         };
         let (metric, tangent) =
             starting.begin(&names, &mut unknowns, direction, correct).map_err(failed)?;
-        let weights = metric.weights(equations.names(), 0);
+        let weights = metric.weights(equations.names());
         let tested = self
             .events
             .iter()

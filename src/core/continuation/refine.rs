@@ -83,7 +83,7 @@ impl Stepper<'_> {
         released: &[usize],
         conditions: Vec<Box<dyn Condition>>,
     ) -> Option<(Point, Vec<f64>)> {
-        let mut weights = self.metric.weights(system.names(), 0);
+        let mut weights = self.metric.weights(system.names());
         let own: usize = conditions.iter().map(|condition| condition.unknowns()).sum();
         let place = weights.len() - released.len();
         let measured = place - system.names().dimension();

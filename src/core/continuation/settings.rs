@@ -38,7 +38,7 @@ pub struct Settings {
     /// The largest number of Newton's iterations at a point (at least 2).
     pub max_iterations: usize,
     /// The relative error asked of special points where the problem can be refined; 0 asks for no
-    /// refinement (between 0 and 1).
+    /// refinement, and leaves the discretisation out of their `error` (between 0 and 1).
     pub accuracy: f64,
 }
 

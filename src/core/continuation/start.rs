@@ -54,7 +54,7 @@ impl Starting<'_, '_> {
         let length = unknowns.len();
         let n = names.dimension();
         let rough = self.metric(names, unknowns, &vec![0.0; length]);
-        let weights = rough.weights(names, 0);
+        let weights = rough.weights(names);
         let base = unknowns.to_vec();
         let mut rows: Vec<Vec<f64>> = Vec::new();
         if let Some(direction) = &direction {
@@ -98,7 +98,7 @@ impl Starting<'_, '_> {
             tangent = direction;
         }
         let metric = self.metric(names, unknowns, &tangent);
-        let weights = metric.weights(names, 0);
+        let weights = metric.weights(names);
         let size = scaled_norm(&tangent, &weights);
         let sign = match tangent[length - 1] {
             // A vertical start (a fold, a pitchfork) grows in its largest unknown.

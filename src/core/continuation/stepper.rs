@@ -202,7 +202,7 @@ impl Stepper<'_> {
         let n = self.equations.dimension();
         let p = &place.unknowns[self.equations.parameters_at()..];
         self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
-        self.weights = self.metric.weights(self.equations.names(), 0);
+        self.weights = self.metric.weights(self.equations.names());
         self.equations.adapt();
         let size = scaled_norm(&place.tangent, &self.weights);
         place.tangent.iter_mut().for_each(|t| *t /= size);
