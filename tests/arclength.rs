@@ -343,7 +343,7 @@ fn restarts_reproduce_the_branch() {
     let prey = Continuation::of(&mut system)
         .restart(&trivial, first(&trivial, Kind::BP).label)
         .switch()
-        .along("p", 0.3..=1.0)
+        .along("p", 0.0..=1.0)
         .mark("p", 0.7)
         .trace()
         .unwrap();
@@ -352,7 +352,7 @@ fn restarts_reproduce_the_branch() {
     for special in &prey.special {
         let again = Continuation::of(&mut system)
             .restart(&prey, special.label)
-            .along("p", 0.3..=1.0)
+            .along("p", 0.0..=1.0)
             .mark("p", 0.7)
             .trace()
             .unwrap();
