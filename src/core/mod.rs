@@ -1,10 +1,12 @@
 //! The continuation core. It knows no device: equations come in as zero problems.
 
 pub mod bifurcation;
+pub mod bvp;
 pub mod condition;
 pub mod continuation;
 pub mod dense;
 pub mod extended;
+pub mod field;
 pub mod kind;
 pub mod linear;
 pub mod newton;

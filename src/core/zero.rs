@@ -97,12 +97,14 @@ impl Names {
 
 /// A value at which the equations have no meaning: outside the domain, or not finite.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} = {value:.6e} is outside the domain of the equations: {remedy}")]
+#[error("{quantity} = {value:.6e} {verdict}: {remedy}")]
 pub struct LeftDomain {
     /// What has the offending value, by name.
     pub quantity: String,
     /// The offending value.
     pub value: f64,
+    /// What is wrong with it: that it is outside the domain of the equations, or that a step is too small.
+    pub verdict: &'static str,
     /// What the domain is, or what to change.
     pub remedy: String,
 }
@@ -110,7 +112,8 @@ pub struct LeftDomain {
 impl LeftDomain {
     /// A value out of its domain.
     pub fn new(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
-        LeftDomain { quantity: quantity.into(), value, remedy: remedy.into() }
+        let verdict = "is outside the domain of the equations";
+        LeftDomain { quantity: quantity.into(), value, verdict, remedy: remedy.into() }
     }
 }
 

@@ -1,0 +1,107 @@
+//! How the equations of a trajectory are discretised, interval by interval.
+
+use super::BoundaryProblem;
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// One interval of the mesh of a segment, in units of the segment's duration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The segment.
+    pub segment: usize,
+    /// Where the interval begins.
+    pub start: f64,
+    /// Where it ends.
+    pub end: f64,
+}
+
+/// The equations of one interval, linearised: `m·n` rows.
+pub struct Block<'a> {
+    /// The residual.
+    pub residual: &'a mut [f64],
+    /// Derivatives by the `(m + 1)·n` values at the interval's nodes, one row after the other.
+    pub nodes: &'a mut [f64],
+    /// Derivatives by the active components of `q`, one row after the other.
+    pub numbers: &'a mut [f64],
+}
+
+/// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
+/// with the next interval, and `m·n` equations. Collocation and shooting (`m = 1`) are methods.
+///
+/// Nodes are handed over point by point: `n` states at the first node, then at the second.
+pub trait Method {
+    /// Buffers for evaluations in one scalar type.
+    type Work<T: Scalar>: Default;
+
+    /// The places of the nodes in an interval, from 0 to 1: `m + 1` of them.
+    fn places(&self) -> &[f64];
+
+    /// The residual of an interval.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    fn residual<P: BoundaryProblem, T: Scalar>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[T],
+        q: &[T],
+        work: &mut Self::Work<T>,
+        r: &mut [T],
+    ) -> Result<(), LeftDomain>;
+
+    /// The states at a place in an interval (from 0 to 1).
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval's data, a place, buffers and a target"
+    )]
+    fn value<P: BoundaryProblem, T: Scalar>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[T],
+        q: &[T],
+        place: f64,
+        work: &mut Self::Work<T>,
+        x: &mut [T],
+    ) -> Result<(), LeftDomain>;
+
+    /// The residual of an interval with its derivatives by the nodes and by the active components
+    /// of `q`.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    fn linearise<P: BoundaryProblem>(
+        &mut self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        active: &[usize],
+        block: Block,
+    ) -> Result<(), LeftDomain>;
+
+    /// Calls `visit` with place (from 0 to 1) and value of every local extremum of a state inside an
+    /// interval, its ends included.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    fn extrema<P: BoundaryProblem>(
+        &mut self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        state: usize,
+        visit: &mut dyn FnMut(f64, f64),
+    ) -> Result<(), LeftDomain>;
+
+    /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`
+    /// where there is none finer.
+    fn finer(&self) -> Option<(Self, usize)>
+    where
+        Self: Sized;
+}

@@ -1,0 +1,125 @@
+//! Boundary-value problems as a user states them.
+
+use crate::core::field::VectorField;
+use crate::core::scalar::Scalar;
+use crate::core::zero::{LeftDomain, Names};
+
+/// States at the two ends of all segments, one segment after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<'a, T> {
+    /// States where the segments begin.
+    pub start: &'a [T],
+    /// States where they end.
+    pub end: &'a [T],
+}
+
+/// A scalar of a solution that is recorded along a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Monitor {
+    /// The duration of all segments together, in time.
+    Duration,
+    /// The largest value of a state on a segment: that of the solution, not of the mesh.
+    Maximum {
+        /// The segment.
+        segment: usize,
+        /// The state.
+        state: usize,
+    },
+    /// The smallest value of a state on a segment.
+    Minimum {
+        /// The segment.
+        segment: usize,
+        /// The state.
+        state: usize,
+    },
+}
+
+/// A boundary-value problem: trajectories of vector fields on segments,
+///
+/// ```text
+///     dx_s/dτ = L_s(q) f_s(τ L_s(q), x_s, q),    0 ≤ τ ≤ 1,    s = 1 … S
+///     b(x_1(0), …, x_S(0), x_1(1), …, x_S(1), q) = 0
+///     Σ_s ∫ g_s(t, x_s, q) dt = 0
+/// ```
+///
+/// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. There are as
+/// many boundary and integral conditions (and a phase condition, where [`phase`](Self::phase) is free)
+/// as states of all segments and further unknowns.
+pub trait BoundaryProblem {
+    /// The names of the states of each segment.
+    fn segments(&self) -> Vec<Vec<String>>;
+
+    /// The names of the parameters `p`.
+    fn parameters(&self) -> Vec<String>;
+
+    /// The names of the further unknown numbers `e`.
+    fn extras(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The field of a segment at time `t` from its beginning, written into `f` (as long as `x`).
+    fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]);
+
+    /// The duration `L_s` of a segment.
+    fn duration<T: Scalar>(&self, segment: usize, q: &[T]) -> T;
+
+    /// The left sides of the boundary conditions, written into `b`.
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
+
+    /// The number of integral conditions.
+    fn integrals(&self) -> usize {
+        0
+    }
+
+    /// The integrands of the integral conditions, written into `g`.
+    fn integrand<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
+
+    /// Whether a shift of time leaves the problem as it is, so that a phase condition is needed.
+    fn phase(&self) -> bool {
+        false
+    }
+
+    /// Whether the problem is one segment with `b = x(0) − x(1)` and nothing else: its solutions are
+    /// periodic and have multipliers.
+    fn periodic(&self) -> bool {
+        false
+    }
+
+    /// What is recorded along a branch, by name.
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        Vec::new()
+    }
+
+    /// Refuses states at which a segment's field has no meaning.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the quantity, its value and the domain.
+    fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), LeftDomain> {
+        Ok(())
+    }
+}
+
+/// The field of one segment of a boundary-value problem.
+pub struct OnSegment<'a, P> {
+    /// The problem.
+    pub problem: &'a P,
+    /// The segment.
+    pub segment: usize,
+}
+
+impl<P: BoundaryProblem> VectorField for OnSegment<'_, P> {
+    fn names(&self) -> Names {
+        let states = self.problem.segments().swap_remove(self.segment);
+        let states: Vec<&str> = states.iter().map(String::as_str).collect();
+        let q = self.problem.parameters().into_iter().chain(self.problem.extras());
+        Names::new(states, q)
+    }
+
+    fn field<T: Scalar>(&self, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.problem.field(self.segment, t, x, q, f);
+    }
+
+    fn domain(&self, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
+        self.problem.domain(self.segment, x, q)
+    }
+}
