@@ -55,10 +55,8 @@ fn newton_at_a_fixed_load_fails_at_the_fold_that_arclength_passes() {
         assert!(touched || failure == "no convergence", "{failure}");
         let start = at_rest(&mut *system, &[("load", share * top)]).along("load", 0.0..=1000.0);
         let failure = start.trace().unwrap_err();
-        let TraceError::Start {
-            cause: NewtonError::Stagnation { iterations, damping, .. }, ..
-        } = &failure
-        else {
+        let TraceError::Start { cause, .. } = &failure else { panic!("{failure}") };
+        let NewtonError::Stagnation { iterations, damping, .. } = &**cause else {
             panic!("{failure}")
         };
         assert!(*iterations <= 12 && *damping < 0.01, "{failure}");
@@ -196,14 +194,9 @@ fn a_singular_start_is_refused() {
     assert!(refused || norm(&r) > 1e9, "a correction of {:e}", norm(&r));
     let force = ("edge_force_x", critical);
     let failure = through_pull_in(&mut *system, &[("load", 1.0), force]).trace().unwrap_err();
-    let TraceError::Start {
-        cause: NewtonError::Stagnation { .. } | NewtonError::Singular { .. },
-        place,
-        ..
-    } = &failure
-    else {
-        panic!("{failure}")
-    };
+    let TraceError::Start { cause, place, .. } = &failure else { panic!("{failure}") };
+    let expected = matches!(**cause, NewtonError::Stagnation { .. } | NewtonError::Singular { .. });
+    assert!(expected, "{failure}");
     assert_eq!(place, "load = 1");
     let branch = through_pull_in(&mut *system, &[force]).trace().unwrap();
     let flat = through_pull_in(&mut *system, &[]).trace().unwrap();

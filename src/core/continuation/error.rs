@@ -130,7 +130,7 @@ pub enum TraceError {
         place: String,
         /// Newton's failure.
         #[source]
-        cause: NewtonError,
+        cause: Box<NewtonError>,
     },
 }
 

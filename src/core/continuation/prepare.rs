@@ -219,8 +219,11 @@ impl<'a> Continuation<'a> {
             .map(|&p| format!("{} = {}", names.parameters[p], self.x[n + p]))
             .collect();
         let (branch, place) = (self.name.clone(), place.join(", "));
-        let failed =
-            |cause| TraceError::Start { branch: branch.clone(), place: place.clone(), cause };
+        let failed = |cause| TraceError::Start {
+            branch: branch.clone(),
+            place: place.clone(),
+            cause: Box::new(cause),
+        };
         let evaluation = |cause: EvaluationError| failed(NewtonError::from_evaluation(0, cause));
         let leaving = self.leaving(released).map_err(evaluation)?;
         let correct = leaving.is_none();
