@@ -144,7 +144,7 @@ proptest! {
             Box::<Fold>::default(),
             Box::<Cusp>::default(),
             Box::<BogdanovTakens>::default(),
-            Box::<Hopf>::default(),
+            Box::new(Hopf::of_equilibria()),
             Box::new(BranchPoint::new(0)),
             Box::new(Level::new(Quantity::Monitor(0), 0.3, Kind::UZ)),
             Box::new(Level::new(Quantity::Parameter(1), 0.3, Kind::UZ)),

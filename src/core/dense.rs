@@ -1,6 +1,7 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
 use super::linear::BorderedLu;
+use super::motion::{DenseOscillation, Oscillation};
 use super::scalar::Scalar;
 use super::zero::{
     Border, Dynamics, LeftDomain, Names, Profile, Singular, Slot, Spectrum, System, ZeroProblem,
@@ -61,6 +62,7 @@ pub struct Dense<P> {
     /// Where `jacobian` was assembled last; empty where that failed.
     assembled: Vec<f64>,
     factors: [BorderedLu; 2],
+    oscillation: DenseOscillation,
     plain: Work<f64>,
     chunk: Work<Chunk>,
     first: Work<Dual64>,
@@ -80,6 +82,7 @@ impl<P: ZeroProblem> Dense<P> {
             jacobian: vec![0.0; n * n],
             assembled: Vec::with_capacity(names.length()),
             factors: Default::default(),
+            oscillation: DenseOscillation::default(),
             plain: Work::new(&names),
             chunk: Work::new(&names),
             first: Work::new(&names),
@@ -119,6 +122,24 @@ fn part(number: &Chunk, k: usize) -> f64 {
 /// eigenvalues then cost a fraction.
 fn symmetric(matrix: &[f64], n: usize) -> bool {
     (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
+}
+
+impl<P> Oscillation for Dense<P> {
+    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
+        self.oscillation.factor(&self.jacobian, omega, column, row)
+    }
+
+    fn solve(&mut self, right: &mut [f64]) {
+        self.oscillation.solve(right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.oscillation.solve_transposed(right);
+    }
+
+    fn slope(&mut self, _omega: f64, v: &[f64], out: &mut [f64]) {
+        DenseOscillation::slope(v, out);
+    }
 }
 
 impl<P: ZeroProblem> System for Dense<P> {
@@ -234,6 +255,10 @@ impl<P: ZeroProblem> System for Dense<P> {
         }
     }
 
+    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
+        Some(self)
+    }
+
     fn dynamics(&self) -> Dynamics {
         self.problem.dynamics()
     }
@@ -242,7 +267,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         let n = self.names.dimension();
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
         let mut eigenvalues: Spectrum = match self.problem.dynamics() {
-            Dynamics::Static => return None,
+            Dynamics::Static | Dynamics::Periodic => return None,
             Dynamics::Flow if symmetric(&self.jacobian, n) => {
                 let real = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
                 real.into_iter().map(|l| (l, 0.0)).collect()

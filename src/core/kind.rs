@@ -18,6 +18,12 @@ pub enum Kind {
     CP,
     /// `BT`: a Bogdanov–Takens point.
     BT,
+    /// `PD`: a period doubling of periodic orbits.
+    PD,
+    /// `TR`: a torus (Neimark–Sacker) point of periodic orbits.
+    TR,
+    /// `G`: a grazing: the solution touches a surface.
+    G,
     /// `UZ`: a user's event.
     UZ,
     /// `MX`: the branch ended because a method failed.
@@ -39,6 +45,9 @@ impl Kind {
             Kind::HB => "Hopf point",
             Kind::CP => "cusp",
             Kind::BT => "Bogdanov–Takens point",
+            Kind::PD => "period doubling",
+            Kind::TR => "torus point",
+            Kind::G => "grazing",
             Kind::UZ => "user's point",
             Kind::MX => "method failed",
         }

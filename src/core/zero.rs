@@ -11,7 +11,10 @@
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
+use super::condition::EvaluationError;
+use super::motion::Oscillation;
 use super::scalar::Scalar;
+use super::solution::{Adopted, Leaving, Solution};
 
 /// A group of unknowns of one nature and one unit: a scalar, or all values of a field.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -138,6 +141,9 @@ pub enum Dynamics {
     /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the gradient
     /// of a potential: stable where every eigenvalue of `F_z` has a positive real part.
     Restoring,
+    /// The unknowns are a periodic orbit: stable where every multiplier, but for the trivial one, lies
+    /// inside the unit circle.
+    Periodic,
     /// No motion is meant: stability is not reported.
     Static,
 }
@@ -222,9 +228,9 @@ pub enum Slot {
     Condition = 1,
 }
 
-/// Eigenvalues of the linearised motion about an equilibrium, as (real part, imaginary part), the
-/// rightmost first. `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for a
-/// potential.
+/// Eigenvalues of the linearised motion, as (real part, imaginary part). About an equilibrium, the
+/// rightmost first: `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for a
+/// potential. About a periodic orbit its multipliers, the largest first and without the trivial one.
 pub type Spectrum = Vec<(f64, f64)>;
 
 /// A curve that belongs to a solution and is drawn for special points: a mode shape along a line, a
@@ -281,6 +287,20 @@ pub trait System {
 
     /// Solves with the transposed bordered matrix of `slot`, in place.
     fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]);
+
+    /// Factors, within a border, the assembled `F_z` with `x(1) = −x(0)` in place of a periodic orbit's
+    /// boundary conditions (and further unknowns, such as the period, zero), and keeps it in `slot`.
+    ///
+    /// # Errors
+    /// [`Singular`] if the bordered matrix is, or if the unknowns are no periodic orbit.
+    fn factor_antiperiodic(&mut self, _slot: Slot, _border: Border) -> Result<(), Singular> {
+        Err(Singular { pivot: 0.0, largest: 0.0 })
+    }
+
+    /// The linearised motion of oscillations or complex multipliers, if the system has it.
+    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
+        None
+    }
 
     /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
     fn jacobian(&mut self, out: &mut [f64]);
@@ -343,4 +363,31 @@ pub trait System {
     fn refined(&self, _x: &[f64]) -> Option<Refinement> {
         None
     }
+
+    /// The mesh that the unknowns are values on, to be saved with special points; empty without one.
+    fn mesh(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Takes over a solution from which a branch is to start. The system may change its mesh, and with
+    /// it the number of its unknowns.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if this system cannot start there.
+    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+        let n = self.names().dimension();
+        if solution.state.len() != n {
+            return Err(EvaluationError::NotApplicable(format!(
+                "the start has {} unknowns, the problem {n}: was it made with other settings?",
+                solution.state.len()
+            )));
+        }
+        let (z, tangent) = (solution.state.clone(), solution.tangent.clone());
+        Ok(Adopted { z, tangent, leaving: Leaving::Along })
+    }
+
+    /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
+    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new mesh
+    /// with the same number of intervals.
+    fn follow(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 }

@@ -182,8 +182,8 @@ fn style(unstable: Option<usize>) -> Style {
 
 fn changes_stability(kind: Kind) -> bool {
     match kind {
-        Kind::LP | Kind::BP | Kind::HB | Kind::CP | Kind::BT => true,
-        Kind::EP | Kind::UZ | Kind::MX => false,
+        Kind::LP | Kind::BP | Kind::HB | Kind::CP | Kind::BT | Kind::PD | Kind::TR => true,
+        Kind::EP | Kind::UZ | Kind::MX | Kind::G => false,
     }
 }
 
@@ -195,6 +195,9 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::HB => Symbol::Diamond,
         Kind::CP => Symbol::Star,
         Kind::BT => Symbol::Triangle,
+        Kind::PD => Symbol::Pentagon,
+        Kind::TR => Symbol::Hexagon,
+        Kind::G => Symbol::TriangleLeft,
         Kind::UZ => Symbol::TriangleDown,
         Kind::MX => Symbol::Cross,
     }

@@ -87,6 +87,12 @@ pub enum Symbol {
     Triangle,
     /// A white triangle on its tip.
     TriangleDown,
+    /// A violet pentagon.
+    Pentagon,
+    /// A brown hexagon.
+    Hexagon,
+    /// An orange triangle that points to the left.
+    TriangleLeft,
     /// A black diagonal cross.
     Cross,
 }

@@ -1,18 +1,34 @@
-//! Folds of equilibria.
+//! Folds, and period doublings of periodic orbits.
 
 use super::null::NullVectors;
 use crate::core::condition::{At, Condition, EvaluationError};
 use crate::core::kind::Kind;
 
 /// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`.
-#[derive(Default)]
+///
+/// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
+/// `v(1) = −v(0)`, which differs from `F_z` by a constant.
 pub struct Fold {
+    kind: Kind,
     null: NullVectors,
+}
+
+impl Default for Fold {
+    fn default() -> Self {
+        Fold { kind: Kind::LP, null: NullVectors::default() }
+    }
+}
+
+impl Fold {
+    /// A period doubling of periodic orbits.
+    pub fn antiperiodic() -> Self {
+        Fold { kind: Kind::PD, null: NullVectors::antiperiodic() }
+    }
 }
 
 impl Condition for Fold {
     fn kind(&self) -> Kind {
-        Kind::LP
+        self.kind
     }
 
     fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {

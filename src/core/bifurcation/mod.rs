@@ -15,7 +15,7 @@ mod null;
 pub use branch_point::{BranchPoint, branches_at};
 pub use cusp::{BogdanovTakens, Cusp};
 pub use fold::Fold;
-pub use hopf::{Hopf, hopf_test};
+pub use hopf::Hopf;
 
 /// A vector without symmetry, the same in every run: a first border, which a null vector is not
 /// orthogonal to unless by misfortune.

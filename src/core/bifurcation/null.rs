@@ -11,7 +11,8 @@ use crate::core::zero::{Border, Slot, System};
 ///     ⎣ cᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦        ⎣ bᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦
 /// ```
 ///
-/// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular.
+/// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular. The same for `F_z` with antiperiodic boundary
+/// conditions.
 #[derive(Default)]
 pub(super) struct NullVectors {
     /// The right null vector, extended by zeros in the parameters: as long as `x`.
@@ -20,12 +21,18 @@ pub(super) struct NullVectors {
     pub left: Vec<f64>,
     /// The multiplier.
     pub g: f64,
+    antiperiodic: bool,
     column: Vec<f64>,
     row: Vec<f64>,
     work: Vec<f64>,
 }
 
 impl NullVectors {
+    /// Those of `F_z` with antiperiodic boundary conditions.
+    pub fn antiperiodic() -> Self {
+        NullVectors { antiperiodic: true, ..NullVectors::default() }
+    }
+
     /// Chooses borders near the null vectors at a point.
     pub fn start(&mut self, at: &mut At) -> Result<(), EvaluationError> {
         let n = at.system.names().dimension();
@@ -70,7 +77,10 @@ impl NullVectors {
     fn solve(&mut self, system: &mut dyn System) -> Result<(), EvaluationError> {
         let n = self.left.len();
         let border = Border { width: 1, columns: &self.column, rows: &self.row, corner: &[0.0] };
-        system.factor(Slot::Condition, border)?;
+        match self.antiperiodic {
+            true => system.factor_antiperiodic(Slot::Condition, border)?,
+            false => system.factor(Slot::Condition, border)?,
+        }
         self.unit();
         system.solve(Slot::Condition, &mut self.work);
         self.right[..n].copy_from_slice(&self.work[..n]);

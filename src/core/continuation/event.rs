@@ -29,8 +29,11 @@ pub enum Test {
     Fold,
     /// The determinant of the Jacobian bordered by the tangent.
     BranchPoint,
-    /// The sign of the product of all sums of two eigenvalues.
+    /// The sign of the product of all sums of two eigenvalues, or of all products of two multipliers
+    /// less 1.
     Hopf,
+    /// The product of all multipliers plus 1.
+    PeriodDoubling,
     /// A parameter or monitor less a level.
     Level(Quantity, f64),
     /// An own unknown of the conditions held along the curve.
@@ -93,7 +96,18 @@ impl Event {
 
     /// A Hopf point.
     pub fn hopf() -> Self {
-        Self::with_test("Hopf point", Kind::HB, Test::Hopf, Hopf::default)
+        Self::with_test("Hopf point", Kind::HB, Test::Hopf, Hopf::of_equilibria)
+    }
+
+    /// A torus point of periodic orbits.
+    pub fn torus() -> Self {
+        Self::with_test("torus point", Kind::TR, Test::Hopf, Hopf::of_orbits)
+    }
+
+    /// A period doubling of periodic orbits.
+    pub fn period_doubling() -> Self {
+        let test = Test::PeriodDoubling;
+        Self::with_test("period doubling", Kind::PD, test, Fold::antiperiodic)
     }
 
     /// A cusp on a curve of folds.
@@ -176,6 +190,8 @@ pub(super) fn condition_of(kind: Kind, parameter: usize) -> Option<MakeCondition
         Kind::LP => Some(Event::fold().condition),
         Kind::BP => Some(Event::branch_point(parameter).condition),
         Kind::HB => Some(Event::hopf().condition),
+        Kind::PD => Some(Event::period_doubling().condition),
+        Kind::TR => Some(Event::torus().condition),
         Kind::CP => Some(Event::cusp().condition),
         Kind::BT => Some(Event::bogdanov_takens().condition),
         _ => None,

@@ -100,7 +100,7 @@ impl Stepper<'_> {
         if self.correct(&mut unknowns, closing).is_err() {
             return false;
         }
-        let stability = self.events[index].test == Test::Hopf;
+        let stability = matches!(self.events[index].test, Test::Hopf | Test::PeriodDoubling);
         let Ok(place) = self.arrive_with(unknowns, row, stability) else { return false };
         let test = place.tests[index];
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));

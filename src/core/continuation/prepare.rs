@@ -108,19 +108,23 @@ impl<'a> Continuation<'a> {
             }
             events.push(Event::level(format!("{name} = {level}"), quantity, *level));
         }
-        let flow = self.system.dynamics() == Dynamics::Flow;
+        let dynamics = self.system.dynamics();
         let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();
         match held[..] {
             [] => {
                 events.push(Event::branch_point(released[0]));
                 events.push(Event::fold());
-                if flow {
-                    events.push(Event::hopf());
+                match dynamics {
+                    Dynamics::Flow => events.push(Event::hopf()),
+                    Dynamics::Periodic => {
+                        events.extend([Event::period_doubling(), Event::torus()]);
+                    }
+                    _ => {}
                 }
             }
             [Kind::LP] => {
                 events.push(Event::cusp());
-                if flow {
+                if dynamics == Dynamics::Flow {
                     events.push(Event::bogdanov_takens());
                 }
             }

@@ -3,9 +3,9 @@
 use super::event::{Event, MakeCondition, Test};
 use super::metric::Metric;
 use super::{Point, Settings};
-use crate::core::bifurcation::hopf_test;
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
+use crate::core::motion::Stability;
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
 
 /// A point of the curve with everything that the next step, and the events, need of it.
@@ -105,8 +105,8 @@ impl Stepper<'_> {
         self.equations.solve(&mut tangent);
         let size = scaled_norm(&tangent, &self.weights);
         tangent.iter_mut().for_each(|t| *t /= size);
-        let (point, hopf) = self.record(stability)?;
-        let tests = self.tests(&unknowns, &tangent, determinant, hopf, &point)?;
+        let (point, stability) = self.record(stability)?;
+        let tests = self.tests(&unknowns, &tangent, determinant, stability, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
     }
 
@@ -120,8 +120,8 @@ impl Stepper<'_> {
         self.equations.load(&unknowns);
         let At { system, x, .. } = self.equations.at();
         system.assemble(x)?;
-        let (point, hopf) = self.record(self.held.is_empty())?;
-        let tests = self.tests(&unknowns, &tangent, 0.0, hopf, &point)?;
+        let (point, stability) = self.record(self.held.is_empty())?;
+        let tests = self.tests(&unknowns, &tangent, 0.0, stability, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
     }
 
@@ -208,17 +208,20 @@ impl Stepper<'_> {
         place.tangent.iter_mut().for_each(|t| *t /= size);
     }
 
-    /// Parameters, monitors and stability at the point assembled last, and the Hopf test.
-    pub fn record(&mut self, stability: bool) -> Result<(Point, f64), EvaluationError> {
+    /// Parameters, monitors and stability at the point assembled last.
+    pub fn record(
+        &mut self,
+        stability: bool,
+    ) -> Result<(Point, Option<Stability>), EvaluationError> {
         let at = self.equations.at();
         let n = at.system.names().dimension();
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors)?;
         let spectrum = if stability { at.system.spectrum(at.x) } else { None };
         let dynamics = at.system.dynamics();
-        let hopf = spectrum.as_ref().map_or(0.0, |spectrum| hopf_test(dynamics, spectrum));
-        let unstable = spectrum.map(|spectrum| spectrum.iter().filter(|l| l.0 > 0.0).count());
-        Ok((Point { parameters: at.x[n..].to_vec(), monitors, unstable }, hopf))
+        let stability = spectrum.map(|spectrum| Stability::of(dynamics, &spectrum));
+        let unstable = stability.map(|stability| stability.unstable);
+        Ok((Point { parameters: at.x[n..].to_vec(), monitors, unstable }, stability))
     }
 
     fn tests(
@@ -226,18 +229,20 @@ impl Stepper<'_> {
         unknowns: &[f64],
         tangent: &[f64],
         determinant: f64,
-        hopf: f64,
+        stability: Option<Stability>,
         point: &Point,
     ) -> Result<Vec<f64>, EvaluationError> {
         let parameter = tangent[self.equations.parameters_at()];
         let own = self.equations.dimension();
+        let stability = stability.unwrap_or_default();
         let mut value = [0.0];
         let mut tests = Vec::with_capacity(self.events.len());
         for (event, condition) in self.events.iter().zip(&mut self.tested) {
             tests.push(match event.test {
                 Test::Fold => parameter,
                 Test::BranchPoint => determinant,
-                Test::Hopf => hopf,
+                Test::Hopf => stability.oscillation,
+                Test::PeriodDoubling => stability.doubling,
                 Test::Level(Quantity::Parameter(p), level) => point.parameters[p] - level,
                 Test::Level(Quantity::Monitor(m), level) => point.monitors[m] - level,
                 Test::Own(j) => unknowns[own + j],

@@ -207,6 +207,9 @@ pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Result<(), 
         Symbol::Star => polygon(10, [8.0, 3.4], 0.0, RGBColor(200, 140, 0)),
         Symbol::Triangle => polygon(3, [6.8, 6.8], 0.0, RGBColor(0, 120, 85)),
         Symbol::TriangleDown => polygon(3, [6.0, 6.0], 4.0 * quarter, WHITE),
+        Symbol::Pentagon => polygon(5, [6.2, 6.2], 0.0, RGBColor(120, 40, 140)),
+        Symbol::Hexagon => polygon(6, [6.2, 6.2], 0.0, RGBColor(120, 75, 40)),
+        Symbol::TriangleLeft => polygon(3, [6.8, 6.8], -2.0 * quarter, RGBColor(230, 110, 0)),
         Symbol::Cross => {
             let arm = |dy: f64| [[at[0] - 4.5, at[1] - dy], [at[0] + 4.5, at[1] + dy]];
             canvas.line(&arm(4.5), INK, 2.2)?;
