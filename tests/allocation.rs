@@ -77,7 +77,7 @@ fn newton_on_a_fold_allocates_nothing() {
 /// Conditions with an unknown of their own: a Hopf point and a branch point.
 #[test]
 fn newton_on_other_conditions_allocates_nothing() {
-    let hopf: Box<dyn Condition> = Box::<Hopf>::default();
+    let hopf: Box<dyn Condition> = Box::new(Hopf::of_equilibria());
     let x = [0.11, 0.27, 0.44, 1.05, 0.4];
     let mut system = Dense::new(Oxidation);
     // A point of the branch near the Hopf point, as a trace would give it.

@@ -520,7 +520,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| {
-                let hopf = tangency::core::bifurcation::Hopf::default;
+                let hopf = tangency::core::bifurcation::Hopf::of_equilibria;
                 c.along("mu", -1.0..=1.0).event(Event::new("Hopf", hopf)).trace()
             }),
             "the condition of the event `Hopf` has unknowns of its own and so is no test function: \

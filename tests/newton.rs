@@ -66,10 +66,11 @@ fn solve(
 }
 
 #[test]
-fn converges_to_rounding() {
+fn converges_to_its_tolerance() {
     let (x, report) = solve(Equation::Exponential, 1.0, 2.0, TOLERANCES).unwrap();
-    close(x, 2.0_f64.ln(), 1e-15);
-    assert!(report.iterations <= 4 && report.correction <= 1e-12, "{report:?}");
+    // What the next correction would be is below a hundredth of the tolerance.
+    close(x, 2.0_f64.ln(), 1e-14);
+    assert!(report.iterations <= 5 && report.correction <= 1e-6, "{report:?}");
 }
 
 /// From x = 3 undamped Newton on atan x diverges: the first corrections have to be damped.
@@ -150,7 +151,7 @@ fn load_control_fails_at_the_fold_where_arclength_passes() {
     let limit: f64 = 4.0 / 27.0;
     let iterations =
         |load: f64| solve(ParallelPlate, 0.3, load, TOLERANCES).map(|s| s.1.iterations);
-    let (safe, close_by) = (iterations(0.9 * limit).unwrap(), iterations(limit - 1e-12).unwrap());
+    let (safe, close_by) = (iterations(0.9 * limit).unwrap(), iterations(limit - 1e-8).unwrap());
     assert!(close_by > safe, "{safe} {close_by}");
     let beyond = iterations(1.001 * limit).unwrap_err();
     assert!(

@@ -191,6 +191,15 @@ impl<'a> Extended<'a> {
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
+    /// Assembles the problem's matrix at `X`.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] outside the domain.
+    pub fn assemble(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+        self.load(unknowns);
+        Ok(self.system.assemble(&self.x)?)
+    }
+
     /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
     /// equation, with nothing written there).
     ///

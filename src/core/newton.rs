@@ -4,9 +4,11 @@
 //! `Δ̄ = −M⁻¹G(X + λΔ)`, with the same factorisation: the residual, measured by the correction that
 //! it would cause, which is independent of the units of equations (P. Deuflhard, *Newton Methods for
 //! Nonlinear Problems*, 2004, sections 2.1 and 3.3). The step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`,
-//! else λ is halved. While the simplified corrections contract well they are used as they are:
-//! most corrections cost one factorisation. Converged means that a correction *and* the
-//! residual so measured are below the tolerance, in the scaled norm of the branch.
+//! else λ is halved. Converged means that what the next correction would be, by the quadratic
+//! convergence seen so far, is below the tolerance in the scaled norm of the branch.
+//!
+//! Each point costs one assembly and one factorisation: the matrix of the last correction serves the
+//! tangent as well, where it was evaluated near enough to the solution.
 
 use super::condition::EvaluationError;
 use super::extended::{Closing, Extended};
@@ -108,6 +110,8 @@ pub struct Convergence {
     pub contraction: f64,
     /// The scaled norm of the last correction.
     pub correction: f64,
+    /// By how much the factored matrix differs from that at the solution, estimated and relative.
+    pub matrix_error: f64,
 }
 
 /// Newton's iteration with its buffers: it allocates nothing after its first use at a given size.
@@ -136,6 +140,7 @@ pub struct Convergence {
 /// ```
 #[derive(Default)]
 pub struct Newton {
+    residual: Vec<f64>,
     correction: Vec<f64>,
     next: Vec<f64>,
     trial: Vec<f64>,
@@ -143,11 +148,35 @@ pub struct Newton {
 
 /// Damping factors below this are hopeless.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
-/// Simplified corrections go on while they contract at least this well.
+/// Corrections that contract better than this converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
 /// Scaled corrections this small that shrink no more have met rounding: the point is as good as
 /// arithmetic allows, and its error estimate says how good that is.
 const ROUNDING: f64 = 1e-9;
+
+/// The equations with what closes and measures them.
+struct Problem<'p, 'a> {
+    equations: &'p mut Extended<'a>,
+    closing: Option<Closing<'p>>,
+    weights: &'p [f64],
+    tolerance: f64,
+}
+
+impl Problem<'_, '_> {
+    /// Assembles first, so that systems which find the residual on the way need not look for it again.
+    fn residual(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), EvaluationError> {
+        self.equations.assemble(unknowns)?;
+        self.equations.residual(unknowns, self.closing, out)
+    }
+
+    fn factor(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+        self.equations.factor(unknowns, self.closing.map(|closing| closing.row))
+    }
+
+    fn size(&self, correction: &[f64]) -> f64 {
+        scaled_norm(correction, self.weights)
+    }
+}
 
 impl Newton {
     /// Solves for `X`, which holds the start and, on success, the solution. `weights` are those of
@@ -164,38 +193,42 @@ impl Newton {
         tolerances: Tolerances,
     ) -> Result<Convergence, NewtonError> {
         self.resize(unknowns.len());
+        let Tolerances { tolerance, max_iterations } = tolerances;
+        let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
-        equations
-            .residual(unknowns, closing, &mut self.correction)
+        problem
+            .residual(unknowns, &mut self.residual)
             .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        for iteration in 1..=tolerances.max_iterations {
+        for iteration in 1..=max_iterations {
             report.iterations = iteration;
-            equations
-                .factor(unknowns, closing.map(|c| c.row))
+            problem
+                .factor(unknowns)
                 .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?;
-            equations.solve(&mut self.correction);
-            let size = scaled_norm(&self.correction, weights);
-            if size <= ROUNDING && size > GOOD_CONTRACTION * previous {
-                report.correction = size;
+            self.correction.copy_from_slice(&self.residual);
+            problem.equations.solve(&mut self.correction);
+            let size = problem.size(&self.correction);
+            let ratio = size / previous;
+            report.correction = size;
+            let contracts = ratio <= GOOD_CONTRACTION;
+            if iteration > 1 && size <= ROUNDING && !contracts {
+                return Ok(report);
+            }
+            // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
+            if iteration > 1 && contracts && size * ratio * ratio <= 0.01 * tolerance {
+                unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
+                report.matrix_error = 2.0 * ratio * ratio;
                 return Ok(report);
             }
             previous = size;
-            let contraction =
-                self.damped_step(equations, unknowns, closing, weights, iteration, tolerances)?;
+            let contraction = self.damped_step(&mut problem, unknowns, iteration)?;
             if iteration == 1 {
                 // The ratio of two numbers near rounding says nothing.
-                report.contraction = if size > tolerances.tolerance { contraction } else { 0.0 };
-            }
-            if self
-                .simplified_steps(equations, unknowns, closing, weights, tolerances, &mut report)
-                .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?
-            {
-                return Ok(report);
+                report.contraction = if size > tolerance { contraction } else { 0.0 };
             }
         }
         Err(NewtonError::IterationLimit {
-            iterations: tolerances.max_iterations,
+            iterations: max_iterations,
             correction: report.correction,
             contraction: report.contraction,
         })
@@ -213,36 +246,35 @@ impl Newton {
         closing: Option<Closing>,
     ) -> Result<&[f64], NewtonError> {
         self.resize(unknowns.len());
-        equations
-            .residual(unknowns, closing, &mut self.correction)
-            .and_then(|()| equations.factor(unknowns, closing.map(|c| c.row)))
+        let mut problem = Problem { equations, closing, weights: &[], tolerance: 0.0 };
+        problem
+            .residual(unknowns, &mut self.correction)
+            .and_then(|()| problem.factor(unknowns))
             .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        equations.solve(&mut self.correction);
+        problem.equations.solve(&mut self.correction);
         Ok(&self.correction)
     }
 
-    /// Applies the correction, damped as far as needed; leaves the simplified correction at the new
-    /// point in `next` and returns its contraction.
+    /// Applies the correction, damped as far as needed, leaves the residual at the new point, and
+    /// returns the contraction of the simplified correction there.
     fn damped_step(
         &mut self,
-        equations: &mut Extended,
+        problem: &mut Problem,
         unknowns: &mut [f64],
-        closing: Option<Closing>,
-        weights: &[f64],
         iteration: usize,
-        tolerances: Tolerances,
     ) -> Result<f64, NewtonError> {
-        let size = scaled_norm(&self.correction, weights);
+        let size = problem.size(&self.correction);
         let mut damping = 1.0;
         loop {
             for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.correction) {
                 *trial = x - damping * d;
             }
-            let outcome = equations.residual(&self.trial, closing, &mut self.next);
+            let outcome = problem.residual(&self.trial, &mut self.residual);
             if outcome.is_ok() {
-                equations.solve(&mut self.next);
-                let contraction = scaled_norm(&self.next, weights) / size.max(f64::MIN_POSITIVE);
-                let settled = size <= tolerances.tolerance.max(ROUNDING);
+                self.next.copy_from_slice(&self.residual);
+                problem.equations.solve(&mut self.next);
+                let contraction = problem.size(&self.next) / size.max(f64::MIN_POSITIVE);
+                let settled = size <= problem.tolerance.max(ROUNDING);
                 if settled || contraction <= 1.0 - damping / 4.0 {
                     unknowns.copy_from_slice(&self.trial);
                     return Ok(contraction);
@@ -250,71 +282,38 @@ impl Newton {
             }
             damping *= 0.5;
             if damping < LEAST_DAMPING {
-                return Err(match outcome {
-                    Err(cause) => NewtonError::from_evaluation(iteration, cause),
-                    Ok(()) if size.is_finite() => {
-                        NewtonError::Stagnation { iterations: iteration, correction: size, damping }
-                    }
-                    Ok(()) => NewtonError::LeftDomain {
-                        iteration,
-                        cause: LeftDomain::new(
-                            "the correction",
-                            size,
-                            "the equations must be finite near the solution",
-                        ),
-                    },
-                });
-            }
-        }
-    }
-
-    /// Goes on with simplified corrections while they contract well; true if converged.
-    fn simplified_steps(
-        &mut self,
-        equations: &mut Extended,
-        unknowns: &mut [f64],
-        closing: Option<Closing>,
-        weights: &[f64],
-        tolerances: Tolerances,
-        report: &mut Convergence,
-    ) -> Result<bool, EvaluationError> {
-        loop {
-            let size = scaled_norm(&self.next, weights);
-            report.correction = size;
-            for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.next) {
-                *trial = x - d;
-            }
-            if size <= tolerances.tolerance {
-                unknowns.copy_from_slice(&self.trial);
-                return Ok(true);
-            }
-            // Outside the domain the simplified correction is simply not used.
-            if equations.residual(&self.trial, closing, &mut self.correction).is_err() {
-                equations.residual(unknowns, closing, &mut self.correction)?;
-                return Ok(false);
-            }
-            // `correction` becomes the next simplified correction; if it does not contract, it is
-            // recomputed from the residual after a new factorisation.
-            self.next.copy_from_slice(&self.correction);
-            equations.solve(&mut self.next);
-            let contraction = scaled_norm(&self.next, weights) / size;
-            if contraction < 1.0 {
-                unknowns.copy_from_slice(&self.trial);
-            } else {
-                equations.residual(unknowns, closing, &mut self.correction)?;
-            }
-            let converged = scaled_norm(&self.next, weights) <= tolerances.tolerance;
-            let contracts = contraction <= GOOD_CONTRACTION;
-            if !(converged || contracts) {
-                return Ok(false);
+                return Err(hopeless(outcome, iteration, size, damping));
             }
         }
     }
 
     fn resize(&mut self, length: usize) {
-        for buffer in [&mut self.correction, &mut self.next, &mut self.trial] {
+        for buffer in [&mut self.residual, &mut self.correction, &mut self.next, &mut self.trial] {
             buffer.resize(length, 0.0);
         }
+    }
+}
+
+/// Why no damping helps.
+fn hopeless(
+    outcome: Result<(), EvaluationError>,
+    iteration: usize,
+    size: f64,
+    damping: f64,
+) -> NewtonError {
+    match outcome {
+        Err(cause) => NewtonError::from_evaluation(iteration, cause),
+        Ok(()) if size.is_finite() => {
+            NewtonError::Stagnation { iterations: iteration, correction: size, damping }
+        }
+        Ok(()) => NewtonError::LeftDomain {
+            iteration,
+            cause: LeftDomain::new(
+                "the correction",
+                size,
+                "the equations must be finite near the solution",
+            ),
+        },
     }
 }
 

@@ -2,7 +2,7 @@
 //! have changed it twice.
 
 use super::event::Test;
-use super::stepper::{Place, Step, Stepper};
+use super::stepper::{Before, Matrix, Place, Step, Stepper};
 use crate::core::extended::Closing;
 
 /// An extremum predicted to come this near to zero, compared with the ends, is looked at.
@@ -10,12 +10,6 @@ const NEAR: f64 = 0.3;
 
 /// Trial points spent on one extremum.
 const TRIALS: usize = 4;
-
-/// The test functions at the place before a step, and how long ago that was.
-pub(super) struct Before {
-    pub tests: Vec<f64>,
-    pub length: f64,
-}
 
 impl Stepper<'_> {
     /// A shorter step, to a place between `from` and the end of `step` where some test function has
@@ -51,8 +45,8 @@ impl Stepper<'_> {
             let mut unknowns: Vec<f64> =
                 from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect();
             let closing = Closing { row: &row, base: &from.unknowns, length };
-            self.correct(&mut unknowns, closing).ok()?;
-            let place = self.arrive(unknowns, &row).ok()?;
+            let report = self.correct(&mut unknowns, closing).ok()?;
+            let place = self.arrive(unknowns, &row, Matrix::after(&report)).ok()?;
             let test = place.tests[index];
             if sign * test < 0.0 {
                 return Some(Step { place, length, next: end - length });

@@ -1,7 +1,7 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
 use super::event::{Event, MakeCondition, Test};
-use super::stepper::{Place, Stepper};
+use super::stepper::{Matrix, Place, Stepper};
 use super::{Kind, Point, SpecialPoint};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
@@ -69,7 +69,8 @@ impl Stepper<'_> {
                         .zip(unknowns.iter().zip(&from.unknowns))
                         .map(|(r, (x, a))| r * (x - a))
                         .sum();
-                    let slack = 1e-6 * length;
+                    // Signs of test functions are those of a matrix that is not quite that of the point.
+                    let slack = 1e-4 * length;
                     if along >= bracket.low - slack && along <= bracket.high + slack {
                         return self.describe(index, [from, to], along, unknowns, error, true);
                     }
@@ -97,11 +98,10 @@ impl Stepper<'_> {
         let length = 0.5 * (bracket.low + bracket.high);
         let mut unknowns = bracket.between(0.5);
         let closing = Closing { row, base: &from.unknowns, length };
-        if self.correct(&mut unknowns, closing).is_err() {
-            return false;
-        }
+        let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
         let stability = matches!(self.events[index].test, Test::Hopf | Test::PeriodDoubling);
-        let Ok(place) = self.arrive_with(unknowns, row, stability) else { return false };
+        let matrix = Matrix::after(&report);
+        let Ok(place) = self.arrive_with(unknowns, row, matrix, stability) else { return false };
         let test = place.tests[index];
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
         bracket.ends[side] = place.unknowns;
@@ -268,8 +268,16 @@ pub(super) fn converge(
 ) -> Result<f64, NewtonError> {
     newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
-    let correction = newton.correction_left(equations, unknowns, None)?;
-    let left = correction[parameter].abs();
-    unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
-    Ok(4.0 * left + 4.0 * f64::EPSILON * unknowns[parameter].abs())
+    let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
+    let mut left = 0.0;
+    // The first correction is Newton's own last one; what the second one changes is the error left.
+    for _ in 0..2 {
+        let correction = newton.correction_left(equations, unknowns, None)?;
+        left = correction[parameter].abs();
+        unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
+        if left <= rounding {
+            break;
+        }
+    }
+    Ok(4.0 * left + rounding)
 }

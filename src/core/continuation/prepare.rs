@@ -4,7 +4,7 @@
 use super::event::{Event, MakeCondition, Test, condition_of};
 use super::run::Tracer;
 use super::start::{Starting, branch_along, with_own};
-use super::stepper::Stepper;
+use super::stepper::{Matrix, Stepper};
 use super::{Branch, Continuation, End, Kind, TraceError};
 use crate::core::bifurcation::branches_at;
 use crate::core::condition::{At, EvaluationError, Quantity};
@@ -273,7 +273,7 @@ impl<'a> Continuation<'a> {
         stepper.prepare_tests(&unknowns).map_err(evaluation)?;
         let start = if correct {
             let row = stepper.covector(&tangent);
-            stepper.arrive(unknowns, &row)
+            stepper.arrive(unknowns, &row, Matrix::Unknown)
         } else {
             stepper.arrive_at_branch_point(unknowns, tangent)
         };

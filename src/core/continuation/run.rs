@@ -1,9 +1,8 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
 use super::event::Test;
-use super::hidden::Before;
 use super::locate::Located;
-use super::stepper::{AT_START, Place, Step, Stepper};
+use super::stepper::{AT_START, Before, Place, Step, Stepper};
 use super::{Branch, End, Kind, Observer, Point, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::extended::Closing;
@@ -147,7 +146,7 @@ impl Tracer<'_> {
             if points >= max_points {
                 return End::PointLimit { points };
             }
-            let mut step = match self.stepper.step(place, length) {
+            let mut step = match self.stepper.step(before.as_ref(), place, length) {
                 Ok(step) => step,
                 Err((step, cause)) => {
                     return End::StepTooSmall { step, cause: cause.to_string() };
@@ -175,8 +174,9 @@ impl Tracer<'_> {
                 Some(Ending { end: End::ParameterBound { .. } | End::MonitorBound { .. }, .. })
             );
             let Some(Ending { end, at }) = ending else {
-                before = Some(Before { tests: place.tests.clone(), length: step.length });
-                *place = step.place;
+                let length = step.length;
+                let Place { unknowns, tangent, tests, .. } = std::mem::replace(place, step.place);
+                before = Some(Before { unknowns, tangent, tests, length });
                 self.stepper.settle(place);
                 half.points.push(place.point.clone());
                 if observer.point(&place.point).is_break() {

@@ -6,7 +6,7 @@ use super::{Point, Settings};
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::Stability;
-use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
+use crate::core::newton::{Convergence, Newton, NewtonError, Tolerances, scaled_norm};
 
 /// A point of the curve with everything that the next step, and the events, need of it.
 #[derive(Clone)]
@@ -35,6 +35,35 @@ pub(super) struct Stepper<'a> {
 
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
 pub(super) const AT_START: f64 = 1e-6;
+
+/// Whether the matrix factored last is, nearly, that of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Matrix {
+    Known,
+    Unknown,
+}
+
+impl Matrix {
+    /// Whether Newton's last matrix is near enough to that of the solution for its tangent.
+    pub fn after(report: &Convergence) -> Self {
+        if report.matrix_error <= MATRIX_ERROR { Matrix::Known } else { Matrix::Unknown }
+    }
+}
+
+/// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
+const MATRIX_ERROR: f64 = 1e-5;
+
+/// A prediction that leaves the tangent by more than this share of the step, in any group of unknowns, is
+/// not trusted.
+const MOST_CURVED: f64 = 0.5;
+
+/// The place before a step's, for the predictor and for pairs of events.
+pub(super) struct Before {
+    pub unknowns: Vec<f64>,
+    pub tangent: Vec<f64>,
+    pub tests: Vec<f64>,
+    pub length: f64,
+}
 
 /// How a step went.
 pub(super) struct Step {
@@ -71,20 +100,28 @@ impl Stepper<'_> {
     }
 
     /// Corrects `X` on a hyperplane.
-    pub fn correct(&mut self, unknowns: &mut [f64], closing: Closing) -> Result<f64, NewtonError> {
+    pub fn correct(
+        &mut self,
+        unknowns: &mut [f64],
+        closing: Closing,
+    ) -> Result<Convergence, NewtonError> {
         let tolerances = Tolerances {
             tolerance: self.settings.tolerance,
             max_iterations: self.settings.max_iterations,
         };
         let weights = &self.weights;
-        let report =
-            self.newton.solve(&mut self.equations, unknowns, Some(closing), weights, tolerances)?;
-        Ok(report.contraction)
+        self.newton.solve(&mut self.equations, unknowns, Some(closing), weights, tolerances)
     }
 
-    /// Records a corrected point: tangent (along `row`), monitors, stability, test functions.
-    pub fn arrive(&mut self, unknowns: Vec<f64>, row: &[f64]) -> Result<Place, EvaluationError> {
-        self.arrive_with(unknowns, row, self.held.is_empty())
+    /// Records a corrected point: tangent (along `row`), monitors, stability, test functions. `matrix`
+    /// says whether the matrix factored last, with the same `row`, is that of this point.
+    pub fn arrive(
+        &mut self,
+        unknowns: Vec<f64>,
+        row: &[f64],
+        matrix: Matrix,
+    ) -> Result<Place, EvaluationError> {
+        self.arrive_with(unknowns, row, matrix, self.held.is_empty())
     }
 
     /// The same with stability, which costs a spectrum, only if it is asked for.
@@ -92,11 +129,20 @@ impl Stepper<'_> {
         &mut self,
         unknowns: Vec<f64>,
         row: &[f64],
+        matrix: Matrix,
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        self.equations.residual(&unknowns, None, &mut tangent)?;
-        self.equations.factor(&unknowns, Some(row))?;
+        match matrix {
+            Matrix::Known => {
+                self.equations.load(&unknowns);
+            }
+            Matrix::Unknown => {
+                self.equations.assemble(&unknowns)?;
+                self.equations.residual(&unknowns, None, &mut tangent)?;
+                self.equations.factor(&unknowns, Some(row))?;
+            }
+        }
         let determinant = self.equations.determinant_sign();
         tangent.fill(0.0);
         if let Some(last) = tangent.last_mut() {
@@ -158,11 +204,16 @@ impl Stepper<'_> {
     }
 
     /// One step of at most this length; shorter ones are tried down to `min_step`.
-    pub fn step(&mut self, from: &Place, length: f64) -> Result<Step, (f64, NewtonError)> {
+    pub fn step(
+        &mut self,
+        before: Option<&Before>,
+        from: &Place,
+        length: f64,
+    ) -> Result<Step, (f64, NewtonError)> {
         let row = self.covector(&from.tangent);
         let mut length = length;
         loop {
-            let failure = match self.try_step(from, &row, length) {
+            let failure = match self.try_step(before, from, &row, length) {
                 Ok(step) => return Ok(step),
                 Err(failure) => failure,
             };
@@ -173,26 +224,79 @@ impl Stepper<'_> {
         }
     }
 
-    fn try_step(&mut self, from: &Place, row: &[f64], length: f64) -> Result<Step, NewtonError> {
-        let mut unknowns: Vec<f64> =
-            from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect();
+    fn try_step(
+        &mut self,
+        before: Option<&Before>,
+        from: &Place,
+        row: &[f64],
+        length: f64,
+    ) -> Result<Step, NewtonError> {
+        let curved = before.and_then(|before| self.curved(before, from, row, length));
+        let order = if curved.is_some() { 4 } else { 2 };
+        let mut unknowns = curved.unwrap_or_else(|| {
+            from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect()
+        });
         let closing = Closing { row, base: &from.unknowns, length };
-        let contraction = self.correct(&mut unknowns, closing)?;
-        let place =
-            self.arrive(unknowns, row).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        let report = self.correct(&mut unknowns, closing)?;
+        let place = self
+            .arrive(unknowns, row, Matrix::after(&report))
+            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
         let cosine: f64 = row.iter().zip(&place.tangent).map(|(r, t)| r * t).sum();
         let angle = cosine.clamp(-1.0, 1.0).acos();
         if angle > self.settings.max_angle && length > 2.0 * self.settings.min_step {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
-        Ok(Step { place, length, next: self.next_length(length, contraction, angle) })
+        Ok(Step { place, length, next: self.next_length(length, report.contraction, angle, order) })
     }
 
-    /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the square
-    /// of the step's length times curvature, the angle like its first power.
-    fn next_length(&self, length: f64, contraction: f64, angle: f64) -> f64 {
+    /// The cubic through the last two places with their tangents, extrapolated. Its parameter is the
+    /// coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the
+    /// hyperplane of the step.
+    fn curved(&self, before: &Before, from: &Place, row: &[f64], length: f64) -> Option<Vec<f64>> {
+        if before.unknowns.len() != from.unknowns.len() {
+            return None;
+        }
+        let dot = |v: &[f64]| row.iter().zip(v).map(|(r, v)| r * v).sum::<f64>();
+        let offset: Vec<f64> =
+            before.unknowns.iter().zip(&from.unknowns).map(|(b, x)| b - x).collect();
+        let (u, slope) = (dot(&offset), dot(&before.tangent));
+        if !(u < 0.0 && slope > 0.0) {
+            return None;
+        }
+        // X = x + u t + u² (a + b u), with value and slope given at the place before.
+        let mut bend = vec![0.0; offset.len()];
+        for i in 0..bend.len() {
+            let t = from.tangent[i];
+            let value = (offset[i] - u * t) / (u * u);
+            let rate = (before.tangent[i] / slope - t) / u;
+            let b = (rate - 2.0 * value) / u;
+            bend[i] = length * length * (value + b * (length - u));
+        }
+        self.is_trusted(&bend, &from.tangent, length).then(|| {
+            let line = from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t);
+            line.zip(&bend).map(|(x, bend)| x + bend).collect()
+        })
+    }
+
+    /// Whether a prediction's `bend` is small against the step along the tangent, in each group by itself:
+    /// a group that is small on this part of the branch hardly counts in the norm.
+    fn is_trusted(&self, bend: &[f64], tangent: &[f64], length: f64) -> bool {
+        let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let small = |bend: &[f64], t: &[f64]| size(bend) <= MOST_CURVED * length * size(t);
+        let mut start = 0;
+        let groups = self.equations.names().unknowns.iter().all(|group| {
+            let place = start..start + group.length;
+            start = place.end;
+            small(&bend[place.clone()], &tangent[place])
+        });
+        groups && (start..bend.len()).all(|i| small(&bend[i..=i], &tangent[i..=i]))
+    }
+
+    /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the
+    /// predictor's error, a power of the step's length, the angle like its first power.
+    fn next_length(&self, length: f64, contraction: f64, angle: f64, order: i32) -> f64 {
         let by_angle = 0.5 * self.settings.max_angle / angle.max(1e-9);
-        let by_contraction = (0.1 / contraction.max(1e-9)).sqrt();
+        let by_contraction = (0.1 / contraction.max(1e-9)).powf(f64::from(order).recip());
         let factor = by_angle.min(by_contraction).clamp(0.5, 2.0);
         (length * factor).clamp(self.settings.min_step, self.settings.max_step)
     }
