@@ -119,8 +119,8 @@ class Auto:
         least = min(branch) - statistics.median(first)
         fold = self.fold()
         mesh = f"{CONSTANTS['NTST']} × {CONSTANTS['NCOL']}"
-        remark = (f"{name}: process {statistics.median(branch):.2f} ms, of one point alone (subtracted) "
-                  f"{statistics.median(first):.2f} ms; AUTO's own clock {statistics.median(reported):.2f} ms.")
+        remark = (f"{name}: process {statistics.median(branch):.2f} ms; one point alone, subtracted, "
+                  f"{statistics.median(first):.2f} ms; AUTO's clock {statistics.median(reported):.2f} ms.")
         return [name, str(points), mesh, f"{fold:.14f}", f"{abs(fold - FOLD):.1e}",
                 f"{median:.2f} (min {least:.2f})"], remark  # fmt: skip
 
@@ -184,7 +184,7 @@ def main():
     parser.add_argument("--tangency", default="cargo run --release --locked --quiet --example orbit_speed",
                         help="command that prints tangency's rows; empty: AUTO alone")  # fmt: skip
     arguments = parser.parse_args()
-    if arguments.tangency.startswith("cargo run"):  # compile on all cores, before this process is pinned to one
+    if arguments.tangency.startswith("cargo run"):  # compile on all cores, before the pinning to one
         call(*shlex.split(arguments.tangency.replace("cargo run", "cargo build", 1)), cwd=HERE.parents[1])
 
     with tempfile.TemporaryDirectory() as directory:
@@ -196,7 +196,8 @@ def main():
     print(f"{machine()}, one core; {'; '.join(versions)}; {AUTO}; {datetime.date.today()}.\n")
     table(COLUMNS, [*rows, *own])
     if own:
-        ratios = ([row[0], *(f"{milliseconds(row) / milliseconds(other):.1f}" for other in own)] for row in rows)
+        ratios = ([row[0], *(f"{milliseconds(row) / milliseconds(other):.1f}" for other in own)]
+                  for row in rows)
         table(["CPU time divided by that of", *(other[0] for other in own)], ratios)
     print("\n".join(remarks))
 

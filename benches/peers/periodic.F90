@@ -4,8 +4,8 @@
 !   q' = u,   u' = V^2 (1 - c) / (2 (1 - q)^2) - q - 0.04 u,
 !   s' = s + 2 omega c - s (s^2 + c^2),   c' = c - 2 omega s - c (s^2 + c^2).
 !
-! u(1:4) = q, u, s, c; par(1) = V, par(2) = omega, par(11) = the period. FULL_DIGITS writes every V with 17 digits
-! to fort.55, since AUTO's own files hold 11.
+! u(1:4) = q, u, s, c; par(1) = V, par(2) = omega, par(11) = the period. FULL_DIGITS writes every V with
+! 17 digits to fort.55, since AUTO's own files hold 11.
 
 subroutine func(ndim, u, icp, par, ijac, f, dfdu, dfdp)
   implicit none
