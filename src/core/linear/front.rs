@@ -1,0 +1,239 @@
+//! A front: a small dense matrix of which the leading columns are eliminated.
+
+/// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
+const LANES: usize = 4;
+
+/// A pivot this much smaller than the largest entry of its row counts as zero.
+const SINGULAR: f64 = 1e-15;
+
+use crate::core::zero::Singular;
+
+/// The shape of a front: some leading columns are eliminated with pivots from the leading rows,
+///
+/// ```text
+///     ⎡ L₁    ⎤     ⎡ U  * ⎤      pivotal rows (permuted by P): as many as columns
+///     ⎢ L₂  I ⎥ ·   ⎣ 0  S ⎦      pivotal rows that are left over
+///     ⎣ L₃  I ⎦                   border rows: updated, never a pivot
+/// ```
+///
+/// and the factors take the place of the matrix: `S` is the Schur complement. Rows are exchanged whole, with
+/// their multipliers, so that all exchanges may be applied first.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Front {
+    /// How many columns are eliminated.
+    pub(super) eliminated: usize,
+    /// How many rows a pivot may come from.
+    pub(super) pivotal: usize,
+    /// How many rows follow those.
+    pub(super) border: usize,
+    /// From one row to the next.
+    pub(super) stride: usize,
+}
+
+/// The pivots of an elimination so far, each relative to the largest entry of its row.
+pub(super) struct Pivots {
+    /// The sign of their product, times that of the permutation of rows.
+    pub(super) sign: f64,
+    verdict: Singular,
+}
+
+impl Pivots {
+    pub(super) fn new() -> Self {
+        Pivots { sign: 1.0, verdict: Singular { pivot: f64::INFINITY, largest: 0.0 } }
+    }
+
+    fn record(&mut self, pivot: f64, relative: f64) {
+        self.sign *= pivot.signum();
+        let smallest = self.verdict.pivot.min(relative);
+        self.verdict.pivot = if relative.is_nan() { f64::NAN } else { smallest };
+        self.verdict.largest = self.verdict.largest.max(relative);
+    }
+
+    /// [`Singular`] if one of them vanishes to working accuracy or is not a number.
+    pub(super) fn judge(&self) -> Result<(), Singular> {
+        if self.verdict.pivot > SINGULAR { Ok(()) } else { Err(self.verdict) }
+    }
+}
+
+/// Scales by which pivots are compared: of columns (given) and of rows, and room for a row.
+#[derive(Default)]
+pub(super) struct Scales {
+    /// By column of the front: the inverse of a typical entry; zero where a column has no say.
+    pub(super) columns: Vec<f64>,
+    /// By row: the inverse of the largest entry after columns are scaled.
+    pub(super) rows: Vec<f64>,
+    top: Vec<f64>,
+}
+
+impl Front {
+    pub(super) fn new(eliminated: usize, pivotal: usize, border: usize, width: usize) -> Self {
+        Front { eliminated, pivotal, border, stride: width.next_multiple_of(LANES) }
+    }
+
+    /// The length of the matrix.
+    pub(super) fn length(&self) -> usize {
+        (self.pivotal + self.border) * self.stride
+    }
+
+    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as they would
+    /// be if the largest entry of every row were 1. Rows of the growing and the decaying solutions of a
+    /// dichotomy keep their scales, which is what bounds growth (plain partial pivoting lets it be
+    /// exponential in the number of fronts: Wright 1993).
+    pub(super) fn eliminate(
+        &self,
+        a: &mut [f64],
+        exchanges: &mut [usize],
+        scales: &mut Scales,
+        pivots: &mut Pivots,
+    ) {
+        let w = self.stride;
+        self.scale_rows(a, scales);
+        scales.top.resize(w, 0.0);
+        for c in 0..self.eliminated {
+            let (pivot, relative) = self.pivot(a, &scales.rows, c);
+            exchanges[c] = pivot;
+            if pivot != c {
+                let (above, below) = a.split_at_mut(pivot * w);
+                above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
+                scales.rows.swap(c, pivot);
+                pivots.sign = -pivots.sign;
+            }
+            let (above, below) = a.split_at_mut((c + 1) * w);
+            let top = &above[c * w..];
+            pivots.record(top[c], relative * scales.columns[c]);
+            update(below, top, c, &mut scales.top);
+        }
+    }
+
+    fn scale_rows(&self, a: &[f64], scales: &mut Scales) {
+        scales.rows.clear();
+        let rows = a.chunks_exact(self.stride).take(self.pivotal);
+        scales.rows.extend(rows.map(|row| {
+            let mut largest = [0.0; LANES];
+            let lanes = row.as_chunks::<LANES>().0.iter().zip(scales.columns.as_chunks().0);
+            for (entries, weights) in lanes {
+                let weights: &[f64; LANES] = weights;
+                for lane in 0..LANES {
+                    let entry = entries[lane].abs() * weights[lane];
+                    largest[lane] = if entry > largest[lane] { entry } else { largest[lane] };
+                }
+            }
+            1.0 / largest.into_iter().fold(0.0, f64::max)
+        }));
+    }
+
+    /// The row of the largest entry of a column, and that entry.
+    fn pivot(&self, a: &[f64], scales: &[f64], c: usize) -> (usize, f64) {
+        let mut best = (c, a[c * self.stride + c].abs() * scales[c]);
+        for r in c + 1..self.pivotal {
+            let size = a[r * self.stride + c].abs() * scales[r];
+            if size > best.1 {
+                best = (r, size);
+            }
+        }
+        best
+    }
+
+    /// Right sides of the pivotal rows and of the border rows: applies `L⁻¹ P`.
+    pub(super) fn forward(
+        &self,
+        a: &[f64],
+        exchanges: &[usize],
+        y: &mut [f64],
+        border: &mut [f64],
+    ) {
+        for (c, pivot) in exchanges.iter().enumerate() {
+            y.swap(c, *pivot);
+        }
+        let mut rows = a.chunks_exact(self.stride);
+        for (r, row) in rows.by_ref().take(self.pivotal).enumerate() {
+            let done = r.min(self.eliminated);
+            y[r] -= dot(&row[..done], &y[..done]);
+        }
+        for (value, row) in border.iter_mut().zip(rows) {
+            *value -= dot(&row[..self.eliminated], &y[..self.eliminated]);
+        }
+    }
+
+    /// Unknowns in the order of the front's columns: fills in those eliminated from the others.
+    pub(super) fn back(&self, a: &[f64], right: &[f64], unknowns: &mut [f64]) {
+        let width = unknowns.len();
+        for r in (0..self.eliminated).rev() {
+            let row = &a[r * self.stride..][..width];
+            unknowns[r] = (right[r] - dot(&row[r + 1..], &unknowns[r + 1..])) / row[r];
+        }
+    }
+
+    /// Right sides of the transposed system, in the order of the front's columns: applies `U⁻ᵀ`.
+    pub(super) fn forward_transposed(&self, a: &[f64], right: &mut [f64]) {
+        let width = right.len();
+        for r in 0..self.eliminated {
+            let row = &a[r * self.stride..][..width];
+            right[r] /= row[r];
+            let factor = right[r];
+            subtract(&mut right[r + 1..], factor, &row[r + 1..]);
+        }
+    }
+
+    /// Unknowns of the transposed system, by pivotal rows and border rows: applies `Pᵀ L⁻ᵀ`.
+    pub(super) fn back_transposed(
+        &self,
+        a: &[f64],
+        exchanges: &[usize],
+        y: &mut [f64],
+        border: &[f64],
+    ) {
+        for (r, factor) in border.iter().enumerate() {
+            let row = &a[(self.pivotal + r) * self.stride..][..self.eliminated];
+            subtract(&mut y[..self.eliminated], *factor, row);
+        }
+        for r in (0..self.pivotal).rev() {
+            let (done, factor) = (r.min(self.eliminated), y[r]);
+            subtract(&mut y[..done], factor, &a[r * self.stride..][..done]);
+        }
+        for (c, pivot) in exchanges.iter().enumerate().rev() {
+            y.swap(c, *pivot);
+        }
+    }
+}
+
+/// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c` vanish,
+/// and keeps the multipliers there. Whole lanes are updated: what lies left of the column meets zeros.
+fn update(below: &mut [f64], top: &[f64], c: usize, zeroed: &mut [f64]) {
+    let start = (c + 1) / LANES * LANES;
+    zeroed[start..].copy_from_slice(&top[start..]);
+    if start <= c {
+        zeroed[start..=c].fill(0.0);
+    }
+    let zeroed = zeroed[start..].as_chunks::<LANES>().0;
+    let inverse = 1.0 / top[c];
+    for row in below.chunks_exact_mut(top.len()) {
+        let multiplier = row[c] * inverse;
+        for (entries, top) in row[start..].as_chunks_mut::<LANES>().0.iter_mut().zip(zeroed) {
+            for lane in 0..LANES {
+                entries[lane] -= multiplier * top[lane];
+            }
+        }
+        row[c] = multiplier;
+    }
+}
+
+/// `a · b`, in lanes.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// `target ← target − factor · row`.
+fn subtract(target: &mut [f64], factor: f64, row: &[f64]) {
+    for (target, entry) in target.iter_mut().zip(row) {
+        *target -= factor * entry;
+    }
+}
