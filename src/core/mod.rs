@@ -7,6 +7,7 @@ pub mod continuation;
 pub mod dense;
 pub mod extended;
 pub mod field;
+pub mod flow;
 pub mod kind;
 pub mod linear;
 pub mod motion;

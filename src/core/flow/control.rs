@@ -1,0 +1,129 @@
+//! How large an error is, and how long the next step may be.
+
+use super::settings::Settings;
+use super::stages::Stages;
+use super::tableau::{Row, Tableau};
+use crate::core::scalar::Scalar;
+
+/// How a number enters the error: by its real part, or as the caller says.
+pub type Size<T> = fn(&T) -> f64;
+
+/// The measure of errors: tolerances, and what is compared with them.
+#[derive(Clone, Copy)]
+pub(super) struct Measure<T> {
+    pub relative: f64,
+    pub absolute: f64,
+    pub size: Option<Size<T>>,
+}
+
+impl<T: Scalar> Measure<T> {
+    /// The error that is tolerated in a state that is `x` at one end of the step and `y` at the other.
+    fn tolerated(&self, x: &T, y: &T) -> f64 {
+        let size = |x: &T| self.size.map_or_else(|| x.real().abs(), |size| size(x));
+        self.absolute + self.relative * size(x).max(size(y))
+    }
+
+    /// `Σ_i (h Σ_j e_j k_ij / tolerated_i)²`.
+    fn square(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
+        let n = x.len();
+        let error = |i: usize| match self.size {
+            None => row.iter().map(|(j, e)| stages.slopes[j * n + i].real() * e).sum::<f64>(),
+            Some(size) => {
+                let terms = row.iter().map(|(j, e)| stages.slopes[j * n + i] * *e);
+                size(&terms.fold(T::zero(), |sum, term| sum + term))
+            }
+        };
+        let part = |i: usize| h * error(i) / self.tolerated(&x[i], &stages.end[i]);
+        (0..n).map(|i| part(i).powi(2)).sum()
+    }
+
+    /// The root mean square of an estimate in units of what is tolerated: acceptable up to 1.
+    pub fn error(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
+        (self.square(h, row, x, stages) / x.len().max(1) as f64).sqrt()
+    }
+
+    /// The error of an explicit step; where there are two estimates `e₅` and `e₃`, it is
+    /// `e₅² / √(e₅² + e₃²/100)` (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
+    pub fn explicit_error(&self, h: f64, tableau: &Tableau, x: &[T], stages: &Stages<T>) -> f64 {
+        if tableau.rough_error.is_empty() {
+            return self.error(h, tableau.error, x, stages);
+        }
+        let fine = self.square(h, tableau.error, x, stages);
+        let rough = self.square(h, tableau.rough_error, x, stages);
+        let together = fine + 0.01 * rough;
+        let n = x.len() as f64;
+        if together == 0.0 { 0.0 } else { fine / (together * n).sqrt() }
+    }
+
+    /// The root mean square of a vector in units of what is tolerated at `x`.
+    fn norm(&self, vector: impl Iterator<Item = f64>, x: &[T]) -> f64 {
+        let parts = vector.zip(x).map(|(v, x)| (v / self.tolerated(x, x)).powi(2));
+        (parts.sum::<f64>() / x.len().max(1) as f64).sqrt()
+    }
+
+    /// The length of an Euler step that tells how fast the slope changes.
+    pub fn euler_step(&self, x: &[T], slope: &[T]) -> f64 {
+        let size = self.norm(x.iter().map(T::real), x);
+        let speed = self.norm(slope.iter().map(T::real), x);
+        if size < 1e-5 || speed < 1e-5 { 1e-6 } else { 0.01 * size / speed }
+    }
+
+    /// The first step, from the slopes at both ends of an Euler step of length `h` (Hairer, Nørsett,
+    /// Wanner 1993, section II.4).
+    pub fn first_step(&self, order: usize, h: f64, x: &[T], slopes: (&[T], &[T])) -> f64 {
+        let speed = self.norm(slopes.0.iter().map(T::real), x);
+        let change = slopes.0.iter().zip(slopes.1).map(|(a, b)| b.real() - a.real());
+        let largest = speed.max(self.norm(change, x) / h);
+        let step = if largest <= 1e-15 {
+            (h * 1e-3).max(1e-6)
+        } else {
+            (0.01 / largest).powf(1.0 / order as f64)
+        };
+        step.min(100.0 * h)
+    }
+}
+
+/// A step as long as is predicted to err by the tolerance is made shorter by this factor.
+const SAFETY: f64 = 0.9;
+
+/// Ratios of steps by the predicted error and, where the method wants it, by the previous one (Gustafsson's
+/// proportional-integral control; Hairer and Wanner 1996, section IV.2).
+pub(super) struct Control {
+    exponent: f64,
+    memory: f64,
+    ratios: (f64, f64),
+    previous: f64,
+    rejected: bool,
+}
+
+impl Control {
+    pub fn new(settings: &Settings) -> Self {
+        let order = settings.scheme.order() as f64;
+        // Of Rodas5P, Steinebach (2023) recommends no memory.
+        let (memory, ratios) = settings
+            .scheme
+            .tableau()
+            .map_or((0.0, (0.2, 6.0)), |tableau| (tableau.memory, tableau.ratios));
+        let exponent = 1.0 / order - 0.75 * memory;
+        Control { exponent, memory, ratios, previous: 1e-4, rejected: false }
+    }
+
+    /// The ratio of the next step to one that was accepted with this error.
+    pub fn accepted(&mut self, error: f64) -> f64 {
+        let ratio = SAFETY * self.previous.powf(self.memory) / error.powf(self.exponent);
+        let largest = if self.rejected { 1.0 } else { self.ratios.1 };
+        self.rejected = false;
+        self.previous = error.max(1e-4);
+        ratio.clamp(self.ratios.0, largest)
+    }
+
+    /// The ratio of the next trial to one that was rejected with this error, which need not be finite.
+    pub fn rejected(&mut self, error: f64) -> f64 {
+        self.rejected = true;
+        if error.is_finite() {
+            (SAFETY / error.powf(self.exponent)).max(self.ratios.0)
+        } else {
+            0.1
+        }
+    }
+}
