@@ -99,9 +99,28 @@ pub trait Method {
         visit: &mut dyn FnMut(f64, f64),
     ) -> Result<(), LeftDomain>;
 
+    /// How many Gauss points an interval needs for integrals to be as accurate as the trajectory.
+    fn quadrature(&self) -> usize {
+        12
+    }
+
+    /// The constant `C` of a method that replaces the trajectory by polynomials of degree `m`, so that its
+    /// error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh causes no error.
+    fn error_constant(&self) -> Option<f64> {
+        None
+    }
+
     /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`
     /// where there is none finer.
     fn finer(&self) -> Option<(Self, usize)>
     where
         Self: Sized;
+}
+
+/// The cause with the segment and the time at which it happened.
+pub(super) fn left_domain(cause: LeftDomain, segment: usize, t: f64) -> LeftDomain {
+    LeftDomain {
+        quantity: format!("{} at t = {t:.6e} on segment {segment}", cause.quantity),
+        ..cause
+    }
 }

@@ -1,0 +1,303 @@
+//! Collocation at Gauss points.
+//!
+//! On an interval of length `h` the trajectory is a polynomial of degree `m`, given by its values `x_j` at
+//! the `m + 1` Lobatto nodes, that satisfies the differential equation at the `m` Gauss points `ρ_c`:
+//!
+//! ```text
+//!     Σ_j ℓ_j'(ρ_c) x_j − h L f(t_c, Σ_j ℓ_j(ρ_c) x_j, q) = 0,    c = 1 … m
+//! ```
+//!
+//! Its error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and `O(h^{2m})`
+//! at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*, 1973; U. Ascher,
+//! R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential
+//! Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the values there are better by an order
+//! than those between them.
+
+mod basis;
+
+use super::chunk::{parts, seeded};
+use super::method::left_domain;
+use super::{Block, BoundaryProblem, Method, Span};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+use basis::Basis;
+use num_dual::DualSVec64;
+
+/// Collocation at `m` Gauss points, from 2 to 7.
+///
+/// ```
+/// use tangency::core::bvp::{Collocation, Method};
+/// let collocation = Collocation::new(4)?;
+/// assert_eq!(collocation.places()[2], 0.5);
+/// assert!(Collocation::new(9).is_err());
+/// # Ok::<(), tangency::core::bvp::PointsError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Collocation {
+    basis: Basis,
+    narrow: Passes<4>,
+    wide: Passes<8>,
+}
+
+/// A number of Gauss points out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("collocation at {points} Gauss points an interval: the number must be between 2 and 7")]
+pub struct PointsError {
+    /// The number asked for.
+    pub points: usize,
+}
+
+/// The largest number of Gauss points: beyond it, more intervals are better than a higher degree.
+const MOST_POINTS: usize = 7;
+
+impl Collocation {
+    /// Collocation at this number of Gauss points in each interval.
+    ///
+    /// # Errors
+    /// [`PointsError`] unless it is between 2 and 7.
+    pub fn new(points: usize) -> Result<Self, PointsError> {
+        if !(2..=MOST_POINTS).contains(&points) {
+            return Err(PointsError { points });
+        }
+        Ok(Collocation {
+            basis: Basis::new(points),
+            narrow: Passes::default(),
+            wide: Passes::default(),
+        })
+    }
+
+    /// The number `m` of Gauss points in each interval.
+    pub fn points(&self) -> usize {
+        self.basis.gauss.len()
+    }
+}
+
+/// Buffers of [`Collocation`] for evaluations in one scalar type.
+#[derive(Clone, Debug)]
+pub struct CollocationWork<T> {
+    x: Vec<T>,
+    f: Vec<T>,
+    real: Vec<f64>,
+}
+
+impl<T> Default for CollocationWork<T> {
+    fn default() -> Self {
+        CollocationWork { x: Vec::new(), f: Vec::new(), real: Vec::new() }
+    }
+}
+
+/// Arguments and values of the field in a pass over `W` directions.
+#[derive(Clone, Debug, Default)]
+struct Passes<const W: usize> {
+    x: Vec<DualSVec64<W>>,
+    q: Vec<DualSVec64<W>>,
+    f: Vec<DualSVec64<W>>,
+    real: Vec<f64>,
+}
+
+/// An interval with its data, where it is linearised.
+struct Interval<'a, P> {
+    problem: &'a P,
+    span: Span,
+    nodes: &'a [f64],
+    q: &'a [f64],
+    active: &'a [usize],
+}
+
+/// The states at a place: `Σ_j ℓ_j x_j`.
+fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
+    let n = x.len();
+    for (i, x) in x.iter_mut().enumerate() {
+        *x = nodes[i] * coefficients[0];
+        for (j, coefficient) in coefficients.iter().enumerate().skip(1) {
+            *x += nodes[j * n + i] * *coefficient;
+        }
+    }
+}
+
+impl Method for Collocation {
+    type Work<T: Scalar> = CollocationWork<T>;
+
+    fn places(&self) -> &[f64] {
+        &self.basis.nodes
+    }
+
+    fn residual<P: BoundaryProblem, T: Scalar>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[T],
+        q: &[T],
+        work: &mut CollocationWork<T>,
+        r: &mut [T],
+    ) -> Result<(), LeftDomain> {
+        let places = self.basis.nodes.len();
+        let n = nodes.len() / places;
+        let (duration, h) = (problem.duration(span.segment, q), span.end - span.start);
+        work.x.resize(n, T::zero());
+        work.f.resize(n, T::zero());
+        work.real.clear();
+        work.real.extend(q.iter().map(Scalar::real));
+        work.real.resize(q.len() + n, 0.0);
+        let (real_q, real_x) = work.real.split_at_mut(q.len());
+        for (c, r) in r.chunks_exact_mut(n).enumerate() {
+            let row = c * places..(c + 1) * places;
+            combine(&self.basis.values[row.clone()], nodes, &mut work.x);
+            real_x.iter_mut().zip(&work.x).for_each(|(real, x)| *real = x.real());
+            let t = duration * (span.start + h * self.basis.gauss[c]);
+            problem
+                .domain(span.segment, real_x, real_q)
+                .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
+            problem.field(span.segment, t, &work.x, q, &mut work.f);
+            combine(&self.basis.slopes[row], nodes, r);
+            let step = duration * h;
+            r.iter_mut().zip(&work.f).for_each(|(r, f)| *r -= step * *f);
+        }
+        Ok(())
+    }
+
+    fn value<P: BoundaryProblem, T: Scalar>(
+        &self,
+        _problem: &P,
+        _span: Span,
+        nodes: &[T],
+        _q: &[T],
+        place: f64,
+        _work: &mut CollocationWork<T>,
+        x: &mut [T],
+    ) -> Result<(), LeftDomain> {
+        let count = self.basis.nodes.len();
+        let mut coefficients = [0.0; MOST_POINTS + 1];
+        for (j, coefficient) in coefficients[..count].iter_mut().enumerate() {
+            *coefficient = self.basis.lagrange(j, place);
+        }
+        combine(&coefficients[..count], nodes, x);
+        Ok(())
+    }
+
+    fn linearise<P: BoundaryProblem>(
+        &mut self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        active: &[usize],
+        block: Block,
+    ) -> Result<(), LeftDomain> {
+        let interval = Interval { problem, span, nodes, q, active };
+        let n = nodes.len() / self.basis.nodes.len();
+        if n + active.len() <= 4 {
+            linearise_in(&self.basis, &mut self.narrow, interval, block)
+        } else {
+            linearise_in(&self.basis, &mut self.wide, interval, block)
+        }
+    }
+
+    fn extrema<P: BoundaryProblem>(
+        &mut self,
+        _problem: &P,
+        _span: Span,
+        nodes: &[f64],
+        _q: &[f64],
+        state: usize,
+        visit: &mut dyn FnMut(f64, f64),
+    ) -> Result<(), LeftDomain> {
+        let basis = &self.basis;
+        let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
+        let at = |j: usize| nodes[j * n + state];
+        visit(0.0, at(0));
+        basis.stationary(at, |s| visit(s, (0..=m).map(|j| basis.lagrange(j, s) * at(j)).sum()));
+        visit(1.0, at(m));
+        Ok(())
+    }
+
+    fn quadrature(&self) -> usize {
+        self.points()
+    }
+
+    fn error_constant(&self) -> Option<f64> {
+        Some(self.basis.error_constant)
+    }
+
+    fn finer(&self) -> Option<(Self, usize)> {
+        let finest = Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() };
+        Some((finest, 2))
+    }
+}
+
+/// Residual and Jacobian at all Gauss points, `W` directions at a time.
+fn linearise_in<P: BoundaryProblem, const W: usize>(
+    basis: &Basis,
+    passes: &mut Passes<W>,
+    interval: Interval<P>,
+    block: Block,
+) -> Result<(), LeftDomain> {
+    let Interval { problem, span, nodes, q, active } = interval;
+    let places = basis.nodes.len();
+    let n = nodes.len() / places;
+    let h = span.end - span.start;
+    let directions = n + active.len();
+    passes.resize(n);
+    for start in (0..directions).step_by(W) {
+        passes.seed_numbers(q, n, active, start);
+        let duration = problem.duration(span.segment, &passes.q);
+        let (step, offset) = (duration * h, duration * span.start);
+        for c in 0..places - 1 {
+            let row = c * places..(c + 1) * places;
+            let values = &basis.values[row.clone()];
+            combine(values, nodes, &mut passes.real);
+            let t = offset + step * basis.gauss[c];
+            problem
+                .domain(span.segment, &passes.real, q)
+                .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
+            for (i, (x, real)) in passes.x.iter_mut().zip(&passes.real).enumerate() {
+                *x = seeded(*real, i, start);
+            }
+            problem.field(span.segment, t, &passes.x, &passes.q, &mut passes.f);
+            combine(&basis.slopes[row.clone()], nodes, &mut block.residual[c * n..(c + 1) * n]);
+            for (i, f) in passes.f.iter().enumerate() {
+                let (equation, flow) = (c * n + i, step * *f);
+                let slopes = parts(&flow);
+                block.residual[equation] -= flow.re;
+                if start < n {
+                    let width = W.min(n - start);
+                    let entries =
+                        &mut block.nodes[equation * places * n..(equation + 1) * places * n];
+                    for (entries, value) in entries.chunks_exact_mut(n).zip(values) {
+                        let entries = &mut entries[start..start + width];
+                        entries.iter_mut().zip(&slopes).for_each(|(e, s)| *e = -value * s);
+                    }
+                    if (start..start + width).contains(&i) {
+                        let slopes = &basis.slopes[row.clone()];
+                        entries.chunks_exact_mut(n).zip(slopes).for_each(|(e, d)| e[i] += d);
+                    }
+                }
+                let count = active.len();
+                let numbers = &mut block.numbers[equation * count..(equation + 1) * count];
+                for (k, slope) in slopes.iter().enumerate().take(directions - start) {
+                    if start + k >= n {
+                        numbers[start + k - n] = -slope;
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+impl<const W: usize> Passes<W> {
+    fn resize(&mut self, n: usize) {
+        self.real.resize(n, 0.0);
+        self.x.resize(n, DualSVec64::from(0.0));
+        self.f.resize(n, DualSVec64::from(0.0));
+    }
+
+    /// The numbers `q`, the active ones seeded as the directions after the `n` states.
+    fn seed_numbers(&mut self, q: &[f64], n: usize, active: &[usize], start: usize) {
+        self.q.clear();
+        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
+        for (k, &number) in active.iter().enumerate() {
+            self.q[number] = seeded(q[number], n + k, start);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Gauss–Legendre points, Lobatto nodes and the Lagrange polynomials through them.
+
+use crate::core::quadrature::gauss_legendre;
+
+/// The largest number of nodes.
+const MOST: usize = 8;
+
+/// What collocation at `m` Gauss points needs: everything on the interval from 0 to 1.
+#[derive(Clone, Debug)]
+pub(super) struct Basis {
+    /// Gauss points `ρ_c`.
+    pub gauss: Vec<f64>,
+    /// Lobatto nodes.
+    pub nodes: Vec<f64>,
+    /// `ℓ_j(ρ_c)`, one row for each Gauss point.
+    pub values: Vec<f64>,
+    /// `ℓ_j'(ρ_c)`, one row for each Gauss point.
+    pub slopes: Vec<f64>,
+    /// Coefficients of `ℓ_j` by powers of `y = 2s − 1`, one row for each node.
+    powers: Vec<f64>,
+    /// The largest value of `|P|`, `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`.
+    pub error_constant: f64,
+}
+
+impl Basis {
+    pub fn new(points: usize) -> Self {
+        let gauss: Vec<f64> = gauss_legendre(points).0.iter().map(|y| 0.5 * (1.0 + y)).collect();
+        let nodes = lobatto(&gauss);
+        let (mut values, mut slopes) = (Vec::new(), Vec::new());
+        for &s in &gauss {
+            for j in 0..=points {
+                let value = lagrange(&nodes, j, s);
+                let others = (0..=points).filter(|i| *i != j);
+                values.push(value);
+                slopes.push(value * others.map(|i| 1.0 / (s - nodes[i])).sum::<f64>());
+            }
+        }
+        let powers = (0..=points).flat_map(|j| powers_of_lagrange(&nodes, j)).collect();
+        let error_constant = error_constant(&gauss);
+        Basis { gauss, nodes, values, slopes, powers, error_constant }
+    }
+
+    /// `ℓ_j(s)`.
+    pub fn lagrange(&self, j: usize, s: f64) -> f64 {
+        lagrange(&self.nodes, j, s)
+    }
+
+    /// Places between 0 and 1 where the slope of a polynomial, given by its values at the nodes, vanishes.
+    pub fn stationary(&self, values: impl Fn(usize) -> f64, mut visit: impl FnMut(f64)) {
+        let m = self.gauss.len();
+        let mut slope = [0.0; MOST];
+        for j in 0..=m {
+            for k in 1..=m {
+                slope[k - 1] += k as f64 * self.powers[j * (m + 1) + k] * values(j);
+            }
+        }
+        let (roots, count) = roots_inside(&slope[..m]);
+        roots[..count].iter().for_each(|y| visit(0.5 * (1.0 + y)));
+    }
+}
+
+/// The Lobatto nodes: the ends, and the stationary points between Gauss points of `p(s) = Π (s − ρ_c)`, where
+/// `p'/p = Σ 1/(s − ρ_c)` vanishes.
+fn lobatto(gauss: &[f64]) -> Vec<f64> {
+    let mut nodes = vec![0.0];
+    for pair in gauss.windows(2) {
+        let mut s = 0.5 * (pair[0] + pair[1]);
+        for _ in 0..12 {
+            let sum: f64 = gauss.iter().map(|c| 1.0 / (s - c)).sum();
+            let slope: f64 = gauss.iter().map(|c| -1.0 / ((s - c) * (s - c))).sum();
+            s -= sum / slope;
+        }
+        nodes.push(s);
+    }
+    nodes.push(1.0);
+    nodes
+}
+
+fn lagrange(nodes: &[f64], j: usize, s: f64) -> f64 {
+    let others = (0..nodes.len()).filter(|i| *i != j);
+    others.map(|i| (s - nodes[i]) / (nodes[j] - nodes[i])).product()
+}
+
+fn powers_of_lagrange(nodes: &[f64], j: usize) -> Vec<f64> {
+    let mut powers = vec![0.0; nodes.len()];
+    powers[0] = 1.0;
+    for (degree, i) in (0..nodes.len()).filter(|i| *i != j).enumerate() {
+        let (root, scale) = (2.0 * nodes[i] - 1.0, 0.5 / (nodes[j] - nodes[i]));
+        for k in (0..=degree + 1).rev() {
+            let below = if k > 0 { powers[k - 1] } else { 0.0 };
+            powers[k] = scale * (below - root * powers[k]);
+        }
+    }
+    powers
+}
+
+/// `P` is largest where its slope vanishes: at a Gauss point. The rule of `m` points is exact for it.
+fn error_constant(gauss: &[f64]) -> f64 {
+    let (places, weights) = gauss_legendre(gauss.len());
+    let factorial: f64 = (1..=gauss.len()).map(|k| k as f64).product();
+    let product = |t: f64| gauss.iter().map(|c| t - c).product::<f64>();
+    let integral = |s: f64| -> f64 {
+        let at = |y: &f64| product(0.5 * s * (1.0 + y));
+        places.iter().zip(&weights).map(|(y, w)| 0.5 * s * w * at(y)).sum()
+    };
+    gauss.iter().map(|&s| integral(s).abs()).fold(0.0, f64::max) / factorial
+}
+
+fn horner(coefficients: &[f64], y: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * y + c)
+}
+
+/// All roots of a polynomial (coefficients by ascending powers) where it changes sign in (−1, 1),
+/// ascending: between the stationary points, found in the same way, it is monotone.
+fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
+    let (mut roots, mut count) = ([0.0; MOST], 0);
+    let rest: f64 = coefficients.iter().skip(1).map(|c| c.abs()).sum();
+    if coefficients.len() < 2 || coefficients[0].abs() > rest {
+        return (roots, count);
+    }
+    let mut slope = [0.0; MOST];
+    for (k, c) in coefficients.iter().enumerate().skip(1) {
+        slope[k - 1] = k as f64 * c;
+    }
+    let slope = &slope[..coefficients.len() - 1];
+    let (turns, turn_count) = roots_inside(slope);
+    let mut left = -1.0;
+    for right in turns[..turn_count].iter().copied().chain([1.0]) {
+        let ends = [horner(coefficients, left), horner(coefficients, right)];
+        if (ends[0] < 0.0) != (ends[1] < 0.0) {
+            roots[count] = root_between(coefficients, slope, left, right);
+            count += 1;
+        }
+        left = right;
+    }
+    (roots, count)
+}
+
+/// Newton's iteration, kept inside the bracket by bisection.
+fn root_between(coefficients: &[f64], slope: &[f64], left: f64, right: f64) -> f64 {
+    let (mut left, mut right) = (left, right);
+    let negative = horner(coefficients, left) < 0.0;
+    let mut y = 0.5 * (left + right);
+    for _ in 0..60 {
+        let value = horner(coefficients, y);
+        *(if (value < 0.0) == negative { &mut left } else { &mut right }) = y;
+        let newton = y - value / horner(slope, y);
+        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
+        if (next - y).abs() <= 1e-15 {
+            break;
+        }
+        y = next;
+    }
+    y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rule through the nodes is Lobatto's: for `m = 3` they are `(1 ± 1/√5)/2`.
+    #[test]
+    fn nodes_are_lobatto_points() {
+        let basis = Basis::new(3);
+        let inner = 0.5 * (1.0 - 0.2_f64.sqrt());
+        for (node, exact) in basis.nodes.iter().zip([0.0, inner, 1.0 - inner, 1.0]) {
+            assert!((node - exact).abs() < 1e-16);
+        }
+    }
+
+    /// The error polynomial of two points is `s(s − ½)(s − 1)/6`, largest at the Gauss points: `√3/216`.
+    #[test]
+    fn error_constant_of_two_points() {
+        assert!((Basis::new(2).error_constant - 3.0_f64.sqrt() / 216.0).abs() < 1e-17);
+    }
+
+    /// Values and slopes of a polynomial of degree `m` at the Gauss points are exact.
+    #[test]
+    fn polynomials_are_exact() {
+        for m in 2..=7 {
+            let basis = Basis::new(m);
+            for (c, s) in basis.gauss.iter().enumerate() {
+                let row = c * (m + 1)..(c + 1) * (m + 1);
+                let sum = |table: &[f64]| -> f64 {
+                    table[row.clone()]
+                        .iter()
+                        .zip(&basis.nodes)
+                        .map(|(l, s)| l * s.powi(m as i32))
+                        .sum()
+                };
+                assert!((sum(&basis.values) - s.powi(m as i32)).abs() < 1e-15);
+                let slope = m as f64 * s.powi(m as i32 - 1);
+                assert!(
+                    (sum(&basis.slopes) - slope).abs() < 2e-14,
+                    "{}",
+                    sum(&basis.slopes) - slope
+                );
+            }
+        }
+    }
+
+    /// The extrema of `cos(πk s)` sampled as a Chebyshev polynomial: all inner ones are found.
+    #[test]
+    fn every_stationary_place_is_found() {
+        let basis = Basis::new(7);
+        let chebyshev = |s: f64| (7.0 * (2.0 * s - 1.0).acos()).cos();
+        let mut found = Vec::new();
+        basis.stationary(|j| chebyshev(basis.nodes[j]), |s| found.push(s));
+        let exact = |k: usize| 0.5 * (1.0 - (std::f64::consts::PI * k as f64 / 7.0).cos());
+        assert_eq!(found.len(), 6);
+        for (k, s) in found.iter().enumerate() {
+            assert!((s - exact(k + 1)).abs() < 1e-13, "{s}");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Why a boundary-value problem cannot be discretised as asked.
+
+/// Sizes of a boundary-value problem that do not fit together.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BoundaryError {
+    /// Not one mesh for each segment.
+    #[error(
+        "{segments} segments and {meshes} meshes: each segment needs one mesh, and at least one segment"
+    )]
+    Meshes {
+        /// The number of segments.
+        segments: usize,
+        /// The number of meshes.
+        meshes: usize,
+    },
+    /// A segment without states.
+    #[error("segment {segment} has no states")]
+    NoStates {
+        /// The segment.
+        segment: usize,
+    },
+    /// More integral and phase conditions than there is to determine.
+    #[error(
+        "{closing} integral and phase conditions, but only {unknowns} states and extras to determine: drop \
+         conditions or add extras"
+    )]
+    Conditions {
+        /// States of all segments, and extras.
+        unknowns: usize,
+        /// Integral conditions, and the phase condition.
+        closing: usize,
+    },
+    /// A periodic problem with more than one segment or with conditions of its own.
+    #[error(
+        "a periodic problem is one segment with as many boundary conditions as states, but this one has \
+         {segments} segments, {boundary} boundary and {integrals} integral conditions"
+    )]
+    Periodic {
+        /// The number of segments.
+        segments: usize,
+        /// The number of boundary conditions.
+        boundary: usize,
+        /// The number of integral conditions.
+        integrals: usize,
+    },
+    /// A monitor of a state that there is not.
+    #[error(
+        "the monitor `{name}` is that of state {state} on segment {segment}, which does not exist"
+    )]
+    Monitor {
+        /// The monitor.
+        name: String,
+        /// The segment.
+        segment: usize,
+        /// The state.
+        state: usize,
+    },
+}

@@ -1,0 +1,143 @@
+//! Meshes of segments.
+
+/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1; to the
+/// number of periods where a solution is followed over several of them.
+///
+/// ```
+/// use tangency::core::bvp::Mesh;
+/// assert_eq!(Mesh::uniform(4).points(), [0.0, 0.25, 0.5, 0.75, 1.0]);
+/// assert_eq!(Mesh::uniform(4).stretched(2.0).end(), 2.0);
+/// assert!(Mesh::new(vec![0.0, 0.7, 0.3, 1.0]).is_err());
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    points: Vec<f64>,
+}
+
+/// Breakpoints that are no mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// There is no interval.
+    #[error("the mesh has {points} breakpoints, but needs at least 2")]
+    Empty {
+        /// The number of breakpoints.
+        points: usize,
+    },
+    /// The mesh does not begin at 0.
+    #[error("the mesh begins at {start}, but must begin at 0")]
+    Start {
+        /// Where it begins.
+        start: f64,
+    },
+    /// The breakpoints do not increase.
+    #[error(
+        "breakpoint {index} of the mesh is {next}, not above {before}: breakpoints must increase"
+    )]
+    Order {
+        /// The position of the offending breakpoint.
+        index: usize,
+        /// The breakpoint before it.
+        before: f64,
+        /// The breakpoint.
+        next: f64,
+    },
+}
+
+impl Mesh {
+    /// A mesh with these breakpoints.
+    ///
+    /// # Errors
+    /// [`MeshError`] unless they increase from 0 and are finite.
+    pub fn new(points: Vec<f64>) -> Result<Self, MeshError> {
+        if points.len() < 2 {
+            return Err(MeshError::Empty { points: points.len() });
+        }
+        if points[0] != 0.0 {
+            return Err(MeshError::Start { start: points[0] });
+        }
+        let rises = |k: &usize| points[k - 1] < points[*k] && points[*k].is_finite();
+        match (1..points.len()).find(|k| !rises(k)) {
+            Some(index) => {
+                Err(MeshError::Order { index, before: points[index - 1], next: points[index] })
+            }
+            None => Ok(Mesh { points }),
+        }
+    }
+
+    /// Intervals of equal length, at least one.
+    pub fn uniform(intervals: usize) -> Self {
+        let count = intervals.max(1);
+        Mesh { points: (0..=count).map(|k| k as f64 / count as f64).collect() }
+    }
+
+    /// All breakpoints multiplied by a number: the mesh of several periods, for example. A number that is
+    /// not finite or not above 0 changes nothing.
+    pub fn stretched(mut self, factor: f64) -> Self {
+        if factor.is_finite() && factor > 0.0 {
+            self.points.iter_mut().for_each(|point| *point *= factor);
+        }
+        self
+    }
+
+    /// Each interval divided into equal parts.
+    pub fn divided(&self, parts: usize) -> Self {
+        let mut points = vec![0.0];
+        for pair in self.points.windows(2) {
+            let length = pair[1] - pair[0];
+            points.extend((1..parts).map(|k| pair[0] + length * (k as f64 / parts as f64)));
+            points.push(pair[1]);
+        }
+        Mesh { points }
+    }
+
+    /// The mesh on which an integral is the same over every interval: its density is constant, and given, on
+    /// each interval of this mesh (C. de Boor, *Good approximation by splines with variable knots II*, 1974).
+    ///
+    /// Densities that are not finite, or all zero, leave a uniform mesh.
+    pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {
+        let end = self.end();
+        let lengths = self.points.windows(2).map(|pair| pair[1] - pair[0]);
+        let parts: Vec<f64> = lengths.zip(density).map(|(h, density)| h * density).collect();
+        let total: f64 = parts.iter().sum();
+        if !(total.is_finite() && total > 0.0) {
+            return Mesh::uniform(intervals).stretched(end);
+        }
+        let mut points = vec![0.0];
+        let (mut interval, mut before) = (0, 0.0);
+        for k in 1..intervals.max(1) {
+            let level = total * k as f64 / intervals as f64;
+            while interval + 1 < parts.len() && before + parts[interval] < level {
+                before += parts[interval];
+                interval += 1;
+            }
+            let fraction = ((level - before) / parts[interval]).clamp(0.0, 1.0);
+            let length = self.points[interval + 1] - self.points[interval];
+            points.push(self.points[interval] + fraction * length);
+        }
+        points.push(end);
+        Mesh { points }
+    }
+
+    /// The breakpoints.
+    pub fn points(&self) -> &[f64] {
+        &self.points
+    }
+
+    /// The number of intervals.
+    pub fn intervals(&self) -> usize {
+        self.points.len() - 1
+    }
+
+    /// Where the mesh ends: 1, or the number of periods.
+    pub fn end(&self) -> f64 {
+        self.points[self.intervals()]
+    }
+
+    /// The interval that holds `tau`, and the place in it (from 0 to 1); the ends if it lies outside.
+    pub fn locate(&self, tau: f64) -> (usize, f64) {
+        let above = self.points.partition_point(|point| *point <= tau);
+        let interval = above.clamp(1, self.intervals()) - 1;
+        let [start, end] = [self.points[interval], self.points[interval + 1]];
+        (interval, ((tau - start) / (end - start)).clamp(0.0, 1.0))
+    }
+}

@@ -1,0 +1,328 @@
+//! The equations of a boundary-value problem on its meshes, in any scalar type.
+
+use super::layout::{Layout, span};
+use super::mesh_error::highest_derivative;
+use crate::core::bvp::method::left_domain;
+use crate::core::bvp::{
+    BoundaryError, BoundaryProblem, Ends, Mesh, Method, Monitor, OnSegment, Span,
+};
+use crate::core::field::VectorField;
+use crate::core::quadrature::gauss_legendre;
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// A problem, how it is discretised, and the reference of its phase condition.
+pub(super) struct Equations<P, M> {
+    pub problem: P,
+    pub method: M,
+    pub meshes: Vec<Mesh>,
+    pub layout: Layout,
+    /// Places and weights of the quadrature of integral conditions, on an interval from 0 to 1.
+    pub quadrature: Vec<[f64; 2]>,
+    pub phase: Phase,
+    pub monitors: Vec<Monitor>,
+    /// The weights of the values at the nodes in the `m`-th derivative.
+    pub highest: Vec<f64>,
+    /// Positions in `z`, kept so that nothing is allocated twice.
+    pub positions: Vec<usize>,
+}
+
+/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature weights `w` of
+/// the nodes. Without a reference, it has none yet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Phase {
+    /// The reference, as `x = (z, p)`; empty before it is set.
+    pub reference: Vec<f64>,
+    /// `w_k ẋ_k`, node by node.
+    pub row: Vec<f64>,
+}
+
+/// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
+pub(super) struct Work<T: Scalar, M: Method> {
+    /// Values at the nodes of all segments, node by node.
+    pub nodes: Vec<T>,
+    /// `q = (p, e)`.
+    pub q: Vec<T>,
+    pub r: Vec<T>,
+    ends: Vec<T>,
+    pub local: Local<T, M>,
+}
+
+/// Buffers for what happens in an interval.
+pub(super) struct Local<T: Scalar, M: Method> {
+    pub method: M::Work<T>,
+    pub x: Vec<T>,
+    g: Vec<T>,
+}
+
+impl<T: Scalar, M: Method> Local<T, M> {
+    pub fn new(layout: &Layout) -> Self {
+        let most = layout.segments.iter().map(|s| s.states).max().unwrap_or(0);
+        let (x, g) = (vec![T::zero(); most], vec![T::zero(); layout.integrals]);
+        Local { method: Default::default(), x, g }
+    }
+}
+
+impl<T: Scalar, M: Method> Work<T, M> {
+    pub fn new(layout: &Layout) -> Self {
+        let zeros = |length: usize| vec![T::zero(); length];
+        Work {
+            nodes: zeros(layout.values()),
+            q: zeros(layout.numbers()),
+            r: zeros(layout.dimension),
+            ends: zeros(2 * layout.states),
+            local: Local::new(layout),
+        }
+    }
+
+    /// Takes arguments, given for each component of `x = (z, p)`.
+    pub fn load(&mut self, layout: &Layout, argument: impl Fn(usize) -> T) {
+        self.nodes.iter_mut().zip(&layout.order).for_each(|(node, &z)| *node = argument(z));
+        for (k, q) in self.q.iter_mut().enumerate() {
+            *q = argument(layout.number(k));
+        }
+    }
+}
+
+impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+    pub fn new(problem: P, method: M, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
+        let layout = Layout::new(&problem, &method, &meshes)?;
+        let (points, weights) = gauss_legendre(method.quadrature());
+        let quadrature =
+            points.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect();
+        Ok(Equations {
+            quadrature,
+            phase: Phase::default(),
+            monitors: problem.monitors().into_iter().map(|(_, monitor)| monitor).collect(),
+            highest: highest_derivative(method.places()),
+            positions: Vec::new(),
+            problem,
+            method,
+            meshes,
+            layout,
+        })
+    }
+
+    /// `x` carried over to the same problem on another mesh or by another method.
+    pub fn carried(&self, to: &Self, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
+        let (layout, target) = (&self.layout, &to.layout);
+        let mut work: Work<f64, M> = Work::new(layout);
+        work.load(layout, |i| x[i]);
+        let mut out = vec![0.0; target.values()];
+        out.extend_from_slice(&x[layout.values()..]);
+        for (s, j) in target.intervals() {
+            let (span, n) = (to.span(s, j), target.segments[s].states);
+            let mut states = vec![0.0; n];
+            let nodes = target.order[target.interval(s, j)].chunks_exact(n);
+            for (place, node) in to.method.places().iter().zip(nodes) {
+                let (interval, place) =
+                    self.meshes[s].locate(span.start + (span.end - span.start) * place);
+                self.value(&mut work, s, interval, place, &mut states)?;
+                node.iter().zip(&states).for_each(|(&z, state)| out[z] = *state);
+            }
+        }
+        Ok(out)
+    }
+
+    pub fn span(&self, segment: usize, interval: usize) -> Span {
+        span(&self.meshes, segment, interval)
+    }
+
+    /// All left sides at the arguments of `work`, into its `r`.
+    pub fn residual<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+        let layout = &self.layout;
+        for (s, j) in layout.intervals() {
+            let (nodes, r) =
+                (&work.nodes[layout.interval(s, j)], &mut work.r[layout.equations(s, j)]);
+            self.method.residual(
+                &self.problem,
+                self.span(s, j),
+                nodes,
+                &work.q,
+                &mut work.local.method,
+                r,
+            )?;
+        }
+        let conditions = &mut work.r[layout.conditions()..];
+        let (boundary, closing) = conditions.split_at_mut(layout.boundary);
+        gather_ends(layout, &work.nodes, &mut work.ends);
+        self.boundary(&work.ends, &work.q, boundary);
+        closing.fill(T::zero());
+        for (s, j) in layout.intervals() {
+            let nodes = &work.nodes[layout.interval(s, j)];
+            let span = self.span(s, j);
+            self.integrals(
+                span,
+                nodes,
+                &work.q,
+                &mut work.local,
+                &mut closing[..layout.integrals],
+            )?;
+        }
+        if layout.phase {
+            closing[layout.integrals] = self.phase(&work.nodes);
+        }
+        Ok(())
+    }
+
+    /// The left sides of the boundary conditions; `ends` holds the states where all segments begin, then
+    /// those where they end.
+    pub fn boundary<T: Scalar>(&self, ends: &[T], q: &[T], b: &mut [T]) {
+        let (start, end) = ends.split_at(self.layout.states);
+        self.problem.boundary(Ends { start, end }, q, b);
+    }
+
+    /// Adds an interval's share of the integral conditions.
+    pub fn integrals<T: Scalar>(
+        &self,
+        span: Span,
+        nodes: &[T],
+        q: &[T],
+        local: &mut Local<T, M>,
+        sums: &mut [T],
+    ) -> Result<(), LeftDomain> {
+        if sums.is_empty() {
+            return Ok(());
+        }
+        let duration = self.problem.duration(span.segment, q);
+        let h = span.end - span.start;
+        let x = &mut local.x[..self.layout.segments[span.segment].states];
+        for [place, weight] in &self.quadrature {
+            self.method.value(&self.problem, span, nodes, q, *place, &mut local.method, x)?;
+            let t = duration * (span.start + h * place);
+            local.g.fill(T::zero());
+            self.problem.integrand(span.segment, t, x, q, &mut local.g);
+            for (sum, g) in sums.iter_mut().zip(&local.g) {
+                *sum += duration * *g * (h * weight);
+            }
+        }
+        Ok(())
+    }
+
+    /// The left side of the phase condition.
+    pub fn phase<T: Scalar>(&self, nodes: &[T]) -> T {
+        let mut sum = T::zero();
+        for ((row, x), &z) in self.phase.row.iter().zip(nodes).zip(&self.layout.order) {
+            sum += (*x - self.phase.reference[z]) * *row;
+        }
+        sum
+    }
+
+    /// Makes `x = (z, p)`, loaded into `work`, the reference of the phase condition.
+    pub fn set_reference(&mut self, x: &[f64], work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+        let layout = &self.layout;
+        if !layout.phase {
+            return Ok(());
+        }
+        work.load(layout, |i| x[i]);
+        let weights = node_weights(self.method.places());
+        let mut row = vec![0.0; layout.values()];
+        for (s, j) in layout.intervals() {
+            let (span, n) = (self.span(s, j), layout.segments[s].states);
+            let duration = self.problem.duration(s, &work.q);
+            let (h, f) = (span.end - span.start, &mut work.local.x[..n]);
+            let nodes = layout.interval(s, j);
+            let rows = row[nodes.clone()].chunks_exact_mut(n);
+            let places = self.method.places().iter().zip(&weights);
+            for ((row, x), (place, weight)) in
+                rows.zip(work.nodes[nodes].chunks_exact(n)).zip(places)
+            {
+                let t = duration * (span.start + h * place);
+                self.flow(s, t, x, &work.q, f)?;
+                row.iter_mut().zip(f.iter()).for_each(|(r, f)| *r += duration * h * weight * f);
+            }
+        }
+        self.phase.row = row;
+        self.phase.reference.clear();
+        self.phase.reference.extend_from_slice(x);
+        Ok(())
+    }
+
+    /// The field of a segment where it has a meaning.
+    fn flow(
+        &self,
+        segment: usize,
+        t: f64,
+        x: &[f64],
+        q: &[f64],
+        f: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let refuse = |cause| left_domain(cause, segment, t);
+        self.problem.domain(segment, x, q).map_err(refuse)?;
+        self.problem.field(segment, t, x, q, f);
+        match first_not_finite(f) {
+            Some(i) => Err(refuse(self.not_finite(segment, i, f[i]))),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a residual that is not finite.
+    pub fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
+        match first_not_finite(residual) {
+            Some(row) => Err(self.refusal(row, residual[row], q)),
+            None => Ok(()),
+        }
+    }
+
+    /// The refusal of an equation that is not finite, or has a derivative that is not.
+    pub fn refusal(&self, row: usize, value: f64, q: &[f64]) -> LeftDomain {
+        let layout = &self.layout;
+        if let Some(condition) = row.checked_sub(layout.conditions()) {
+            let (what, k) = match condition.checked_sub(layout.boundary) {
+                None => ("boundary condition", condition),
+                Some(k) if k < layout.integrals => ("integral condition", k),
+                Some(k) => ("phase condition", k - layout.integrals),
+            };
+            let remedy = "conditions and their derivatives must be finite";
+            return LeftDomain::new(format!("{what} {k}, counted from 0,"), value, remedy);
+        }
+        let s = layout.segments.iter().rposition(|s| s.equations <= row).unwrap_or(0);
+        let segment = &layout.segments[s];
+        let inside = row - segment.equations;
+        let span = self.span(s, inside / (layout.degree * segment.states));
+        let t = span.start * self.problem.duration(s, q);
+        left_domain(self.not_finite(s, inside % segment.states, value), s, t)
+    }
+
+    fn not_finite(&self, segment: usize, state: usize, value: f64) -> LeftDomain {
+        let problem = &self.problem;
+        let names = OnSegment { problem, segment }.names().unknowns;
+        let name = names.get(state).map_or("", |group| group.name.as_str());
+        LeftDomain::new(
+            format!("the equation of {name}"),
+            value,
+            "the field must be finite and differentiable; bound the branch before it loses its meaning",
+        )
+    }
+}
+
+/// The position of the first number that is not finite.
+pub(super) fn first_not_finite(numbers: &[f64]) -> Option<usize> {
+    let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
+    if any { numbers.iter().position(|number| !number.is_finite()) } else { None }
+}
+
+/// States where all segments begin, then those where they end.
+pub(super) fn gather_ends<T: Scalar>(layout: &Layout, nodes: &[T], ends: &mut [T]) {
+    let (start, end) = ends.split_at_mut(layout.states);
+    for s in &layout.segments {
+        let place = s.ends..s.ends + s.states;
+        let last = s.values + (s.nodes - 1) * s.states;
+        start[place.clone()].copy_from_slice(&nodes[s.values..s.values + s.states]);
+        end[place].copy_from_slice(&nodes[last..last + s.states]);
+    }
+}
+
+/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their Lagrange
+/// polynomials.
+fn node_weights(places: &[f64]) -> Vec<f64> {
+    let (points, weights) = gauss_legendre(places.len());
+    let integral = |j: usize| -> f64 {
+        let others: Vec<usize> = (0..places.len()).filter(|i| *i != j).collect();
+        let lagrange = |s: f64| -> f64 {
+            others.iter().map(|&i| (s - places[i]) / (places[j] - places[i])).product()
+        };
+        points.iter().zip(&weights).map(|(y, w)| 0.5 * w * lagrange(0.5 * (1.0 + y))).sum()
+    };
+    (0..places.len()).map(integral).collect()
+}

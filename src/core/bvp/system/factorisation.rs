@@ -1,0 +1,223 @@
+//! The factored Jacobian within a border.
+//!
+//! Each segment's chain of intervals is condensed to the states at its ends, the extras and the border. What
+//! is left is a small dense matrix:
+//!
+//! ```text
+//!            x(0)   x(1)   extras and border
+//!     ⎡  reduced equations of all segments  ⎤     Σ n_s rows
+//!     ⎢  boundary conditions                ⎥
+//!     ⎢  integral and phase conditions      ⎥
+//!     ⎣  rows of the border                 ⎦
+//! ```
+
+use super::layout::Layout;
+use super::linearisation::Linearisation;
+use crate::core::linear::{BorderedLu, Chain};
+use crate::core::zero::{Border, Singular};
+
+/// The factors of the Jacobian within a border, with everything that solving needs.
+#[derive(Default)]
+pub(super) struct Factorisation {
+    chains: Vec<Chain>,
+    /// The factors of the dense matrix, and the matrix, one column after the other.
+    lu: BorderedLu,
+    matrix: Vec<f64>,
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    /// Right side, then solution, of the dense matrix.
+    dense: Vec<f64>,
+    reduced: Vec<f64>,
+    /// Values at all nodes, node by node.
+    nodes: Vec<f64>,
+}
+
+impl Factorisation {
+    /// Chains for the segments of a layout.
+    pub fn new(layout: &Layout) -> Self {
+        let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
+        Factorisation {
+            chains: layout.segments.iter().map(chain).collect(),
+            nodes: vec![0.0; layout.values()],
+            ..Default::default()
+        }
+    }
+
+    /// Factors what is assembled, with these rows of boundary conditions (by the states where all segments
+    /// begin, by those where they end, and by the active numbers).
+    pub fn factor(
+        &mut self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        boundary: &[f64],
+        border: Border,
+    ) -> Result<(), Singular> {
+        let (k, l) = (layout.extras + border.width, layout.closing() + border.width);
+        for s in 0..layout.segments.len() {
+            self.fill_columns(layout, assembled, s, border);
+            self.fill_rows(layout, assembled, s, border);
+            self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
+        }
+        self.place_reduced(layout, border);
+        self.place_boundary(layout, boundary, assembled.active.len(), border);
+        self.place_closing(layout, assembled, border);
+        self.lu.factor(&self.matrix, Border::NONE)
+    }
+
+    /// Columns of a chain: by the extras, then those of the border.
+    fn fill_columns(
+        &mut self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        s: usize,
+        border: Border,
+    ) {
+        let segment = &layout.segments[s];
+        let (numbers, active) = (&assembled.numbers[s], assembled.active.len());
+        self.columns.clear();
+        for row in 0..segment.intervals * layout.degree * segment.states {
+            self.columns.extend_from_slice(&numbers[row * active..row * active + layout.extras]);
+            let equation = segment.equations + row;
+            let entry = |c: usize| border.columns[c * layout.dimension + equation];
+            self.columns.extend((0..border.width).map(entry));
+        }
+    }
+
+    /// Rows below a chain: integral and phase conditions, then those of the border.
+    fn fill_rows(&mut self, layout: &Layout, assembled: &Linearisation, s: usize, border: Border) {
+        let segment = &layout.segments[s];
+        let values = segment.values..segment.values + segment.nodes * segment.states;
+        self.rows.clear();
+        for row in assembled.closing.chunks_exact(layout.values()) {
+            self.rows.extend_from_slice(&row[values.clone()]);
+        }
+        for row in border.rows.chunks_exact(layout.dimension).take(border.width) {
+            self.rows.extend(layout.order[values.clone()].iter().map(|&z| row[z]));
+        }
+    }
+
+    /// The chains' equations and shares of the rows below them, in a matrix that is zero elsewhere.
+    fn place_reduced(&mut self, layout: &Layout, border: Border) {
+        let (all, width) = (layout.states, layout.extras + border.width);
+        let size = 2 * all + width;
+        self.matrix.clear();
+        self.matrix.resize(size * size, 0.0);
+        self.dense.resize(size, 0.0);
+        for (s, chain) in layout.segments.iter().zip(&self.chains) {
+            let n = s.states;
+            for (i, row) in chain.reduced().chunks_exact(2 * n + width).enumerate() {
+                let target = if i < n { s.ends + i } else { all + layout.boundary + i - n };
+                for (j, entry) in row.iter().enumerate() {
+                    let column = match j / n {
+                        0 => s.ends + j,
+                        1 => all + s.ends + j - n,
+                        _ => 2 * all + j - 2 * n,
+                    };
+                    self.matrix[column * size + target] += entry;
+                }
+            }
+        }
+    }
+
+    /// Rows of the boundary conditions.
+    fn place_boundary(&mut self, layout: &Layout, boundary: &[f64], active: usize, border: Border) {
+        let (all, size) = (layout.states, self.dense.len());
+        let by_states = 2 * all + active;
+        for i in 0..layout.boundary {
+            let row = &boundary[i * by_states..(i + 1) * by_states];
+            for (j, entry) in row[..2 * all + layout.extras].iter().enumerate() {
+                self.matrix[j * size + all + i] = *entry;
+            }
+        }
+        for c in 0..border.width {
+            let column = &border.columns[c * layout.dimension..(c + 1) * layout.dimension];
+            let start = (2 * all + layout.extras + c) * size + all;
+            let target = &mut self.matrix[start..start + layout.boundary];
+            target.copy_from_slice(
+                &column[layout.conditions()..layout.conditions() + layout.boundary],
+            );
+        }
+    }
+
+    /// The corner: integral, phase and border rows by the extras and the border's unknowns.
+    fn place_closing(&mut self, layout: &Layout, assembled: &Linearisation, border: Border) {
+        let (size, extras, active) = (self.dense.len(), layout.extras, assembled.active.len());
+        let (closing, below) = (layout.closing(), layout.conditions() + layout.boundary);
+        let (first_row, first_column) = (layout.states + layout.boundary, 2 * layout.states);
+        let mut add = |row: usize, column: usize, entry: f64| {
+            self.matrix[(first_column + column) * size + first_row + row] += entry;
+        };
+        for i in 0..closing {
+            (0..extras).for_each(|e| add(i, e, assembled.closing_numbers[i * active + e]));
+            (0..border.width)
+                .for_each(|c| add(i, extras + c, border.columns[c * layout.dimension + below + i]));
+        }
+        for i in 0..border.width {
+            let row = &border.rows[i * layout.dimension + layout.values()..];
+            (0..extras).for_each(|e| add(closing + i, e, row[e]));
+            (0..border.width)
+                .for_each(|c| add(closing + i, extras + c, border.corner[i * border.width + c]));
+        }
+    }
+
+    /// Solves in place: the right side as the equations are ordered, the solution as the unknowns are, each
+    /// followed by what belongs to the border.
+    pub fn solve(&mut self, layout: &Layout, right: &mut [f64]) {
+        let (all, below) = (layout.states, layout.states + layout.boundary);
+        self.dense[all..].copy_from_slice(&right[layout.conditions()..]);
+        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+            let equations = &mut right[s.equations..s.equations + (s.nodes - 1) * s.states];
+            self.reduced.clear();
+            self.reduced.resize(s.states, 0.0);
+            self.reduced.extend_from_slice(&self.dense[below..]);
+            chain.forward(equations, &mut self.reduced);
+            let (left, rows) = self.reduced.split_at(s.states);
+            self.dense[s.ends..s.ends + s.states].copy_from_slice(left);
+            self.dense[below..].copy_from_slice(rows);
+        }
+        self.lu.solve(&mut self.dense);
+        let (ends, y) = self.dense.split_at(2 * all);
+        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+            let equations = &right[s.equations..s.equations + (s.nodes - 1) * s.states];
+            let nodes = &mut self.nodes[s.values..s.values + s.nodes * s.states];
+            let (start, end) = (&ends[s.ends..s.ends + s.states], &ends[all + s.ends..]);
+            chain.back(equations, start, &end[..s.states], y, nodes);
+        }
+        self.nodes.iter().zip(&layout.order).for_each(|(value, &z)| right[z] = *value);
+        right[layout.values()..].copy_from_slice(y);
+    }
+
+    /// Solves with the transposed matrix, in place.
+    pub fn solve_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
+        let (all, below) = (layout.states, layout.states + layout.boundary);
+        self.nodes.iter_mut().zip(&layout.order).for_each(|(value, &z)| *value = right[z]);
+        self.dense[2 * all..].copy_from_slice(&right[layout.values()..]);
+        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+            let nodes = &self.nodes[s.values..s.values + s.nodes * s.states];
+            let columns = &self.dense[2 * all..];
+            self.reduced.clear();
+            self.reduced.resize(2 * s.states + columns.len(), 0.0);
+            chain.forward_transposed(nodes, columns, &mut self.reduced);
+            let (ends, columns) = self.reduced.split_at(2 * s.states);
+            self.dense[s.ends..s.ends + s.states].copy_from_slice(&ends[..s.states]);
+            let last = all + s.ends;
+            self.dense[last..last + s.states].copy_from_slice(&ends[s.states..]);
+            self.dense[2 * all..].copy_from_slice(columns);
+        }
+        self.lu.solve_transposed(&mut self.dense);
+        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+            self.reduced.clear();
+            self.reduced.extend_from_slice(&self.dense[s.ends..s.ends + s.states]);
+            self.reduced.extend_from_slice(&self.dense[below..]);
+            let equations = &mut right[s.equations..s.equations + (s.nodes - 1) * s.states];
+            chain.back_transposed(&self.reduced, equations);
+        }
+        right[layout.conditions()..].copy_from_slice(&self.dense[all..]);
+    }
+
+    /// The sign of the determinant, up to one that depends on the numbers of unknowns only.
+    pub fn determinant_sign(&self) -> f64 {
+        self.chains.iter().map(Chain::determinant_sign).product::<f64>()
+            * self.lu.determinant_sign()
+    }
+}

@@ -1,0 +1,186 @@
+//! Where the unknowns and equations of a boundary-value problem are.
+
+use crate::core::bvp::{BoundaryError, BoundaryProblem, Mesh, Method, Monitor, Span};
+
+/// The places of one segment's unknowns and equations.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    /// The number `n` of states.
+    pub states: usize,
+    /// The number `N` of intervals.
+    pub intervals: usize,
+    /// The number `K = N·m + 1` of nodes.
+    pub nodes: usize,
+    /// Where its values begin among the unknowns: state by state in `z`, node by node in `nodes`.
+    pub values: usize,
+    /// Where its equations begin: `N·m·n`, interval by interval.
+    pub equations: usize,
+    /// Where its states begin among the states of all segments.
+    pub ends: usize,
+}
+
+/// The places of all unknowns and equations.
+///
+/// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras. Equations: those
+/// of the intervals, segment by segment; boundary conditions; integral conditions; the phase condition.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    /// The number `m` of nodes beyond the first in each interval.
+    pub degree: usize,
+    pub segments: Vec<Segment>,
+    /// The number of states of all segments.
+    pub states: usize,
+    pub parameters: usize,
+    pub extras: usize,
+    /// The numbers of conditions.
+    pub boundary: usize,
+    pub integrals: usize,
+    pub phase: bool,
+    /// The number of unknowns, and of equations.
+    pub dimension: usize,
+    /// The position in `z` of each value, node by node.
+    pub order: Vec<usize>,
+    /// The positions in `z` of the states at the beginning of all segments, then at their ends.
+    pub ends: Vec<usize>,
+    /// All components of `q`.
+    pub all_numbers: Vec<usize>,
+}
+
+impl Layout {
+    pub fn new<P: BoundaryProblem, M: Method>(
+        problem: &P,
+        method: &M,
+        meshes: &[Mesh],
+    ) -> Result<Self, BoundaryError> {
+        let names = problem.segments();
+        if names.is_empty() || names.len() != meshes.len() {
+            return Err(BoundaryError::Meshes { segments: names.len(), meshes: meshes.len() });
+        }
+        let degree = method.places().len() - 1;
+        let (mut segments, mut values, mut equations, mut ends) = (Vec::new(), 0, 0, 0);
+        for (segment, (states, mesh)) in names.iter().zip(meshes).enumerate() {
+            let (states, intervals) = (states.len(), mesh.intervals());
+            if states == 0 {
+                return Err(BoundaryError::NoStates { segment });
+            }
+            let nodes = intervals * degree + 1;
+            segments.push(Segment { states, intervals, nodes, values, equations, ends });
+            values += nodes * states;
+            equations += intervals * degree * states;
+            ends += states;
+        }
+        let (extras, integrals) = (problem.extras().len(), problem.integrals());
+        let phase = problem.phase();
+        let closing = integrals + usize::from(phase);
+        let mut layout = Layout {
+            degree,
+            segments,
+            states: ends,
+            parameters: problem.parameters().len(),
+            extras,
+            boundary: (ends + extras)
+                .checked_sub(closing)
+                .ok_or(BoundaryError::Conditions { unknowns: ends + extras, closing })?,
+            integrals,
+            phase,
+            dimension: values + extras,
+            order: Vec::new(),
+            ends: Vec::new(),
+            all_numbers: Vec::new(),
+        };
+        layout.check(problem)?;
+        layout.tabulate();
+        Ok(layout)
+    }
+
+    fn check<P: BoundaryProblem>(&self, problem: &P) -> Result<(), BoundaryError> {
+        let alone = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
+        if problem.periodic() && !alone {
+            let segments = self.segments.len();
+            let (boundary, integrals) = (self.boundary, self.integrals);
+            return Err(BoundaryError::Periodic { segments, boundary, integrals });
+        }
+        for (name, monitor) in problem.monitors() {
+            if let Monitor::Maximum { segment, state } | Monitor::Minimum { segment, state } =
+                monitor
+            {
+                let there_is = self.segments.get(segment).is_some_and(|s| state < s.states);
+                if !there_is {
+                    return Err(BoundaryError::Monitor { name, segment, state });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn tabulate(&mut self) {
+        self.all_numbers = (0..self.numbers()).collect();
+        for s in &self.segments {
+            let at = |k: usize, i: usize| s.values + i * s.nodes + k;
+            self.order.extend((0..s.nodes).flat_map(|k| (0..s.states).map(move |i| at(k, i))));
+        }
+        for last in [false, true] {
+            for s in &self.segments {
+                let node = if last { s.nodes - 1 } else { 0 };
+                self.ends.extend((0..s.states).map(|i| s.values + i * s.nodes + node));
+            }
+        }
+    }
+
+    /// The number of values at nodes: what comes before the extras in `z`.
+    pub fn values(&self) -> usize {
+        self.dimension - self.extras
+    }
+
+    /// The length of `x = (z, p)`.
+    pub fn length(&self) -> usize {
+        self.dimension + self.parameters
+    }
+
+    /// The number of `q = (p, e)`.
+    pub fn numbers(&self) -> usize {
+        self.parameters + self.extras
+    }
+
+    /// The position in `x` of a component of `q = (p, e)`.
+    pub fn number(&self, k: usize) -> usize {
+        if k < self.parameters { self.dimension + k } else { self.values() + k - self.parameters }
+    }
+
+    /// Where the conditions begin among the equations.
+    pub fn conditions(&self) -> usize {
+        self.dimension - self.boundary - self.closing()
+    }
+
+    /// The number of integral and phase conditions.
+    pub fn closing(&self) -> usize {
+        self.integrals + usize::from(self.phase)
+    }
+
+    /// The values of an interval among the values of all nodes.
+    pub fn interval(&self, segment: usize, interval: usize) -> std::ops::Range<usize> {
+        let s = &self.segments[segment];
+        let start = s.values + interval * self.degree * s.states;
+        start..start + (self.degree + 1) * s.states
+    }
+
+    /// The equations of an interval.
+    pub fn equations(&self, segment: usize, interval: usize) -> std::ops::Range<usize> {
+        let s = &self.segments[segment];
+        let count = self.degree * s.states;
+        let start = s.equations + interval * count;
+        start..start + count
+    }
+
+    /// All intervals, by segment and number.
+    pub fn intervals(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let segments = self.segments.iter().enumerate();
+        segments.flat_map(|(s, segment)| (0..segment.intervals).map(move |j| (s, j)))
+    }
+}
+
+/// An interval of a mesh.
+pub(super) fn span(meshes: &[Mesh], segment: usize, interval: usize) -> Span {
+    let points = meshes[segment].points();
+    Span { segment, start: points[interval], end: points[interval + 1] }
+}

@@ -1,0 +1,250 @@
+//! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and rows of
+//! integral and phase conditions.
+
+use super::equations::{Equations, Work, first_not_finite};
+use super::layout::{Layout, span};
+use super::local::{Dependence, Passes};
+use crate::core::bvp::chunk::{CHUNK, Chunk, parts};
+use crate::core::bvp::{Block, BoundaryProblem, Method};
+use crate::core::zero::LeftDomain;
+
+/// The Jacobian and the residual at the `x` assembled last.
+#[derive(Clone, Default)]
+pub(super) struct Linearisation {
+    /// The residual, as the equations are ordered.
+    pub residual: Vec<f64>,
+    /// For each segment, `m·n` rows of `(m + 1)·n` for each interval.
+    pub blocks: Vec<Vec<f64>>,
+    /// Derivatives by the active numbers, for each segment one row for each equation of its intervals.
+    pub numbers: Vec<Vec<f64>>,
+    /// Derivatives of the boundary conditions by the states where all segments begin, then by those where
+    /// they end, then by the active numbers: one row for each condition.
+    pub boundary: Vec<f64>,
+    /// Rows of the integral conditions and the phase condition by all values, node by node.
+    pub closing: Vec<f64>,
+    /// The same by the active numbers.
+    pub closing_numbers: Vec<f64>,
+    /// Components of `q` by which derivatives are taken: the extras, then parameters as they are asked for.
+    pub active: Vec<usize>,
+    /// Where everything was assembled last; empty where that failed.
+    pub at: Vec<f64>,
+}
+
+impl Linearisation {
+    /// Sizes for a layout and the active numbers.
+    pub fn resize<P: BoundaryProblem, M: Method>(&mut self, equations: &Equations<P, M>) {
+        let (layout, active) = (&equations.layout, self.active.len());
+        self.residual.resize(layout.dimension, 0.0);
+        self.blocks.resize(layout.segments.len(), Vec::new());
+        self.numbers.resize(layout.segments.len(), Vec::new());
+        for ((blocks, numbers), s) in
+            self.blocks.iter_mut().zip(&mut self.numbers).zip(&layout.segments)
+        {
+            let rows = s.intervals * layout.degree * s.states;
+            blocks.resize(rows * (layout.degree + 1) * s.states, 0.0);
+            numbers.resize(rows * active, 0.0);
+        }
+        self.boundary.resize(layout.boundary * (2 * layout.states + active), 0.0);
+        self.closing.resize(layout.closing() * layout.values(), 0.0);
+        self.closing_numbers.resize(layout.closing() * active, 0.0);
+    }
+
+    /// Assembles at `x`, which `work` has loaded.
+    pub fn assemble<P: BoundaryProblem, M: Method>(
+        &mut self,
+        equations: &mut Equations<P, M>,
+        x: &[f64],
+        work: &Work<f64, M>,
+        passes: &mut Passes<Chunk, M>,
+    ) -> Result<(), LeftDomain> {
+        self.resize(equations);
+        self.intervals(equations, work)?;
+        self.boundary(equations, x, passes);
+        self.closing(equations, x, work, passes)?;
+        self.check(equations, &work.q)
+    }
+
+    fn intervals<P: BoundaryProblem, M: Method>(
+        &mut self,
+        equations: &mut Equations<P, M>,
+        work: &Work<f64, M>,
+    ) -> Result<(), LeftDomain> {
+        let active = self.active.len();
+        let Equations { problem, method, meshes, layout, .. } = equations;
+        for (s, segment) in layout.segments.iter().enumerate() {
+            let (rows, n) = (layout.degree * segment.states, segment.states);
+            let size = rows * (rows + n);
+            for j in 0..segment.intervals {
+                let block = Block {
+                    residual: &mut self.residual[layout.equations(s, j)],
+                    nodes: &mut self.blocks[s][j * size..(j + 1) * size],
+                    numbers: &mut self.numbers[s][j * rows * active..(j + 1) * rows * active],
+                };
+                let nodes = &work.nodes[layout.interval(s, j)];
+                method.linearise(
+                    problem,
+                    span(meshes, s, j),
+                    nodes,
+                    &work.q,
+                    &self.active,
+                    block,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Derivatives of the boundary conditions.
+    fn boundary<P: BoundaryProblem, M: Method>(
+        &mut self,
+        equations: &Equations<P, M>,
+        x: &[f64],
+        passes: &mut Passes<Chunk, M>,
+    ) {
+        let layout = &equations.layout;
+        let dependence = Dependence { unknowns: &layout.ends, numbers: &self.active };
+        let (width, first) = (dependence.len(), layout.conditions());
+        for start in (0..width.max(1)).step_by(CHUNK) {
+            passes.load(layout, dependence, start, x, |_, seeded| seeded);
+            let b = &mut passes.r[..layout.boundary];
+            equations.boundary(&passes.unknowns, &passes.q, b);
+            for (i, b) in b.iter().enumerate() {
+                self.residual[first + i] = b.re;
+                let row = &mut self.boundary[i * width..(i + 1) * width];
+                row[start..].iter_mut().zip(parts(b)).for_each(|(entry, slope)| *entry = slope);
+            }
+        }
+    }
+
+    /// Rows of the integral conditions and of the phase condition.
+    fn closing<P: BoundaryProblem, M: Method>(
+        &mut self,
+        equations: &Equations<P, M>,
+        x: &[f64],
+        work: &Work<f64, M>,
+        passes: &mut Passes<Chunk, M>,
+    ) -> Result<(), LeftDomain> {
+        let layout = &equations.layout;
+        let first = layout.conditions() + layout.boundary;
+        self.residual[first..].fill(0.0);
+        self.closing.fill(0.0);
+        self.closing_numbers.fill(0.0);
+        if layout.integrals > 0 {
+            for (s, j) in layout.intervals() {
+                self.integrals(equations, (s, j), x, passes)?;
+            }
+        }
+        if layout.phase {
+            let row = &mut self.closing[layout.integrals * layout.values()..];
+            row.copy_from_slice(&equations.phase.row);
+            self.residual[first + layout.integrals] = equations.phase(&work.nodes);
+        }
+        Ok(())
+    }
+
+    fn integrals<P: BoundaryProblem, M: Method>(
+        &mut self,
+        equations: &Equations<P, M>,
+        (s, j): (usize, usize),
+        x: &[f64],
+        passes: &mut Passes<Chunk, M>,
+    ) -> Result<(), LeftDomain> {
+        let (layout, active) = (&equations.layout, self.active.len());
+        let (values, local) = (layout.values(), layout.interval(s, j));
+        let first = layout.conditions() + layout.boundary;
+        let dependence =
+            Dependence { unknowns: &layout.order[local.clone()], numbers: &self.active };
+        for start in (0..dependence.len()).step_by(CHUNK) {
+            passes.load(layout, dependence, start, x, |_, seeded| seeded);
+            let Passes { unknowns, q, r, local: buffers } = &mut *passes;
+            let sums = &mut r[..layout.integrals];
+            sums.fill(Chunk::from(0.0));
+            equations.integrals(equations.span(s, j), unknowns, q, buffers, sums)?;
+            for (i, sum) in sums.iter().enumerate() {
+                if start == 0 {
+                    self.residual[first + i] += sum.re;
+                }
+                for (k, slope) in (start..dependence.len()).zip(parts(sum)) {
+                    match k.checked_sub(local.len()) {
+                        None => self.closing[i * values + local.start + k] += slope,
+                        Some(k) => self.closing_numbers[i * active + k] += slope,
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The derivative of all equations by an active parameter.
+    pub fn column(&self, layout: &Layout, number: usize, out: &mut [f64]) {
+        let active = self.active.len();
+        let Some(k) = self.active.iter().position(|a| *a == number) else { return };
+        for (s, numbers) in layout.segments.iter().zip(&self.numbers) {
+            let rows = numbers.chunks_exact(active);
+            out[s.equations..].iter_mut().zip(rows).for_each(|(out, row)| *out = row[k]);
+        }
+        let width = 2 * layout.states + active;
+        let conditions = &mut out[layout.conditions()..];
+        for (out, row) in conditions.iter_mut().zip(self.boundary.chunks_exact(width)) {
+            *out = row[width - active + k];
+        }
+        let closing = conditions[layout.boundary..].iter_mut();
+        let rows = self.closing_numbers.chunks_exact(active);
+        closing.zip(rows).for_each(|(out, row)| *out = row[k]);
+    }
+
+    /// The dense Jacobian, one column after the other.
+    pub fn dense(&self, layout: &Layout, out: &mut [f64]) {
+        let size = layout.dimension;
+        out.fill(0.0);
+        for (s, j) in layout.intervals() {
+            let places = &layout.order[layout.interval(s, j)];
+            let rows = layout.equations(s, j);
+            let entries = rows.len() * places.len();
+            let block = &self.blocks[s][j * entries..(j + 1) * entries];
+            for (row, entries) in rows.zip(block.chunks_exact(places.len())) {
+                places.iter().zip(entries).for_each(|(z, entry)| out[z * size + row] = *entry);
+            }
+        }
+        let width = 2 * layout.states + self.active.len();
+        for (i, row) in self.boundary.chunks_exact(width).enumerate() {
+            let places = layout.ends.iter().zip(row);
+            places.for_each(|(z, entry)| out[z * size + layout.conditions() + i] += entry);
+        }
+        let below = layout.conditions() + layout.boundary;
+        for (i, row) in self.closing.chunks_exact(layout.values()).enumerate() {
+            let places = layout.order.iter().zip(row);
+            places.for_each(|(z, entry)| out[z * size + below + i] = *entry);
+        }
+        for e in 0..layout.extras {
+            let z = layout.values() + e;
+            self.column(layout, layout.parameters + e, &mut out[z * size..(z + 1) * size]);
+        }
+    }
+
+    /// Refuses entries that are not finite, by the equation in which they are.
+    fn check<P: BoundaryProblem, M: Method>(
+        &self,
+        equations: &Equations<P, M>,
+        q: &[f64],
+    ) -> Result<(), LeftDomain> {
+        equations.check(&self.residual, q)?;
+        let layout = &equations.layout;
+        for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {
+            let (width, active) = ((layout.degree + 1) * s.states, self.active.len());
+            let by_nodes = first_not_finite(blocks).map(|k| (k / width, blocks[k]));
+            let by_numbers = first_not_finite(numbers).map(|k| (k / active, numbers[k]));
+            if let Some((row, value)) = by_nodes.or(by_numbers) {
+                return Err(equations.refusal(s.equations + row, value, q));
+            }
+        }
+        let width = 2 * layout.states + self.active.len();
+        let conditions = first_not_finite(&self.boundary).map(|k| (k / width, self.boundary[k]));
+        let closing = first_not_finite(&self.closing)
+            .map(|k| (layout.boundary + k / layout.values(), self.closing[k]));
+        match conditions.or(closing) {
+            Some((row, value)) => Err(equations.refusal(layout.conditions() + row, value, q)),
+            None => Ok(()),
+        }
+    }
+}

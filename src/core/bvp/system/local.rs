@@ -1,0 +1,155 @@
+//! Derivatives of parts of the equations by the unknowns on which they depend, a chunk at a time.
+
+use super::equations::{Equations, Local};
+use super::layout::Layout;
+use crate::core::bvp::chunk::{CHUNK, Chunk, parts, seeded};
+use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// What a part of the equations depends on.
+#[derive(Clone, Copy)]
+pub(super) struct Dependence<'a> {
+    /// Positions in `z`.
+    pub unknowns: &'a [usize],
+    /// Components of `q`.
+    pub numbers: &'a [usize],
+}
+
+impl Dependence<'_> {
+    /// The number of directions.
+    pub fn len(&self) -> usize {
+        self.unknowns.len() + self.numbers.len()
+    }
+
+    /// The position in `x` of a direction.
+    pub fn position(&self, layout: &Layout, k: usize) -> usize {
+        match self.unknowns.get(k) {
+            Some(&z) => z,
+            None => layout.number(self.numbers[k - self.unknowns.len()]),
+        }
+    }
+}
+
+/// Arguments and values of a part of the equations, kept so that nothing is allocated twice.
+pub(super) struct Passes<T: Scalar, M: Method> {
+    pub unknowns: Vec<T>,
+    pub q: Vec<T>,
+    pub r: Vec<T>,
+    pub local: Local<T, M>,
+}
+
+impl<T: Scalar, M: Method> Passes<T, M> {
+    pub fn new(layout: &Layout) -> Self {
+        let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
+        let most = each.max(layout.boundary).max(layout.integrals);
+        Passes {
+            unknowns: Vec::new(),
+            q: Vec::new(),
+            r: vec![T::zero(); most],
+            local: Local::new(layout),
+        }
+    }
+
+    /// Takes arguments: `make` is handed the position of each in `x`, and its value, seeded if it is one of
+    /// the directions of the chunk that begins at `start`.
+    pub fn load(
+        &mut self,
+        layout: &Layout,
+        dependence: Dependence,
+        start: usize,
+        x: &[f64],
+        make: impl Fn(usize, Chunk) -> T,
+    ) {
+        let unknowns = dependence.unknowns.iter().enumerate();
+        self.unknowns.clear();
+        self.unknowns.extend(unknowns.map(|(k, &z)| make(z, seeded(x[z], k, start))));
+        let numbers = (0..layout.numbers()).map(|k| layout.number(k));
+        self.q.clear();
+        self.q.extend(numbers.map(|i| make(i, Chunk::from(x[i]))));
+        for (k, &number) in dependence.numbers.iter().enumerate() {
+            let i = layout.number(number);
+            self.q[number] = make(i, seeded(x[i], dependence.unknowns.len() + k, start));
+        }
+    }
+}
+
+/// `wᵀ F(x)` as a scalar that carries derivatives, whose gradient is wanted.
+pub(super) struct Weighted<'a, T> {
+    /// Where.
+    pub x: &'a [f64],
+    /// One weight for each equation.
+    pub w: &'a [f64],
+    /// The components of `q` by which derivatives are wanted.
+    pub numbers: &'a [usize],
+    /// An argument from its position in `x` and its seeded value.
+    pub make: &'a dyn Fn(usize, Chunk) -> T,
+    /// The derivative, along a direction, whose gradient is wanted.
+    pub take: fn(&T) -> Chunk,
+}
+
+impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+    /// Adds the gradient of a weighted sum of all left sides to `out` (as long as `x`).
+    pub fn add_gradient<T: Scalar>(
+        &self,
+        weighted: &Weighted<T>,
+        passes: &mut Passes<T, M>,
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let layout = &self.layout;
+        let conditions = &weighted.w[layout.conditions()..];
+        let (boundary, closing) = conditions.split_at(layout.boundary);
+        let integrals = &closing[..layout.integrals];
+        for (s, j) in layout.intervals() {
+            let (span, rows) = (self.span(s, j), layout.equations(s, j));
+            let unknowns = &layout.order[layout.interval(s, j)];
+            let dependence = Dependence { unknowns, numbers: weighted.numbers };
+            weighted.add(layout, dependence, passes, out, |passes| {
+                let Passes { unknowns, q, r, local } = passes;
+                let r = &mut r[..rows.len()];
+                self.method.residual(&self.problem, span, unknowns, q, &mut local.method, r)?;
+                let sum = weighted.sum(r, &weighted.w[rows.clone()]);
+                let sums = &mut passes.r[..layout.integrals];
+                sums.fill(T::zero());
+                self.integrals(span, &passes.unknowns, &passes.q, &mut passes.local, sums)?;
+                Ok(sum + weighted.sum(sums, integrals))
+            })?;
+        }
+        let dependence = Dependence { unknowns: &layout.ends, numbers: weighted.numbers };
+        weighted.add(layout, dependence, passes, out, |passes| {
+            let b = &mut passes.r[..layout.boundary];
+            self.boundary(&passes.unknowns, &passes.q, b);
+            Ok(weighted.sum(b, boundary))
+        })
+    }
+}
+
+impl<T: Scalar> Weighted<'_, T> {
+    fn sum(&self, values: &[T], weights: &[f64]) -> Chunk {
+        let mut sum = Chunk::from(0.0);
+        for (value, weight) in values.iter().zip(weights) {
+            sum += (self.take)(value) * *weight;
+        }
+        sum
+    }
+
+    /// Adds the gradient of one part of the equations.
+    fn add<M: Method>(
+        &self,
+        layout: &Layout,
+        dependence: Dependence,
+        passes: &mut Passes<T, M>,
+        out: &mut [f64],
+        mut evaluate: impl FnMut(&mut Passes<T, M>) -> Result<Chunk, LeftDomain>,
+    ) -> Result<(), LeftDomain> {
+        let directions = dependence.len();
+        for start in (0..directions).step_by(CHUNK) {
+            passes.load(layout, dependence, start, self.x, self.make);
+            let slopes = parts(&evaluate(passes)?);
+            for (k, slope) in (start..directions).zip(slopes) {
+                out[dependence.position(layout, k)] += slope;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,149 @@
+//! The error that a mesh causes, estimated.
+//!
+//! A method that replaces the trajectory by polynomials of degree `m` errs by `C h^{m+1} |x^{(m+1)}|` in an
+//! interval of length `h`. The polynomials have constant `m`-th derivatives; their differences from one interval
+//! to the next tell the derivative beyond (C. de Boor, *Good approximation by splines with variable knots II*,
+//! 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary
+//! Differential Equations*, 1988, section 9.1):
+//!
+//! ```text
+//!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
+//! ```
+
+use super::equations::{Equations, Work};
+use super::local::{Dependence, Passes};
+use crate::core::bvp::chunk::Chunk;
+use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// Where the estimated error of a state, in units of the state's largest value, is largest.
+pub(super) struct LargestError {
+    segment: usize,
+    state: usize,
+    interval: usize,
+    pub error: f64,
+}
+
+impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+    /// The largest estimated error; `None` if the method has none, or all states vanish.
+    pub fn largest_error(&self, nodes: &[f64]) -> Option<LargestError> {
+        self.method.error_constant()?;
+        let mut largest: Option<LargestError> = None;
+        for (segment, s) in self.layout.segments.iter().enumerate() {
+            for state in 0..s.states {
+                let value = |k: usize| nodes[s.values + k * s.states + state];
+                let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
+                if size == 0.0 {
+                    continue;
+                }
+                for interval in 0..s.intervals {
+                    let error = self.error(segment, interval, value) / size;
+                    if largest.as_ref().is_none_or(|largest| error > largest.error) {
+                        largest = Some(LargestError { segment, state, interval, error });
+                    }
+                }
+            }
+        }
+        largest
+    }
+
+    /// The estimated error of a state, given by its values at the segment's nodes, in an interval.
+    fn error<T: Scalar>(&self, segment: usize, interval: usize, value: impl Fn(usize) -> T) -> T {
+        let span = self.span(segment, interval);
+        let constant = self.method.error_constant().unwrap_or(0.0);
+        let power = (span.end - span.start).powi(self.layout.degree as i32 + 1);
+        self.next_derivative(segment, interval, value) * (constant * power)
+    }
+
+    /// `|x^{(m+1)}|` of a state in an interval. A single interval has no neighbour: what its polynomial's own
+    /// highest derivative changes over its length is taken, an overestimate where the series converges.
+    pub fn next_derivative<T: Scalar>(
+        &self,
+        segment: usize,
+        interval: usize,
+        value: impl Fn(usize) -> T,
+    ) -> T {
+        let (points, m) = (self.meshes[segment].points(), self.layout.degree);
+        let length = |j: usize| points[j + 1] - points[j];
+        let highest = |j: usize| {
+            let sum = self.highest.iter().enumerate();
+            let sum = sum.fold(T::zero(), |sum, (a, weight)| sum + value(j * m + a) * *weight);
+            sum / length(j).powi(m as i32)
+        };
+        let here = highest(interval);
+        if points.len() == 2 {
+            return here.abs() / length(0);
+        }
+        let before = interval.checked_sub(1);
+        let after = Some(interval + 1).filter(|j| j + 1 < points.len());
+        let mut largest = T::zero();
+        for j in before.into_iter().chain(after) {
+            let slope = ((highest(j) - here) * (2.0 / (length(j) + length(interval)))).abs();
+            if slope.real() > largest.real() {
+                largest = slope;
+            }
+        }
+        largest
+    }
+
+    /// Adds the gradient of the largest estimated error, which depends on the state in the interval and its
+    /// neighbours, and on its largest value.
+    pub fn add_error_gradient(
+        &mut self,
+        x: &[f64],
+        work: &Work<f64, M>,
+        passes: &mut Passes<Chunk, M>,
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let Some(LargestError { segment, state, interval, .. }) = self.largest_error(&work.nodes)
+        else {
+            return Ok(());
+        };
+        let (s, m) = (&self.layout.segments[segment], self.layout.degree);
+        let first = interval.saturating_sub(1) * m;
+        let last = ((interval + 2) * m).min(s.nodes - 1);
+        let start = s.values + state * s.nodes;
+        let mut positions = std::mem::take(&mut self.positions);
+        positions.clear();
+        positions.extend(start + first..=start + last);
+        positions
+            .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
+        let dependence = Dependence { unknowns: &positions, numbers: &[] };
+        let outcome = self.add_slopes(dependence, x, passes, out, |passes| {
+            let largest = passes.unknowns[last + 1 - first];
+            let error = self.error(segment, interval, |k| passes.unknowns[k - first]);
+            Ok(error * largest.re.signum() / largest)
+        });
+        self.positions = positions;
+        outcome
+    }
+
+    /// For each interval of a segment, `Σ_i (|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a good mesh spreads evenly.
+    pub fn density(&self, segment: usize, nodes: &[f64]) -> Vec<f64> {
+        let s = &self.layout.segments[segment];
+        let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
+        let mut density = vec![0.0; s.intervals];
+        for state in 0..s.states {
+            let value = |k: usize| nodes[s.values + k * s.states + state];
+            let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
+            if size == 0.0 {
+                continue;
+            }
+            for (interval, density) in density.iter_mut().enumerate() {
+                *density += (self.next_derivative(segment, interval, value) / size).powf(exponent);
+            }
+        }
+        density
+    }
+}
+
+/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of the polynomial
+/// through them.
+pub(super) fn highest_derivative(places: &[f64]) -> Vec<f64> {
+    let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
+    let product = |j: usize| -> f64 {
+        (0..places.len()).filter(|i| *i != j).map(|i| places[j] - places[i]).product()
+    };
+    (0..places.len()).map(|j| factorial / product(j)).collect()
+}

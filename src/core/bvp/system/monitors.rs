@@ -1,0 +1,139 @@
+//! Monitors of a discretised boundary-value problem, and their gradients.
+
+use super::equations::{Equations, Work};
+use super::local::{Dependence, Passes};
+use crate::core::bvp::chunk::{CHUNK, Chunk, parts};
+use crate::core::bvp::{BoundaryProblem, Method, Monitor};
+use crate::core::zero::LeftDomain;
+
+/// The name of the monitor that estimates the error of the mesh.
+pub(super) const MESH_ERROR: &str = "mesh_error";
+
+/// Where a state on a segment is extremal.
+struct Extremum {
+    interval: usize,
+    place: f64,
+    value: f64,
+}
+
+impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+    /// The values of all monitors at the arguments of `work`.
+    pub fn evaluate_monitors(
+        &mut self,
+        work: &mut Work<f64, M>,
+        values: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let count = self.monitors.len();
+        for k in 0..count {
+            values[k] = match self.monitors[k] {
+                Monitor::Duration => self.duration(&work.q),
+                Monitor::Maximum { segment, state } => {
+                    self.extremum(work, segment, state, 1.0)?.value
+                }
+                Monitor::Minimum { segment, state } => {
+                    self.extremum(work, segment, state, -1.0)?.value
+                }
+            };
+        }
+        if let Some(error) = values.get_mut(count) {
+            *error = self.largest_error(&work.nodes).map_or(0.0, |largest| largest.error);
+        }
+        Ok(())
+    }
+
+    /// Adds the gradient of a monitor at `x`, which `work` has loaded, to `out`.
+    pub fn add_monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        work: &Work<f64, M>,
+        passes: &mut Passes<Chunk, M>,
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        match self.monitors.get(monitor) {
+            Some(Monitor::Duration) => {
+                let dependence = Dependence { unknowns: &[], numbers: &self.layout.all_numbers };
+                self.add_slopes(dependence, x, passes, out, |passes| Ok(self.duration(&passes.q)))
+            }
+            Some(&Monitor::Maximum { segment, state }) => {
+                let extremum = self.extremum(work, segment, state, 1.0)?;
+                self.add_extremum(segment, state, &extremum, x, passes, out)
+            }
+            Some(&Monitor::Minimum { segment, state }) => {
+                let extremum = self.extremum(work, segment, state, -1.0)?;
+                self.add_extremum(segment, state, &extremum, x, passes, out)
+            }
+            None => self.add_error_gradient(x, work, passes, out),
+        }
+    }
+
+    /// The duration of all segments together.
+    fn duration<T: crate::core::scalar::Scalar>(&self, q: &[T]) -> T {
+        let each = self.meshes.iter().enumerate();
+        each.fold(T::zero(), |sum, (s, mesh)| sum + self.problem.duration(s, q) * mesh.end())
+    }
+
+    /// The largest value of a state times `sign` on a segment.
+    fn extremum(
+        &mut self,
+        work: &Work<f64, M>,
+        segment: usize,
+        state: usize,
+        sign: f64,
+    ) -> Result<Extremum, LeftDomain> {
+        let mut found = Extremum { interval: 0, place: 0.0, value: -sign * f64::INFINITY };
+        for interval in 0..self.layout.segments[segment].intervals {
+            let span = self.span(segment, interval);
+            let nodes = &work.nodes[self.layout.interval(segment, interval)];
+            let mut visit = |place: f64, value: f64| {
+                if sign * value > sign * found.value {
+                    found = Extremum { interval, place, value };
+                }
+            };
+            self.method.extrema(&self.problem, span, nodes, &work.q, state, &mut visit)?;
+        }
+        Ok(found)
+    }
+
+    /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
+    /// gradient is that of the value at a fixed place.
+    fn add_extremum(
+        &self,
+        segment: usize,
+        state: usize,
+        extremum: &Extremum,
+        x: &[f64],
+        passes: &mut Passes<Chunk, M>,
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let layout = &self.layout;
+        let (span, n) = (self.span(segment, extremum.interval), layout.segments[segment].states);
+        let unknowns = &layout.order[layout.interval(segment, extremum.interval)];
+        let dependence = Dependence { unknowns, numbers: &layout.all_numbers };
+        self.add_slopes(dependence, x, passes, out, |passes| {
+            let Passes { unknowns, q, local, .. } = passes;
+            let (method, x) = (&mut local.method, &mut local.x[..n]);
+            self.method.value(&self.problem, span, unknowns, q, extremum.place, method, x)?;
+            Ok(x[state])
+        })
+    }
+
+    /// Adds the gradient of a function of some unknowns and numbers.
+    pub fn add_slopes(
+        &self,
+        dependence: Dependence,
+        x: &[f64],
+        passes: &mut Passes<Chunk, M>,
+        out: &mut [f64],
+        mut function: impl FnMut(&mut Passes<Chunk, M>) -> Result<Chunk, LeftDomain>,
+    ) -> Result<(), LeftDomain> {
+        for start in (0..dependence.len()).step_by(CHUNK) {
+            passes.load(&self.layout, dependence, start, x, |_, seeded| seeded);
+            let slopes = parts(&function(passes)?);
+            for (k, slope) in (start..dependence.len()).zip(slopes) {
+                out[dependence.position(&self.layout, k)] += slope;
+            }
+        }
+        Ok(())
+    }
+}

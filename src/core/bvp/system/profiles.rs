@@ -1,0 +1,72 @@
+//! Time histories and phase portraits of a solution.
+
+use super::equations::{Equations, Work};
+use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::zero::{Group, LeftDomain, Profile};
+
+/// A segment is drawn with at least as many points.
+const FEWEST_POINTS: usize = 100;
+
+impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+    /// The states at a place in an interval, at the arguments of `work`.
+    pub fn value(
+        &self,
+        work: &mut Work<f64, M>,
+        segment: usize,
+        interval: usize,
+        place: f64,
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let nodes = &work.nodes[self.layout.interval(segment, interval)];
+        let (span, buffers) = (self.span(segment, interval), &mut work.local.method);
+        self.method.value(&self.problem, span, nodes, &work.q, place, buffers, out)
+    }
+
+    /// For each segment the time history of each state and, of two or more, the portrait of the first two.
+    pub fn profiles(
+        &self,
+        unknowns: &[Group],
+        work: &mut Work<f64, M>,
+    ) -> Result<Vec<Profile>, LeftDomain> {
+        let mut profiles = Vec::new();
+        for segment in 0..self.layout.segments.len() {
+            let s = &self.layout.segments[segment];
+            let names = &unknowns[s.ends..s.ends + s.states];
+            let history = self.history(segment, work)?;
+            let columns = |i: usize, j: usize| history.iter().map(|x| [x[i], x[j]]).collect();
+            for (i, group) in names.iter().enumerate() {
+                let points = columns(0, i + 1);
+                profiles.push(Profile { name: group.name.clone(), along: "time".into(), points });
+            }
+            if let [first, second, ..] = names {
+                let (name, along) = (second.name.clone(), first.name.clone());
+                profiles.push(Profile { name, along, points: columns(1, 2) });
+            }
+        }
+        Ok(profiles)
+    }
+
+    /// Time and states along a segment, at places spread evenly over each interval.
+    fn history(
+        &self,
+        segment: usize,
+        work: &mut Work<f64, M>,
+    ) -> Result<Vec<Vec<f64>>, LeftDomain> {
+        let s = &self.layout.segments[segment];
+        let duration = self.problem.duration(segment, &work.q);
+        let each = FEWEST_POINTS.div_ceil(s.intervals).max(self.layout.degree);
+        let mut history = Vec::with_capacity(s.intervals * each + 1);
+        for interval in 0..s.intervals {
+            let span = self.span(segment, interval);
+            let last = usize::from(interval + 1 == s.intervals);
+            for k in 0..each + last {
+                let place = k as f64 / each as f64;
+                let mut point = vec![duration * (span.start + (span.end - span.start) * place)];
+                point.resize(1 + s.states, 0.0);
+                self.value(work, segment, interval, place, &mut point[1..])?;
+                history.push(point);
+            }
+        }
+        Ok(history)
+    }
+}
