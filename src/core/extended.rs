@@ -186,6 +186,14 @@ impl<'a> Extended<'a> {
             .collect()
     }
 
+    /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and directions over.
+    pub fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
+        let n = self.dimension();
+        self.load(unknowns);
+        self.system.follow(&mut self.x, directions);
+        unknowns[..n].copy_from_slice(&self.x[..n]);
+    }
+
     /// Turns the borders of all conditions.
     pub fn adapt(&mut self) {
         self.conditions.iter_mut().for_each(|condition| condition.adapt());

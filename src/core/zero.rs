@@ -382,7 +382,8 @@ pub trait System {
                 solution.state.len()
             )));
         }
-        let (z, tangent) = (solution.state.clone(), solution.tangent.clone());
+        let z = solution.state.clone();
+        let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
         Ok(Adopted { z, tangent, leaving: Leaving::Along })
     }
 

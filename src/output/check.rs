@@ -79,6 +79,9 @@ fn special(
     for (index, &value) in point.tangent.iter().enumerate() {
         finite(&format!("{place}, tangent, component {index}"), value)?;
     }
+    for (index, &value) in point.mesh.iter().enumerate() {
+        finite(&format!("{place}, mesh, point {index}"), value)?;
+    }
     for profile in &point.profiles {
         for (index, value) in profile.points.iter().flatten().enumerate() {
             finite(&format!("{place}, profile `{}`, number {index}", profile.name), *value)?;

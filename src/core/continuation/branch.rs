@@ -48,6 +48,9 @@ pub struct SpecialPoint {
     /// The direction of the branch there, from its first point to its last: `(z, released parameters)`,
     /// of scaled length 1.
     pub tangent: Vec<f64>,
+    /// The mesh that the unknowns are values on; empty if they are on none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mesh: Vec<f64>,
     /// Curves that belong to the solution, as the problem offers them.
     pub profiles: Vec<Profile>,
 }

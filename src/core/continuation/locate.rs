@@ -194,7 +194,7 @@ impl Stepper<'_> {
         }
         let n = self.equations.dimension();
         let at = self.equations.at();
-        let profiles = at.system.profiles(at.x);
+        let (profiles, mesh) = (at.system.profiles(at.x), at.system.mesh());
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         let rungs = if end_of_branch { 1 } else { usize::MAX };
@@ -226,6 +226,7 @@ impl Stepper<'_> {
             converged,
             state: unknowns[..n].to_vec(),
             tangent: tangent[..n].iter().chain(&tangent[parameter..]).copied().collect(),
+            mesh,
             profiles,
         };
         Some(Located { event: index, along, special })

@@ -10,6 +10,7 @@ use crate::core::bifurcation::branches_at;
 use crate::core::condition::{At, EvaluationError, Quantity};
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances};
+use crate::core::solution::{Adopted, Leaving};
 use crate::core::zero::Dynamics;
 use std::cmp::Ordering;
 
@@ -19,11 +20,29 @@ type Sides = Vec<f64>;
 
 impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
+        let leaving = self.adopt()?;
         let released = self.resolve_released()?;
         let held = self.resolve_held(released[0])?;
         let sides = self.resolve_events(&released, &held)?;
         let scales = self.resolve_scales(&released)?;
-        self.start(&released, held, sides, &scales)
+        self.start(&released, held, sides, &scales, leaving)
+    }
+
+    /// Hands the solution that one restarts from to the system, which may change its mesh for it.
+    fn adopt(&mut self) -> Result<Leaving, TraceError> {
+        let Some(mut solution) = self.solution.take() else { return Ok(Leaving::Along) };
+        solution.parameters = self.x[self.system.names().dimension()..].to_vec();
+        solution.switch = self.switched;
+        let start = |cause| TraceError::Start {
+            branch: self.name.clone(),
+            place: "the point to restart from".into(),
+            cause: Box::new(NewtonError::from_evaluation(0, cause)),
+        };
+        let Adopted { z, tangent, leaving } = self.system.adopt(&solution).map_err(start)?;
+        self.x = [&z[..], &solution.parameters].concat();
+        self.tangent = tangent;
+        self.at_branch_point |= leaving == Leaving::BranchPoint;
+        Ok(leaving)
     }
 
     /// The position of a parameter.
@@ -185,9 +204,17 @@ impl<'a> Continuation<'a> {
 
     /// The direction in which to leave a branch point: along the branch that one comes from, or along
     /// the other one. `None` if the start is no branch point.
-    fn leaving(&mut self, released: &[usize]) -> Result<Option<Vec<f64>>, EvaluationError> {
+    fn leaving(
+        &mut self,
+        released: &[usize],
+        how: Leaving,
+    ) -> Result<Option<Vec<f64>>, EvaluationError> {
+        if how == Leaving::Direction {
+            return Ok(self.tangent.clone());
+        }
         let at_branch_point = self.at_branch_point && self.held.is_empty();
         if self.switched
+            && how == Leaving::Along
             && let Some(kind) = self.restarted_at.filter(|kind| *kind != Kind::BP)
         {
             return Err(EvaluationError::NotApplicable(format!(
@@ -215,6 +242,7 @@ impl<'a> Continuation<'a> {
         held: Vec<MakeCondition>,
         sides: Sides,
         scales: &[Option<f64>],
+        how: Leaving,
     ) -> Result<Tracer<'a>, TraceError> {
         let names = self.system.names().clone();
         let n = names.dimension();
@@ -229,7 +257,7 @@ impl<'a> Continuation<'a> {
             cause: Box::new(cause),
         };
         let evaluation = |cause: EvaluationError| failed(NewtonError::from_evaluation(0, cause));
-        let leaving = self.leaving(released).map_err(evaluation)?;
+        let leaving = self.leaving(released, how).map_err(evaluation)?;
         let correct = leaving.is_none();
         let same_curve = self.restarted_on == self.held.first().map(|(kind, _)| *kind);
         let direction = leaving.or(self.tangent.take().filter(|_| same_curve));
@@ -279,13 +307,18 @@ impl<'a> Continuation<'a> {
         };
         let mut start = start.map_err(evaluation)?;
         let slopes = stepper.forget_levels_at(&mut start).map_err(evaluation)?;
+        stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
         let tracer = Tracer {
             stepper,
             branch,
             start,
             sides,
             slopes,
-            directions: [self.backward, self.forward],
+            // Both sides are the same where a branch of periodic orbits is born.
+            directions: match how {
+                Leaving::Along => [self.backward, self.forward],
+                Leaving::BranchPoint | Leaving::Direction => [false, true],
+            },
             from_branch_point: !correct,
             labels: 0,
         };

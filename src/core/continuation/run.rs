@@ -104,12 +104,12 @@ impl Tracer<'_> {
         half
     }
 
-    fn half(&mut self, start: Place, backward: bool, observer: &mut dyn Observer) -> Half {
+    fn half(&mut self, mut start: Place, backward: bool, observer: &mut dyn Observer) -> Half {
         let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
         let mut place = start.clone();
         half.end = match self.leaves_at_once(backward) {
             Some(end) => end,
-            None => self.walk(&mut half, &mut place, &start, backward, observer),
+            None => self.walk(&mut half, &mut place, &mut start, backward, observer),
         };
         let ended =
             half.special.last().is_some_and(|s| s.after == half.points.len() && s.after > 0);
@@ -133,7 +133,7 @@ impl Tracer<'_> {
         &mut self,
         half: &mut Half,
         place: &mut Place,
-        start: &Place,
+        start: &mut Place,
         backward: bool,
         observer: &mut dyn Observer,
     ) -> End {
@@ -176,8 +176,15 @@ impl Tracer<'_> {
             let Some(Ending { end, at }) = ending else {
                 let length = step.length;
                 let Place { unknowns, tangent, tests, .. } = std::mem::replace(place, step.place);
-                before = Some(Before { unknowns, tangent, tests, length });
-                self.stepper.settle(place);
+                let mut last = Before { unknowns, tangent, tests, length };
+                let others = [
+                    &mut last.unknowns[..],
+                    &mut last.tangent[..],
+                    &mut start.unknowns[..],
+                    &mut start.tangent[..],
+                ];
+                self.stepper.settle(place, others);
+                before = Some(last);
                 half.points.push(place.point.clone());
                 if observer.point(&place.point).is_break() {
                     return End::Interrupted;
@@ -332,6 +339,7 @@ impl Tracer<'_> {
             Ok(()) => at.system.profiles(at.x),
             Err(_) => Vec::new(),
         };
+        let mesh = at.system.mesh();
         let (n, first) = (equations.dimension(), equations.parameters_at());
         let failed = matches!(end, End::StepTooSmall { .. });
         let parameter = place.unknowns[first];
@@ -350,6 +358,7 @@ impl Tracer<'_> {
             converged: true,
             state: place.unknowns[..n].to_vec(),
             tangent,
+            mesh,
             profiles,
         }
     }

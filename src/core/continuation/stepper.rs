@@ -301,9 +301,13 @@ impl Stepper<'_> {
         (length * factor).clamp(self.settings.min_step, self.settings.max_step)
     }
 
-    /// Lets scales and borders follow the branch after a step was accepted.
-    pub fn settle(&mut self, place: &mut Place) {
+    /// Lets the mesh, scales and borders follow the branch after a step was accepted. What else is to
+    /// stay comparable is carried over to a new mesh.
+    pub fn settle(&mut self, place: &mut Place, others: [&mut [f64]; 4]) {
         let n = self.equations.dimension();
+        let [a, b, c, d] = others;
+        let directions = &mut [&mut place.tangent[..], a, b, c, d];
+        self.equations.follow(&mut place.unknowns, directions);
         let p = &place.unknowns[self.equations.parameters_at()..];
         self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
         self.weights = self.metric.weights(self.equations.names());

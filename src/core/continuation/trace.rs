@@ -3,6 +3,7 @@
 use super::event::{Event, MakeCondition};
 use super::{Branch, Kind, Observer, Settings, SpecialPoint, TraceError};
 use crate::core::condition::{Condition, Level};
+use crate::core::solution::Solution;
 use crate::core::zero::System;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
@@ -41,6 +42,8 @@ pub struct Continuation<'a> {
     pub(super) events: Vec<Event>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
+    /// The solution that the start is to be made of, where one restarts.
+    pub(super) solution: Option<Solution>,
     /// The start is a branch point of a branch of solutions.
     pub(super) at_branch_point: bool,
     /// What the curve one restarts from is made of: its direction means nothing on another curve.
@@ -69,6 +72,7 @@ impl<'a> Continuation<'a> {
             events: Vec::new(),
             held: Vec::new(),
             settings: Settings::default(),
+            solution: None,
             at_branch_point: false,
             restarted_on: None,
             restarted_at: None,
@@ -155,21 +159,27 @@ impl<'a> Continuation<'a> {
         for (name, value) in branch.parameters.iter().zip(&special.parameters) {
             self = self.at(name, *value);
         }
-        self = self.from(&special.state);
         self.restarted_on = branch.condition;
         self.restarted_at = Some(special.kind);
         self.at_branch_point = special.kind == Kind::BP && branch.condition.is_none();
-        let n = self.system.names().dimension();
-        if special.tangent.len() == n + branch.released.len() {
-            let mut tangent = vec![0.0; self.x.len()];
-            tangent[..n].copy_from_slice(&special.tangent[..n]);
+        let n = special.state.len();
+        let mut slopes = vec![0.0; self.system.names().parameters.len()];
+        let known = special.tangent.len() == n + branch.released.len();
+        if known {
             for (name, value) in branch.released.iter().zip(&special.tangent[n..]) {
                 if let Some(p) = self.system.names().parameter(name) {
-                    tangent[n + p] = *value;
+                    slopes[p] = *value;
                 }
             }
-            self.tangent = Some(tangent);
         }
+        self.solution = Some(Solution {
+            kind: special.kind,
+            mesh: special.mesh.clone(),
+            state: special.state.clone(),
+            parameters: Vec::new(),
+            tangent: known.then(|| (special.tangent[..n].to_vec(), slopes)),
+            switch: false,
+        });
         self
     }
 
