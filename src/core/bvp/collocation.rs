@@ -141,15 +141,14 @@ impl Method for Collocation {
         work.real.resize(q.len() + n, 0.0);
         let (real_q, real_x) = work.real.split_at_mut(q.len());
         for (c, r) in r.chunks_exact_mut(n).enumerate() {
-            let row = c * places..(c + 1) * places;
-            combine(&self.basis.values[row.clone()], nodes, &mut work.x);
+            combine(self.basis.row(&self.basis.values, c), nodes, &mut work.x);
             real_x.iter_mut().zip(&work.x).for_each(|(real, x)| *real = x.real());
             let t = duration * (span.start + h * self.basis.gauss[c]);
             problem
                 .domain(span.segment, real_x, real_q)
                 .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
             problem.field(span.segment, t, &work.x, q, &mut work.f);
-            combine(&self.basis.slopes[row], nodes, r);
+            combine(self.basis.row(&self.basis.slopes, c), nodes, r);
             let step = duration * h;
             r.iter_mut().zip(&work.f).for_each(|(r, f)| *r -= step * *f);
         }
@@ -225,60 +224,26 @@ impl Method for Collocation {
     }
 }
 
-/// Residual and Jacobian at all Gauss points, `W` directions at a time.
+/// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the point, then the
+/// active numbers.
 fn linearise_in<P: BoundaryProblem, const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
     interval: Interval<P>,
-    block: Block,
+    mut block: Block,
 ) -> Result<(), LeftDomain> {
-    let Interval { problem, span, nodes, q, active } = interval;
-    let places = basis.nodes.len();
-    let n = nodes.len() / places;
-    let h = span.end - span.start;
-    let directions = n + active.len();
+    let n = interval.nodes.len() / basis.nodes.len();
     passes.resize(n);
-    for start in (0..directions).step_by(W) {
-        passes.seed_numbers(q, n, active, start);
-        let duration = problem.duration(span.segment, &passes.q);
-        let (step, offset) = (duration * h, duration * span.start);
-        for c in 0..places - 1 {
-            let row = c * places..(c + 1) * places;
-            let values = &basis.values[row.clone()];
-            combine(values, nodes, &mut passes.real);
-            let t = offset + step * basis.gauss[c];
-            problem
-                .domain(span.segment, &passes.real, q)
-                .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
-            for (i, (x, real)) in passes.x.iter_mut().zip(&passes.real).enumerate() {
-                *x = seeded(*real, i, start);
+    for start in (0..n + interval.active.len()).step_by(W) {
+        passes.seed_numbers(&interval, n, start);
+        for c in 0..basis.gauss.len() {
+            passes.evaluate(basis, &interval, c, start)?;
+            passes.place_residual(basis, &interval, c, &mut block);
+            if start < n {
+                passes.place_nodes(basis, c, start, &mut block);
             }
-            problem.field(span.segment, t, &passes.x, &passes.q, &mut passes.f);
-            combine(&basis.slopes[row.clone()], nodes, &mut block.residual[c * n..(c + 1) * n]);
-            for (i, f) in passes.f.iter().enumerate() {
-                let (equation, flow) = (c * n + i, step * *f);
-                let slopes = parts(&flow);
-                block.residual[equation] -= flow.re;
-                if start < n {
-                    let width = W.min(n - start);
-                    let entries =
-                        &mut block.nodes[equation * places * n..(equation + 1) * places * n];
-                    for (entries, value) in entries.chunks_exact_mut(n).zip(values) {
-                        let entries = &mut entries[start..start + width];
-                        entries.iter_mut().zip(&slopes).for_each(|(e, s)| *e = -value * s);
-                    }
-                    if (start..start + width).contains(&i) {
-                        let slopes = &basis.slopes[row.clone()];
-                        entries.chunks_exact_mut(n).zip(slopes).for_each(|(e, d)| e[i] += d);
-                    }
-                }
-                let count = active.len();
-                let numbers = &mut block.numbers[equation * count..(equation + 1) * count];
-                for (k, slope) in slopes.iter().enumerate().take(directions - start) {
-                    if start + k >= n {
-                        numbers[start + k - n] = -slope;
-                    }
-                }
+            if start + W > n {
+                passes.place_numbers(interval.active.len(), c, start, &mut block);
             }
         }
     }
@@ -293,11 +258,80 @@ impl<const W: usize> Passes<W> {
     }
 
     /// The numbers `q`, the active ones seeded as the directions after the `n` states.
-    fn seed_numbers(&mut self, q: &[f64], n: usize, active: &[usize], start: usize) {
+    fn seed_numbers<P>(&mut self, interval: &Interval<P>, n: usize, start: usize) {
         self.q.clear();
-        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
-        for (k, &number) in active.iter().enumerate() {
-            self.q[number] = seeded(q[number], n + k, start);
+        self.q.extend(interval.q.iter().map(|q| DualSVec64::from(*q)));
+        for (k, &number) in interval.active.iter().enumerate() {
+            self.q[number] = seeded(interval.q[number], n + k, start);
+        }
+    }
+
+    /// `h L f` at a Gauss point.
+    fn evaluate<P: BoundaryProblem>(
+        &mut self,
+        basis: &Basis,
+        interval: &Interval<P>,
+        c: usize,
+        start: usize,
+    ) -> Result<(), LeftDomain> {
+        let Interval { problem, span, nodes, q, .. } = *interval;
+        let duration = problem.duration(span.segment, &self.q);
+        let h = span.end - span.start;
+        let t = duration * (span.start + h * basis.gauss[c]);
+        combine(basis.row(&basis.values, c), nodes, &mut self.real);
+        problem
+            .domain(span.segment, &self.real, q)
+            .map_err(|cause| left_domain(cause, span.segment, t.re))?;
+        for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
+            *x = seeded(*real, i, start);
+        }
+        problem.field(span.segment, t, &self.x, &self.q, &mut self.f);
+        let step = duration * h;
+        self.f.iter_mut().for_each(|f| *f *= step);
+        Ok(())
+    }
+
+    fn place_residual<P>(
+        &self,
+        basis: &Basis,
+        interval: &Interval<P>,
+        c: usize,
+        block: &mut Block,
+    ) {
+        let n = self.f.len();
+        let residual = &mut block.residual[c * n..(c + 1) * n];
+        combine(basis.row(&basis.slopes, c), interval.nodes, residual);
+        residual.iter_mut().zip(&self.f).for_each(|(r, f)| *r -= f.re);
+    }
+
+    /// `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x`, in the columns of this pass.
+    fn place_nodes(&self, basis: &Basis, c: usize, start: usize, block: &mut Block) {
+        let (n, places) = (self.f.len(), basis.nodes.len());
+        let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
+        let rows = block.nodes[c * n * n * places..].chunks_exact_mut(n * places);
+        for (i, (row, f)) in rows.zip(&self.f).enumerate() {
+            let parts = parts(f);
+            for ((entries, value), slope) in row.chunks_exact_mut(n).zip(values).zip(slopes) {
+                for (entry, part) in entries[start..].iter_mut().zip(&parts) {
+                    *entry = -value * part;
+                }
+                if (start..start + W).contains(&i) {
+                    entries[i] += slope;
+                }
+            }
+        }
+    }
+
+    /// `−∂(h L f)/∂q`, in the columns of this pass.
+    fn place_numbers(&self, active: usize, c: usize, start: usize, block: &mut Block) {
+        let n = self.f.len();
+        for (i, f) in self.f.iter().enumerate() {
+            let row = (c * n + i) * active;
+            for (direction, part) in (start..n + active).zip(parts(f)) {
+                if direction >= n {
+                    block.numbers[row + direction - n] = -part;
+                }
+            }
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Why a boundary-value problem cannot be discretised as asked.
 
+use crate::core::zero::LeftDomain;
+
 /// Sizes of a boundary-value problem that do not fit together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BoundaryError {
@@ -55,4 +57,22 @@ pub enum BoundaryError {
         /// The state.
         state: usize,
     },
+    /// No affordable mesh keeps the error below a tolerance.
+    #[error(
+        "an error of {tolerance:.1e} needs {needed:.0} intervals on segment {segment}, but {most} are the \
+         most: raise the tolerance or the number of points in an interval"
+    )]
+    TooFine {
+        /// The segment.
+        segment: usize,
+        /// The tolerance.
+        tolerance: f64,
+        /// The number of intervals that it needs.
+        needed: f64,
+        /// The largest number of intervals.
+        most: usize,
+    },
+    /// A solution could not be carried over to another mesh.
+    #[error(transparent)]
+    LeftDomain(#[from] LeftDomain),
 }

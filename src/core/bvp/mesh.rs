@@ -96,8 +96,7 @@ impl Mesh {
     /// Densities that are not finite, or all zero, leave a uniform mesh.
     pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {
         let end = self.end();
-        let lengths = self.points.windows(2).map(|pair| pair[1] - pair[0]);
-        let parts: Vec<f64> = lengths.zip(density).map(|(h, density)| h * density).collect();
+        let parts: Vec<f64> = self.lengths().zip(density).map(|(h, density)| h * density).collect();
         let total: f64 = parts.iter().sum();
         if !(total.is_finite() && total > 0.0) {
             return Mesh::uniform(intervals).stretched(end);
@@ -116,6 +115,15 @@ impl Mesh {
         }
         points.push(end);
         Mesh { points }
+    }
+
+    /// The integral of a density that is constant on each interval.
+    pub fn integral(&self, density: &[f64]) -> f64 {
+        self.lengths().zip(density).map(|(h, density)| h * density).sum()
+    }
+
+    fn lengths(&self) -> impl Iterator<Item = f64> + '_ {
+        self.points.windows(2).map(|pair| pair[1] - pair[0])
     }
 
     /// The breakpoints.

@@ -1,5 +1,7 @@
 //! A boundary-value problem, discretised, as a [`System`].
 
+mod adaptation;
+mod carry;
 mod equations;
 mod factorisation;
 mod layout;
@@ -15,6 +17,7 @@ use crate::core::zero::{
     Border, Dynamics, Group, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum,
     System,
 };
+use carry::Onto;
 use equations::{Equations, Work};
 use factorisation::Factorisation;
 use layout::Layout;
@@ -36,6 +39,9 @@ pub struct BoundarySystem<P, M: Method> {
     names: Names,
     linearisation: Linearisation,
     factors: [Factorisation; 2],
+    /// For the pencil, where neither of the others has it.
+    condensed: Factorisation,
+    pencil: [Vec<f64>; 2],
     plain: Work<f64, M>,
     first: Work<Dual64, M>,
     second: Work<HyperDual64, M>,
@@ -61,6 +67,8 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             names,
             linearisation: Linearisation { active, ..Default::default() },
             factors: [Factorisation::new(layout), Factorisation::new(layout)],
+            condensed: Factorisation::new(layout),
+            pencil: Default::default(),
             plain: Work::new(layout),
             first: Work::new(layout),
             second: Work::new(layout),
@@ -120,7 +128,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     ) -> Result<(), LeftDomain> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         let (interval, place) = self.equations.meshes[segment].locate(tau);
-        self.equations.value(&mut self.plain, segment, interval, place, out)
+        self.equations.value(&mut self.plain, (segment, interval), place, out)
     }
 
     /// Makes a solution the reference of the phase condition. Without one, it is the first point at which the
@@ -131,6 +139,26 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
         self.linearisation.at.clear();
         self.equations.set_reference(x, &mut self.plain)
+    }
+
+    /// The equations of the first segment, assembled last, condensed to its ends: `P δx(0) + Q δx(1) = 0` with `n × n`
+    /// matrices `P` and `Q`, one row after the other. The multipliers of a periodic solution are those of
+    /// this pencil.
+    ///
+    /// # Errors
+    /// [`Singular`] if the equations of some interval do not determine what is inside it.
+    pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Singular> {
+        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+        if assembled.at.is_empty() {
+            return Err(Singular { pivot: 0.0, largest: 0.0 });
+        }
+        let pencil = &mut self.pencil;
+        if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {
+            self.condensed.condense(layout, assembled, Border::NONE)?;
+            self.condensed.pencil(layout, assembled, pencil);
+        }
+        let [p, q] = &self.pencil;
+        Ok((p, q))
     }
 
     fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -336,7 +364,8 @@ where
             return None;
         }
         let system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
-        let x = self.equations.carried(&system.equations, x).ok()?;
+        let Equations { method, meshes, layout, .. } = &system.equations;
+        let x = self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
         Some(Refinement { system: Box::new(system), x })
     }
 }

@@ -40,6 +40,11 @@ impl Basis {
         Basis { gauss, nodes, values, slopes, powers, error_constant }
     }
 
+    /// The row of a table that belongs to a Gauss point.
+    pub fn row<'a>(&self, table: &'a [f64], c: usize) -> &'a [f64] {
+        &table[c * self.nodes.len()..(c + 1) * self.nodes.len()]
+    }
+
     /// `ℓ_j(s)`.
     pub fn lagrange(&self, j: usize, s: f64) -> f64 {
         lagrange(&self.nodes, j, s)

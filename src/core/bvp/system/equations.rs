@@ -103,27 +103,6 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         })
     }
 
-    /// `x` carried over to the same problem on another mesh or by another method.
-    pub fn carried(&self, to: &Self, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
-        let (layout, target) = (&self.layout, &to.layout);
-        let mut work: Work<f64, M> = Work::new(layout);
-        work.load(layout, |i| x[i]);
-        let mut out = vec![0.0; target.values()];
-        out.extend_from_slice(&x[layout.values()..]);
-        for (s, j) in target.intervals() {
-            let (span, n) = (to.span(s, j), target.segments[s].states);
-            let mut states = vec![0.0; n];
-            let nodes = target.order[target.interval(s, j)].chunks_exact(n);
-            for (place, node) in to.method.places().iter().zip(nodes) {
-                let (interval, place) =
-                    self.meshes[s].locate(span.start + (span.end - span.start) * place);
-                self.value(&mut work, s, interval, place, &mut states)?;
-                node.iter().zip(&states).for_each(|(&z, state)| out[z] = *state);
-            }
-        }
-        Ok(out)
-    }
-
     pub fn span(&self, segment: usize, interval: usize) -> Span {
         span(&self.meshes, segment, interval)
     }

@@ -30,6 +30,8 @@ pub(super) struct Factorisation {
     reduced: Vec<f64>,
     /// Values at all nodes, node by node.
     nodes: Vec<f64>,
+    /// The count of the assembly whose chains were factored last; 0 where that failed.
+    condensed: usize,
 }
 
 impl Factorisation {
@@ -52,16 +54,30 @@ impl Factorisation {
         boundary: &[f64],
         border: Border,
     ) -> Result<(), Singular> {
+        self.condense(layout, assembled, border)?;
+        self.place_reduced(layout, border);
+        self.place_boundary(layout, boundary, assembled.active.len(), border);
+        self.place_closing(layout, assembled, border);
+        self.lu.factor(&self.matrix, Border::NONE)
+    }
+
+    /// Condenses all chains.
+    pub fn condense(
+        &mut self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        border: Border,
+    ) -> Result<(), Singular> {
         let (k, l) = (layout.extras + border.width, layout.closing() + border.width);
+        self.condensed = 0;
         for s in 0..layout.segments.len() {
             self.fill_columns(layout, assembled, s, border);
             self.fill_rows(layout, assembled, s, border);
             self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
         }
-        self.place_reduced(layout, border);
-        self.place_boundary(layout, boundary, assembled.active.len(), border);
-        self.place_closing(layout, assembled, border);
-        self.lu.factor(&self.matrix, Border::NONE)
+        self.condensed = assembled.count;
+        self.dense.resize(2 * layout.states + k, 0.0);
+        Ok(())
     }
 
     /// Columns of a chain: by the extras, then those of the border.
@@ -102,7 +118,6 @@ impl Factorisation {
         let size = 2 * all + width;
         self.matrix.clear();
         self.matrix.resize(size * size, 0.0);
-        self.dense.resize(size, 0.0);
         for (s, chain) in layout.segments.iter().zip(&self.chains) {
             let n = s.states;
             for (i, row) in chain.reduced().chunks_exact(2 * n + width).enumerate() {
@@ -158,6 +173,22 @@ impl Factorisation {
             (0..border.width)
                 .for_each(|c| add(closing + i, extras + c, border.corner[i * border.width + c]));
         }
+    }
+
+    /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices (one row after
+    /// the other); false if it is not this assembly that was factored last.
+    pub fn pencil(&self, layout: &Layout, assembled: &Linearisation, out: &mut [Vec<f64>; 2]) -> bool {
+        let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
+            return false;
+        };
+        let n = layout.segments[0].states;
+        let width = 2 * n + self.dense.len() - 2 * layout.states;
+        out.iter_mut().for_each(Vec::clear);
+        for row in chain.reduced().chunks_exact(width).take(n) {
+            out[0].extend_from_slice(&row[..n]);
+            out[1].extend_from_slice(&row[n..2 * n]);
+        }
+        true
     }
 
     /// Solves in place: the right side as the equations are ordered, the solution as the unknowns are, each

@@ -132,11 +132,6 @@ impl Layout {
         self.dimension - self.extras
     }
 
-    /// The length of `x = (z, p)`.
-    pub fn length(&self) -> usize {
-        self.dimension + self.parameters
-    }
-
     /// The number of `q = (p, e)`.
     pub fn numbers(&self) -> usize {
         self.parameters + self.extras

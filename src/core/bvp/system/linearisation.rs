@@ -28,6 +28,8 @@ pub(super) struct Linearisation {
     pub active: Vec<usize>,
     /// Where everything was assembled last; empty where that failed.
     pub at: Vec<f64>,
+    /// How often it was assembled.
+    pub count: usize,
 }
 
 impl Linearisation {
@@ -57,6 +59,7 @@ impl Linearisation {
         work: &Work<f64, M>,
         passes: &mut Passes<Chunk, M>,
     ) -> Result<(), LeftDomain> {
+        self.count += 1;
         self.resize(equations);
         self.intervals(equations, work)?;
         self.boundary(equations, x, passes);

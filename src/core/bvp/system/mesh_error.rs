@@ -119,7 +119,9 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         outcome
     }
 
-    /// For each interval of a segment, `Σ_i (|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a good mesh spreads evenly.
+    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a mesh of evenly
+    /// spread error makes equal, once multiplied by the intervals' lengths. Where the derivative happens to
+    /// vanish, a tenth of the mean keeps intervals from growing without bound.
     pub fn density(&self, segment: usize, nodes: &[f64]) -> Vec<f64> {
         let s = &self.layout.segments[segment];
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
@@ -131,10 +133,22 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 continue;
             }
             for (interval, density) in density.iter_mut().enumerate() {
-                *density += (self.next_derivative(segment, interval, value) / size).powf(exponent);
+                let here = self.next_derivative(segment, interval, value) / size;
+                *density = here.powf(exponent).max(*density);
             }
         }
+        let mesh = &self.meshes[segment];
+        let mean = mesh.integral(&density) / mesh.end();
+        density.iter_mut().for_each(|density| *density = density.max(0.1 * mean));
         density
+    }
+
+    /// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare; not
+    /// rounded, and not finite where no number does.
+    pub fn intervals_for(&self, segment: usize, density: &[f64], tolerance: f64) -> f64 {
+        let constant = self.method.error_constant().unwrap_or(0.0);
+        let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
+        1.1 * self.meshes[segment].integral(density) * (constant / tolerance).powf(exponent)
     }
 }
 

@@ -8,20 +8,6 @@ use crate::core::zero::{Group, LeftDomain, Profile};
 const FEWEST_POINTS: usize = 100;
 
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
-    /// The states at a place in an interval, at the arguments of `work`.
-    pub fn value(
-        &self,
-        work: &mut Work<f64, M>,
-        segment: usize,
-        interval: usize,
-        place: f64,
-        out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        let nodes = &work.nodes[self.layout.interval(segment, interval)];
-        let (span, buffers) = (self.span(segment, interval), &mut work.local.method);
-        self.method.value(&self.problem, span, nodes, &work.q, place, buffers, out)
-    }
-
     /// For each segment the time history of each state and, of two or more, the portrait of the first two.
     pub fn profiles(
         &self,
@@ -63,7 +49,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 let place = k as f64 / each as f64;
                 let mut point = vec![duration * (span.start + (span.end - span.start) * place)];
                 point.resize(1 + s.states, 0.0);
-                self.value(work, segment, interval, place, &mut point[1..])?;
+                self.value(work, (segment, interval), place, &mut point[1..])?;
                 history.push(point);
             }
         }

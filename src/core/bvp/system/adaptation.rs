@@ -1,0 +1,88 @@
+//! Meshes that follow the solution.
+
+use super::carry::Onto;
+use super::layout::Layout;
+use super::{BoundarySystem, MOST_INTERVALS};
+use crate::core::bvp::{BoundaryError, BoundaryProblem, Mesh, Method};
+use crate::core::zero::LeftDomain;
+
+impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+    /// The estimated error of a solution that its mesh causes: the largest of any state anywhere, in units of
+    /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
+    ///
+    /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
+    pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.equations.largest_error(&self.plain.nodes).map_or(0.0, |largest| largest.error)
+    }
+
+    /// Redistributes the mesh so that every interval has the same share of the error, with as many
+    /// intervals as before. The solution `x = (z, p)`, directions at it (as long as it) and the reference of the
+    /// phase condition are carried over by interpolation: `x` then needs to be corrected.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
+    pub fn adapt(
+        &mut self,
+        x: &mut Vec<f64>,
+        directions: &mut [&mut Vec<f64>],
+    ) -> Result<(), LeftDomain> {
+        let equations = &self.equations;
+        let (layout, places) = (&equations.layout, equations.method.places());
+        self.plain.load(layout, |i| x[i]);
+        let mesh_of = |(segment, mesh): (usize, &Mesh)| {
+            mesh.equidistributed(&equations.density(segment, &self.plain.nodes), mesh.intervals())
+        };
+        let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
+        let onto = Onto { meshes: &meshes, layout, places };
+        let carried = equations.carried(&onto, x)?;
+        let turned: Result<Vec<Vec<f64>>, LeftDomain> =
+            directions.iter().map(|d| equations.carried_direction(&onto, x, d)).collect();
+        let turned = turned?;
+        let reference = equations.carried_reference(&onto)?;
+        let before = std::mem::replace(&mut self.equations.meshes, meshes);
+        if let Some(reference) = reference
+            && let Err(cause) = self.set_reference(&reference)
+        {
+            self.equations.meshes = before;
+            return Err(cause);
+        }
+        self.linearisation.at.clear();
+        *x = carried;
+        directions.iter_mut().zip(turned).for_each(|(direction, turned)| **direction = turned);
+        Ok(())
+    }
+
+    /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried over to it,
+    /// which then needs to be corrected. Each segment gets as many intervals as it takes, of evenly spread error;
+    /// an estimate from a coarse mesh may be too small, so the new solution's is to be looked at again.
+    ///
+    /// # Errors
+    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::LeftDomain`].
+    pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
+        let mut before = self;
+        before.plain.load(&before.equations.layout, |i| x[i]);
+        let (equations, nodes) = (&before.equations, &before.plain.nodes);
+        let mut meshes = Vec::new();
+        for (segment, mesh) in equations.meshes.iter().enumerate() {
+            let density = equations.density(segment, nodes);
+            let needed = equations.intervals_for(segment, &density, tolerance).ceil();
+            let most = MOST_INTERVALS;
+            if needed.is_nan() || needed > most as f64 {
+                return Err(BoundaryError::TooFine { segment, tolerance, needed, most });
+            }
+            meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
+        }
+        let layout = Layout::new(&equations.problem, &equations.method, &meshes)?;
+        let places = equations.method.places();
+        let onto = Onto { meshes: &meshes, layout: &layout, places };
+        let carried = equations.carried(&onto, x)?;
+        let reference = equations.carried_reference(&onto)?;
+        let (problem, method) = (before.equations.problem, before.equations.method);
+        let mut system = BoundarySystem::new(problem, method, meshes)?;
+        if let Some(reference) = reference {
+            system.set_reference(&reference)?;
+        }
+        Ok((system, carried))
+    }
+}

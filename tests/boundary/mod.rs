@@ -1,0 +1,185 @@
+//! Boundary-value problems with known answers, shared by tests and benches.
+#![allow(dead_code, missing_docs)]
+
+use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor};
+use tangency::core::extended::Extended;
+use tangency::core::newton::{Newton, Tolerances};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::System;
+
+pub fn strings(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| name.to_string()).collect()
+}
+
+/// A system by collocation at `points` on uniform meshes.
+pub fn collocated<P: BoundaryProblem>(
+    problem: P,
+    points: usize,
+    intervals: usize,
+) -> BoundarySystem<P, Collocation> {
+    let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
+    BoundarySystem::new(problem, Collocation::new(points).unwrap(), meshes).unwrap()
+}
+
+/// Solves with all parameters fixed: `x = (z, p)`.
+pub fn solved(system: &mut dyn System, mut z: Vec<f64>, p: &[f64]) -> Vec<f64> {
+    let n = z.len();
+    z.extend_from_slice(p);
+    let mut equations = Extended::new(system, &z, vec![]);
+    let tolerances = Tolerances { tolerance: 1e-13, max_iterations: 20 };
+    let weights = vec![1.0 / n as f64; n];
+    let mut unknowns = z[..n].to_vec();
+    Newton::default().solve(&mut equations, &mut unknowns, None, &weights, tolerances).unwrap();
+    unknowns.extend_from_slice(p);
+    unknowns
+}
+
+/// Bratu's problem `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`.
+#[derive(Clone)]
+pub struct Bratu;
+
+/// Its fold: `λ* = 8θ²/cosh²θ` with `θ tanh θ = 1`.
+pub const FOLD: f64 = 3.51383071912516;
+
+impl BoundaryProblem for Bratu {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["lambda"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[0] * x[0].exp();
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0];
+    }
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![("max".into(), Monitor::Maximum { segment: 0, state: 0 })]
+    }
+}
+
+/// `u'' + λu = 0`, `u(0) = u(1) = 0`, `∫u² = 1`: `λ = (kπ)²` is an unknown.
+#[derive(Clone)]
+pub struct Eigenvalue;
+
+impl BoundaryProblem for Eigenvalue {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["norm"])
+    }
+    fn extras(&self) -> Vec<String> {
+        strings(&["lambda"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[1] * x[0];
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0];
+    }
+    fn integrals(&self) -> usize {
+        1
+    }
+    fn integrand<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], g: &mut [T]) {
+        g[0] = x[0] * x[0] - q[0];
+    }
+}
+
+/// Everything at once: two segments of different fields, sizes and durations, one of them unknown, forcing,
+/// nonlinear boundary conditions and an integral one. The first segment, `x' = a x cos t`, lasts `d` with
+/// `x(d) = 2`; the second, `y' = w − b y²`, `w' = −y`, lasts `c`, starts at `y = x(d)` with `∫y = e₂`.
+#[derive(Clone)]
+pub struct Glued;
+
+impl BoundaryProblem for Glued {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["x"]), strings(&["x", "w"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["a", "b", "c"])
+    }
+    fn extras(&self) -> Vec<String> {
+        strings(&["d", "area"])
+    }
+    fn field<T: Scalar>(&self, s: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        if s == 0 {
+            f[0] = q[0] * x[0] * t.cos();
+        } else {
+            f[0] = x[1] - q[1] * x[0] * x[0];
+            f[1] = -x[0];
+        }
+    }
+    fn duration<T: Scalar>(&self, s: usize, q: &[T]) -> T {
+        if s == 0 { q[3] } else { q[2] }
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - 1.0;
+        b[1] = ends.end[0] - 2.0;
+        b[2] = ends.start[1] - ends.end[0];
+        b[3] = ends.start[2] * ends.start[1] - q[0];
+    }
+    fn integrals(&self) -> usize {
+        1
+    }
+    fn integrand<T: Scalar>(&self, s: usize, _t: T, x: &[T], q: &[T], g: &mut [T]) {
+        g[0] = if s == 0 { T::zero() } else { x[0] - q[4] / q[2] };
+    }
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![
+            ("duration".into(), Monitor::Duration),
+            ("highest".into(), Monitor::Maximum { segment: 1, state: 1 }),
+            ("lowest".into(), Monitor::Minimum { segment: 1, state: 0 }),
+        ]
+    }
+}
+
+/// Van der Pol's oscillator: periodic solutions of unknown period.
+#[derive(Clone)]
+pub struct VanDerPol;
+
+impl BoundaryProblem for VanDerPol {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["x", "y"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["mu"])
+    }
+    fn extras(&self) -> Vec<String> {
+        strings(&["period"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = q[0] * (T::one() - x[0] * x[0]) * x[1] - x[0];
+    }
+    fn duration<T: Scalar>(&self, _s: usize, q: &[T]) -> T {
+        q[1]
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - ends.end[0];
+        b[1] = ends.start[1] - ends.end[1];
+    }
+    fn phase(&self) -> bool {
+        true
+    }
+    fn periodic(&self) -> bool {
+        true
+    }
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![
+            ("duration".into(), Monitor::Duration),
+            ("max".into(), Monitor::Maximum { segment: 0, state: 0 }),
+        ]
+    }
+}
