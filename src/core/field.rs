@@ -1,7 +1,7 @@
 //! Vector fields: `x' = f(t, x, p)`, stated once, differentiated nowhere.
 
 use super::scalar::Scalar;
-use super::zero::{LeftDomain, Names};
+use super::zero::{LeftDomain, Names, ZeroProblem};
 
 /// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a period.
 ///
@@ -44,4 +44,60 @@ pub trait VectorField {
     fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
         Ok(())
     }
+}
+
+/// The equilibria of an autonomous vector field, `f(x, p) = 0`, stable or not as its motion says. (A forced
+/// field is taken at time 0.)
+///
+/// Its monitors `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic orbits
+/// can be drawn in one diagram.
+///
+/// ```
+/// use tangency::core::{continuation::{Continuation, Kind}, dense::Dense, scalar::Scalar, zero::Names};
+/// use tangency::core::field::{Equilibria, VectorField};
+/// /// `x' = μx − y − x³, y' = x`: a Hopf point at μ = 0.
+/// #[derive(Clone)]
+/// struct VanDerPol;
+/// impl VectorField for VanDerPol {
+///     fn names(&self) -> Names {
+///         Names::new(["x", "y"], ["mu"])
+///     }
+///     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+///         f[0] = p[0] * x[0] - x[1] - x[0].powi(3);
+///         f[1] = x[0];
+///     }
+/// }
+/// let mut rest = Dense::new(Equilibria(VanDerPol));
+/// let branch = Continuation::of(&mut rest).at("mu", -1.0).along("mu", -1.0..=1.0).trace()?;
+/// assert!(branch.of_kind(Kind::HB).next().unwrap().parameters[0].abs() < 1e-14);
+/// # Ok::<(), tangency::core::continuation::TraceError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Equilibria<F>(pub F);
+
+impl<F: VectorField> ZeroProblem for Equilibria<F> {
+    fn names(&self) -> Names {
+        let names = self.0.names();
+        let states: Vec<String> = names.unknowns.iter().map(|state| state.name.clone()).collect();
+        names.with_monitors(extremes(&states))
+    }
+
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        self.0.field(T::zero(), z, p, r);
+    }
+
+    fn monitors<T: Scalar>(&self, z: &[T], _p: &[T], values: &mut [T]) {
+        for (values, z) in values.chunks_exact_mut(2).zip(z) {
+            values.fill(*z);
+        }
+    }
+
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        self.0.domain(z, p)
+    }
+}
+
+/// The names of the largest and the smallest value of each state.
+pub(super) fn extremes(states: &[String]) -> Vec<String> {
+    states.iter().flat_map(|x| [format!("max_{x}"), format!("min_{x}")]).collect()
 }

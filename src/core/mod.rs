@@ -12,6 +12,7 @@ pub mod kind;
 pub mod linear;
 pub mod motion;
 pub mod newton;
+pub mod orbit;
 pub mod quadrature;
 pub mod scalar;
 pub mod solution;

@@ -9,19 +9,25 @@ mod linearisation;
 mod local;
 mod mesh_error;
 mod monitors;
+mod periodic;
 mod profiles;
+mod start;
 
 use super::chunk::Chunk;
 use super::{BoundaryError, BoundaryProblem, Mesh, Method};
+use crate::core::condition::EvaluationError;
+use crate::core::motion::Oscillation;
+use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
     Border, Dynamics, Group, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum,
     System,
 };
 use carry::Onto;
 use equations::{Equations, Work};
-use factorisation::Factorisation;
+use factorisation::{Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
+use periodic::Rotating;
 use local::{Passes, Weighted};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
@@ -41,6 +47,8 @@ pub struct BoundarySystem<P, M: Method> {
     factors: [Factorisation; 2],
     /// For the pencil, where neither of the others has it.
     condensed: Factorisation,
+    /// For complex multipliers.
+    rotating: Rotating,
     pencil: [Vec<f64>; 2],
     plain: Work<f64, M>,
     first: Work<Dual64, M>,
@@ -68,6 +76,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             linearisation: Linearisation { active, ..Default::default() },
             factors: [Factorisation::new(layout), Factorisation::new(layout)],
             condensed: Factorisation::new(layout),
+            rotating: Rotating::new(layout),
             pencil: Default::default(),
             plain: Work::new(layout),
             first: Work::new(layout),
@@ -154,7 +163,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         }
         let pencil = &mut self.pencil;
         if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {
-            self.condensed.condense(layout, assembled, Border::NONE)?;
+            self.condensed.condense(layout, assembled, Form::Jacobian, Border::NONE)?;
             self.condensed.pencil(layout, assembled, pencil);
         }
         let [p, q] = &self.pencil;
@@ -253,7 +262,19 @@ where
 
     fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        self.factors[slot as usize].factor(layout, assembled, &assembled.boundary, border)
+        let (boundary, form) = (&assembled.boundary, Form::Jacobian);
+        self.factors[slot as usize].factor(layout, assembled, boundary, form, border)
+    }
+
+    fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        self.factor_flipped(slot, border)
+    }
+
+    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
+        match self.equations.problem.periodic() {
+            true => Some(self),
+            false => None,
+        }
     }
 
     fn solve(&mut self, slot: Slot, right: &mut [f64]) {
@@ -328,11 +349,11 @@ where
     }
 
     fn dynamics(&self) -> Dynamics {
-        if self.equations.problem.periodic() { Dynamics::Flow } else { Dynamics::Static }
+        if self.equations.problem.periodic() { Dynamics::Periodic } else { Dynamics::Static }
     }
 
     fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
-        None
+        self.equations.problem.periodic().then(|| self.deciding_multipliers()).flatten()
     }
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
@@ -355,6 +376,18 @@ where
 
     fn exact(&self) -> bool {
         false
+    }
+
+    fn mesh(&self) -> Vec<f64> {
+        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
+    }
+
+    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+        self.take_over(solution)
+    }
+
+    fn follow(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
+        self.follow_to(x, directions);
     }
 
     fn refined(&self, x: &[f64]) -> Option<Refinement> {

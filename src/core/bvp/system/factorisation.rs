@@ -16,6 +16,16 @@ use super::linearisation::Linearisation;
 use crate::core::linear::{BorderedLu, Chain};
 use crate::core::zero::{Border, Singular};
 
+/// Which linearisation is factored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// The Jacobian.
+    Jacobian,
+    /// The same with the extras zero in place of integral and phase conditions: what is left of a periodic
+    /// orbit's linearisation when its boundary conditions are others.
+    Twisted,
+}
+
 /// The factors of the Jacobian within a border, with everything that solving needs.
 #[derive(Default)]
 pub(super) struct Factorisation {
@@ -52,13 +62,26 @@ impl Factorisation {
         layout: &Layout,
         assembled: &Linearisation,
         boundary: &[f64],
+        form: Form,
         border: Border,
     ) -> Result<(), Singular> {
-        self.condense(layout, assembled, border)?;
+        self.condense(layout, assembled, form, border)?;
+        self.place(layout, assembled, boundary, form, border);
+        self.lu.factor(&self.matrix, Border::NONE)
+    }
+
+    /// Puts the dense matrix together from condensed chains.
+    pub fn place(
+        &mut self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        boundary: &[f64],
+        form: Form,
+        border: Border,
+    ) {
         self.place_reduced(layout, border);
         self.place_boundary(layout, boundary, assembled.active.len(), border);
-        self.place_closing(layout, assembled, border);
-        self.lu.factor(&self.matrix, Border::NONE)
+        self.place_closing(layout, assembled, form, border);
     }
 
     /// Condenses all chains.
@@ -66,6 +89,7 @@ impl Factorisation {
         &mut self,
         layout: &Layout,
         assembled: &Linearisation,
+        form: Form,
         border: Border,
     ) -> Result<(), Singular> {
         let (k, l) = (layout.extras + border.width, layout.closing() + border.width);
@@ -73,6 +97,9 @@ impl Factorisation {
         for s in 0..layout.segments.len() {
             self.fill_columns(layout, assembled, s, border);
             self.fill_rows(layout, assembled, s, border);
+            if form == Form::Twisted {
+                self.untie_extras(layout, k, l);
+            }
             self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
         }
         self.condensed = assembled.count;
@@ -110,6 +137,15 @@ impl Factorisation {
         for row in border.rows.chunks_exact(layout.dimension).take(border.width) {
             self.rows.extend(layout.order[values.clone()].iter().map(|&z| row[z]));
         }
+    }
+
+    /// Takes the extras out of a chain's columns, and integral and phase conditions out of its rows.
+    fn untie_extras(&mut self, layout: &Layout, columns: usize, rows: usize) {
+        for row in self.columns.chunks_exact_mut(columns.max(1)) {
+            row[..layout.extras].fill(0.0);
+        }
+        let length = self.rows.len() / rows.max(1);
+        self.rows[..layout.closing() * length].fill(0.0);
     }
 
     /// The chains' equations and shares of the rows below them, in a matrix that is zero elsewhere.
@@ -155,7 +191,13 @@ impl Factorisation {
     }
 
     /// The corner: integral, phase and border rows by the extras and the border's unknowns.
-    fn place_closing(&mut self, layout: &Layout, assembled: &Linearisation, border: Border) {
+    fn place_closing(
+        &mut self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        form: Form,
+        border: Border,
+    ) {
         let (size, extras, active) = (self.dense.len(), layout.extras, assembled.active.len());
         let (closing, below) = (layout.closing(), layout.conditions() + layout.boundary);
         let (first_row, first_column) = (layout.states + layout.boundary, 2 * layout.states);
@@ -163,7 +205,11 @@ impl Factorisation {
             self.matrix[(first_column + column) * size + first_row + row] += entry;
         };
         for i in 0..closing {
-            (0..extras).for_each(|e| add(i, e, assembled.closing_numbers[i * active + e]));
+            match form {
+                Form::Jacobian => (0..extras)
+                    .for_each(|e| add(i, e, assembled.closing_numbers[i * active + e])),
+                Form::Twisted => add(i, i, 1.0),
+            }
             (0..border.width)
                 .for_each(|c| add(i, extras + c, border.columns[c * layout.dimension + below + i]));
         }
@@ -194,6 +240,14 @@ impl Factorisation {
     /// Solves in place: the right side as the equations are ordered, the solution as the unknowns are, each
     /// followed by what belongs to the border.
     pub fn solve(&mut self, layout: &Layout, right: &mut [f64]) {
+        self.forward(layout, right);
+        self.lu.solve(&mut self.dense);
+        self.back(layout, right);
+    }
+
+    /// Eliminates what is inside the chains from a right side: what is left, in the order of the rows of
+    /// the dense matrix, is [`dense`](Self::dense).
+    pub fn forward(&mut self, layout: &Layout, right: &mut [f64]) {
         let (all, below) = (layout.states, layout.states + layout.boundary);
         self.dense[all..].copy_from_slice(&right[layout.conditions()..]);
         for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
@@ -206,7 +260,12 @@ impl Factorisation {
             self.dense[s.ends..s.ends + s.states].copy_from_slice(left);
             self.dense[below..].copy_from_slice(rows);
         }
-        self.lu.solve(&mut self.dense);
+    }
+
+    /// From states at the ends, extras and the border's unknowns, which are in [`dense`](Self::dense), to all
+    /// unknowns. `right` is what [`forward`](Self::forward) has left of it.
+    pub fn back(&mut self, layout: &Layout, right: &mut [f64]) {
+        let all = layout.states;
         let (ends, y) = self.dense.split_at(2 * all);
         for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
             let equations = &right[s.equations..s.equations + (s.nodes - 1) * s.states];
@@ -220,7 +279,14 @@ impl Factorisation {
 
     /// Solves with the transposed matrix, in place.
     pub fn solve_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
-        let (all, below) = (layout.states, layout.states + layout.boundary);
+        self.forward_transposed(layout, right);
+        self.lu.solve_transposed(&mut self.dense);
+        self.back_transposed(layout, right);
+    }
+
+    /// As [`forward`](Self::forward) for the transposed matrix.
+    pub fn forward_transposed(&mut self, layout: &Layout, right: &[f64]) {
+        let all = layout.states;
         self.nodes.iter_mut().zip(&layout.order).for_each(|(value, &z)| *value = right[z]);
         self.dense[2 * all..].copy_from_slice(&right[layout.values()..]);
         for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
@@ -235,7 +301,11 @@ impl Factorisation {
             self.dense[last..last + s.states].copy_from_slice(&ends[s.states..]);
             self.dense[2 * all..].copy_from_slice(columns);
         }
-        self.lu.solve_transposed(&mut self.dense);
+    }
+
+    /// As [`back`](Self::back) for the transposed matrix. The chains remember what was eliminated last.
+    pub fn back_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
+        let (all, below) = (layout.states, layout.states + layout.boundary);
         for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
             self.reduced.clear();
             self.reduced.extend_from_slice(&self.dense[s.ends..s.ends + s.states]);
@@ -244,6 +314,16 @@ impl Factorisation {
             chain.back_transposed(&self.reduced, equations);
         }
         right[layout.conditions()..].copy_from_slice(&self.dense[all..]);
+    }
+
+    /// What was left of a right side, or is to be put into all unknowns.
+    pub fn dense(&mut self) -> &mut Vec<f64> {
+        &mut self.dense
+    }
+
+    /// An entry of the dense matrix.
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        self.matrix[column * self.dense.len() + row]
     }
 
     /// The sign of the determinant, up to one that depends on the numbers of unknowns only.

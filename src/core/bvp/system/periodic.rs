@@ -1,0 +1,197 @@
+//! Periodic solutions: multipliers, and the linearisations of period doublings and torus points.
+//!
+//! With `x(1) = μ x(0)` in place of the boundary conditions, and the extras (the period) zero, the
+//! linearisation is singular exactly where `μ` is a multiplier. The chains of intervals are condensed in
+//! real arithmetic as they are; only what is left of them, a small dense matrix, is complex for `μ = e^{iω}`.
+
+use super::factorisation::{Factorisation, Form};
+use super::layout::Layout;
+use super::linearisation::Linearisation;
+use super::{BoundaryProblem, BoundarySystem, Method};
+use crate::core::linear::{BorderedLu, multipliers};
+use crate::core::motion::Oscillation;
+use crate::core::zero::{Border, Singular, Slot, Spectrum};
+
+/// The factored linearisation of a complex multiplier, within a complex column and row.
+///
+/// A complex column `b` is two real ones, `b_r` and `b_i`, which the chains eliminate independently:
+/// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`. So is the row `c*`.
+#[derive(Default)]
+pub(super) struct Rotating {
+    factors: Factorisation,
+    /// The dense complex matrix in real arithmetic of twice its size, one column after the other.
+    matrix: Vec<f64>,
+    lu: BorderedLu,
+    right: Vec<f64>,
+}
+
+impl Rotating {
+    pub fn new(layout: &Layout) -> Self {
+        Rotating { factors: Factorisation::new(layout), ..Default::default() }
+    }
+
+    fn factor(
+        &mut self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        omega: f64,
+        column: &[f64],
+        row: &[f64],
+    ) -> Result<(), Singular> {
+        let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
+        self.factors.condense(layout, assembled, Form::Twisted, border)?;
+        let no_boundary = vec![0.0; assembled.boundary.len()];
+        self.factors.place(layout, assembled, &no_boundary, Form::Twisted, border);
+        let n = layout.states;
+        let last = self.factors.dense().len() - 2;
+        let size = last + 1;
+        self.matrix.clear();
+        self.matrix.resize(4 * size * size, 0.0);
+        for i in 0..size {
+            for j in 0..size {
+                let (re, im) = match i {
+                    // e^{iω} x(0) − x(1).
+                    _ if (n..2 * n).contains(&i) && j == i - n => (omega.cos(), omega.sin()),
+                    _ if (n..2 * n).contains(&i) && j == i => (-1.0, 0.0),
+                    _ => self.complex_entry(i, j, last),
+                };
+                self.matrix[2 * size * j + i] = re;
+                self.matrix[2 * size * (size + j) + size + i] = re;
+                self.matrix[2 * size * j + size + i] = im;
+                self.matrix[2 * size * (size + j) + i] = -im;
+            }
+        }
+        self.lu.factor(&self.matrix, Border::NONE)
+    }
+
+    /// An entry of the complex matrix: its last column is `b_r + i b_i`, its last row `c_r − i c_i`.
+    fn complex_entry(&self, i: usize, j: usize, last: usize) -> (f64, f64) {
+        let entry = |i, j| self.factors.entry(i, j);
+        match (i == last, j == last) {
+            (false, false) => (entry(i, j), 0.0),
+            (false, true) => (entry(i, last), entry(i, last + 1)),
+            (true, false) => (entry(last, j), -entry(last + 1, j)),
+            (true, true) => (
+                entry(last, last) + entry(last + 1, last + 1),
+                entry(last, last + 1) - entry(last + 1, last),
+            ),
+        }
+    }
+
+    /// Solves with the matrix, or with its conjugate transposed, in place.
+    fn solve(&mut self, layout: &Layout, right: &mut [f64], transposed: bool) {
+        let length = right.len() / 2;
+        let (real, imaginary) = right.split_at_mut(length);
+        let mut parts = [self.widened(real), self.widened(imaginary)];
+        let g = [real[length - 1], imaginary[length - 1]];
+        let mut left = [Vec::new(), Vec::new()];
+        for (part, left) in parts.iter_mut().zip(&mut left) {
+            match transposed {
+                true => self.factors.forward_transposed(layout, part),
+                false => self.factors.forward(layout, part),
+            }
+            left.clone_from(self.factors.dense());
+        }
+        let last = left[0].len() - 2;
+        let [a, b] = &left;
+        self.right.clear();
+        self.right.extend_from_slice(&a[..last]);
+        self.right.push(g[0] + a[last] + b[last + 1]);
+        self.right.extend_from_slice(&b[..last]);
+        self.right.push(g[1] + b[last] - a[last + 1]);
+        match transposed {
+            true => self.lu.solve_transposed(&mut self.right),
+            false => self.lu.solve(&mut self.right),
+        }
+        let [re, im] = [0, last + 1].map(|start| self.right[start..=start + last].to_vec());
+        for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
+            if transposed {
+                // The chains remember one elimination only.
+                self.factors.forward_transposed(layout, part);
+            }
+            let (own, pair) = if k == 0 { (&re, [re[last], -im[last]]) } else { (&im, [im[last], re[last]]) };
+            let dense = self.factors.dense();
+            dense[..last].copy_from_slice(&own[..last]);
+            dense[last..].copy_from_slice(&pair);
+            match transposed {
+                true => self.factors.back_transposed(layout, part),
+                false => self.factors.back(layout, part),
+            }
+            out[..length - 1].copy_from_slice(&part[..length - 1]);
+            out[length - 1] = own[last];
+        }
+    }
+
+    /// A part of a right side with room for the two real unknowns of the border.
+    fn widened(&self, part: &[f64]) -> Vec<f64> {
+        let n = part.len() - 1;
+        part[..n].iter().copied().chain([0.0, 0.0]).collect()
+    }
+}
+
+impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+    /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
+    /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever multiplying them
+    /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
+    /// multiplier 1 is among them.
+    ///
+    /// # Errors
+    /// [`Singular`] if nothing is assembled, or the equations of some interval do not determine what is
+    /// inside it.
+    pub fn multipliers(&mut self) -> Result<Spectrum, Singular> {
+        let n = self.equations.layout.states;
+        let (p, q) = self.reduced_pencil()?;
+        Ok(multipliers(p, q, n))
+    }
+
+    /// The multipliers that decide stability: all but the trivial one.
+    pub(super) fn deciding_multipliers(&mut self) -> Option<Spectrum> {
+        let mut found = self.multipliers().ok()?;
+        if self.equations.layout.phase {
+            let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
+            let nearest = (0..found.len())
+                .min_by(|&a, &b| distance(&found[a]).total_cmp(&distance(&found[b])))?;
+            found.remove(nearest);
+        }
+        Some(found)
+    }
+
+    /// Factors the linearisation with antiperiodic boundary conditions.
+    pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+        let n = layout.states;
+        let width = 2 * n + assembled.active.len();
+        let mut boundary = vec![0.0; n * width];
+        for i in 0..n {
+            (boundary[i * width + i], boundary[i * width + n + i]) = (-1.0, -1.0);
+        }
+        self.factors[slot as usize].factor(layout, assembled, &boundary, Form::Twisted, border)
+    }
+}
+
+impl<P: BoundaryProblem, M: Method> Oscillation for BoundarySystem<P, M> {
+    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
+        self.rotating.factor(&self.equations.layout, &self.linearisation, omega, column, row)
+    }
+
+    fn solve(&mut self, right: &mut [f64]) {
+        self.rotating.solve(&self.equations.layout, right, false);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.rotating.solve(&self.equations.layout, right, true);
+    }
+
+    /// `i e^{iω} v(0)` in the rows of the boundary conditions.
+    fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]) {
+        let layout = &self.equations.layout;
+        let (length, first) = (v.len() / 2, layout.conditions());
+        let (sine, cosine) = omega.sin_cos();
+        out.fill(0.0);
+        for (i, &z) in layout.ends[..layout.states].iter().enumerate() {
+            let (re, im) = (v[z], v[length + z]);
+            out[first + i] = -sine * re - cosine * im;
+            out[length + first + i] = cosine * re - sine * im;
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
+
+use super::{BoundaryProblem, BoundarySystem, Method};
+use crate::core::bvp::{BoundaryError, Collocation, Mesh, OnSegment};
+use crate::core::condition::EvaluationError;
+use crate::core::dense::Dense;
+use crate::core::field::Equilibria;
+use crate::core::kind::Kind;
+use crate::core::solution::{Adopted, Leaving, Solution};
+use crate::core::zero::System;
+use std::f64::consts::TAU;
+
+/// A mesh is redistributed after this many accepted points.
+const ADAPT_EVERY: usize = 3;
+
+fn not_applicable(reason: impl Into<String>) -> EvaluationError {
+    EvaluationError::NotApplicable(reason.into())
+}
+
+impl From<BoundaryError> for EvaluationError {
+    fn from(error: BoundaryError) -> Self {
+        not_applicable(error.to_string())
+    }
+}
+
+impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> BoundarySystem<P, M> {
+    /// A start from a saved solution.
+    pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+        let states = self.equations.layout.states;
+        if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
+        {
+            return self.from_hopf(solution);
+        }
+        let mut solution = solution.clone();
+        let doubled = solution.kind == Kind::PD && solution.switch;
+        if doubled {
+            self.double(&mut solution);
+        }
+        let meshes = meshes_of(&solution.mesh)?;
+        let degree = self.degree_of(&solution, &meshes)?;
+        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
+        let system = BoundarySystem::new(problem, method, meshes)?;
+        let own = degree == system.equations.layout.degree;
+        let adopted = match own {
+            true => Adopted {
+                z: solution.state.clone(),
+                tangent: solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat()),
+                leaving: if doubled { Leaving::BranchPoint } else { Leaving::Along },
+            },
+            false if doubled => {
+                return Err(not_applicable(
+                    "the period doubling was found by another method: restart the orbit with this one \
+                     first, and find it again",
+                ));
+            }
+            false => Adopted {
+                z: system.resampled(&solution, degree)?,
+                tangent: None,
+                leaving: Leaving::Along,
+            },
+        };
+        *self = system;
+        let x = [&adopted.z[..], &solution.parameters[..]].concat();
+        self.set_reference(&x)?;
+        Ok(adopted)
+    }
+
+    /// How many nodes an interval has, beyond its first, in a saved solution.
+    fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, EvaluationError> {
+        let layout = &self.equations.layout;
+        let fits = |degree: &usize| {
+            let values = layout
+                .segments
+                .iter()
+                .zip(meshes)
+                .map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states)
+                .sum::<usize>();
+            values + layout.extras == solution.state.len()
+        };
+        if meshes.len() == layout.segments.len()
+            && let Some(degree) = (1..=MOST_NODES).find(fits)
+        {
+            return Ok(degree);
+        }
+        Err(not_applicable(format!(
+            "the start has {} unknowns on {} segments, the problem {} segments of {} states: was it made \
+             with another problem?",
+            solution.state.len(),
+            meshes.len(),
+            layout.segments.len(),
+            layout.states
+        )))
+    }
+
+    /// A saved solution of another method, as this one has it.
+    fn resampled(&self, solution: &Solution, degree: usize) -> Result<Vec<f64>, EvaluationError> {
+        let problem = self.problem().clone();
+        let meshes = self.meshes().to_vec();
+        let x = [&solution.state[..], &solution.parameters[..]].concat();
+        let extras = solution.state.len() - self.equations.layout.extras;
+        let extras = &solution.state[extras..];
+        let mut outcome = Ok(());
+        let mut sample = |system: &mut dyn FnMut(usize, f64, &mut [f64]) -> Result<(), EvaluationError>| {
+            self.sampled(extras, |segment, tau, out| {
+                if outcome.is_ok() {
+                    outcome = system(segment, tau, out);
+                }
+            })
+        };
+        let z = if degree == 1 {
+            let mut from = BoundarySystem::new(problem, crate::core::bvp::Shooting::default(), meshes)?;
+            sample(&mut |segment, tau, out| Ok(from.states(&x, segment, tau, out)?))
+        } else {
+            let mut from = BoundarySystem::new(problem, Collocation::new(degree)?, meshes)?;
+            sample(&mut |segment, tau, out| Ok(from.states(&x, segment, tau, out)?))
+        };
+        outcome.map(|()| z)
+    }
+
+    /// The orbit twice, and its direction, on twice the intervals: a solution of period two.
+    fn double(&self, solution: &mut Solution) {
+        let layout = &self.equations.layout;
+        let nodes = (solution.state.len() - layout.extras) / layout.states;
+        let twice = |z: &[f64]| -> Vec<f64> {
+            let (values, extras) = z.split_at(nodes * layout.states);
+            let groups = values.chunks_exact(nodes).flat_map(|v| v.iter().chain(&v[1..]));
+            groups.chain(extras).copied().collect()
+        };
+        solution.state = twice(&solution.state);
+        if let Some((z, _)) = &mut solution.tangent {
+            *z = twice(z);
+        }
+        let end = solution.mesh.last().copied().unwrap_or_default();
+        let second: Vec<f64> = solution.mesh.iter().skip(1).map(|tau| end + tau).collect();
+        solution.mesh.extend(second);
+    }
+
+    /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`:
+    /// `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period `2π/ω`.
+    fn from_hopf(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+        let problem = self.problem().clone();
+        let n = self.equations.layout.states;
+        let mut q = solution.parameters.clone();
+        q.resize(self.equations.layout.numbers(), 1.0);
+        let field = OnSegment { problem: &problem, segment: 0 };
+        let mut equilibrium = Dense::new(Equilibria(field));
+        equilibrium.assemble(&[&solution.state[..], &q[..]].concat())?;
+        let (omega, v) = oscillating_pair(&mut equilibrium, n)?;
+        let extras = vec![TAU / omega; self.equations.layout.extras];
+        let z = self.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
+        let wave = |shift: f64| {
+            move |_: usize, tau: f64, x: &mut [f64]| {
+                let (sine, cosine) = (TAU * (tau + shift)).sin_cos();
+                x.iter_mut().zip(&v).for_each(|(x, v)| *x = v[0] * cosine - v[1] * sine);
+            }
+        };
+        let zero = vec![0.0; extras.len()];
+        let mut direction = self.sampled(&zero, wave.clone()(0.0));
+        // A quarter of a period on, the wave is its own derivative.
+        let slope = self.sampled(&zero, wave(0.25));
+        let x = [&z[..], &solution.parameters[..]].concat();
+        self.set_reference_with_slope(&x, &slope);
+        direction.resize(x.len(), 0.0);
+        Ok(Adopted { z, tangent: Some(direction), leaving: Leaving::Direction })
+    }
+
+    /// Lets mesh and phase condition follow a branch.
+    pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
+        self.followed += 1;
+        // Where an orbit leaves the domain, the next correction says so.
+        if self.equations.method.error_constant().is_some() && self.followed % ADAPT_EVERY == 0 {
+            let mut whole = x.to_vec();
+            let mut turned: Vec<Vec<f64>> = directions.iter().map(|d| self.padded(d)).collect();
+            let mut borrowed: Vec<&mut Vec<f64>> = turned.iter_mut().collect();
+            if self.adapt(&mut whole, &mut borrowed).is_ok() {
+                let n = self.equations.layout.dimension;
+                x.copy_from_slice(&whole);
+                directions.iter_mut().zip(&turned).for_each(|(d, t)| d[..n].copy_from_slice(&t[..n]));
+            }
+        }
+        if self.equations.layout.phase {
+            let _ = self.set_reference(x);
+        }
+    }
+
+    /// The unknowns' part of a direction, with zeros for the parameters.
+    fn padded(&self, direction: &[f64]) -> Vec<f64> {
+        let n = self.equations.layout.dimension;
+        let mut padded = direction[..n].to_vec();
+        padded.resize(n + self.equations.layout.parameters, 0.0);
+        padded
+    }
+}
+
+/// The most nodes that an interval of any method has beyond its first.
+const MOST_NODES: usize = 7;
+
+/// The meshes of all segments, each of which begins with 0.
+fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, EvaluationError> {
+    let mut meshes: Vec<Vec<f64>> = Vec::new();
+    for &point in points {
+        match meshes.last_mut() {
+            Some(mesh) if point != 0.0 => mesh.push(point),
+            _ => meshes.push(vec![point]),
+        }
+    }
+    let mesh = |points| Mesh::new(points).map_err(|error| not_applicable(error.to_string()));
+    meshes.into_iter().map(mesh).collect()
+}
+
+/// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary) parts.
+fn oscillating_pair<S: System>(
+    system: &mut S,
+    n: usize,
+) -> Result<(f64, Vec<[f64; 2]>), EvaluationError> {
+    let mut jacobian = vec![0.0; n * n];
+    system.jacobian(&mut jacobian);
+    let matrix = faer::MatRef::from_column_major_slice(&jacobian, n, n);
+    let decomposition = matrix
+        .eigen()
+        .map_err(|_| not_applicable("the eigenvalues at the Hopf point do not converge"))?;
+    let values = decomposition.S().column_vector();
+    let pair = (0..n)
+        .filter(|&k| values[k].im > 0.0)
+        .min_by(|&a, &b| values[a].re.abs().total_cmp(&values[b].re.abs()))
+        .ok_or_else(|| {
+            not_applicable(
+                "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)",
+            )
+        })?;
+    let vector = (0..n).map(|i| decomposition.U()[(i, pair)]).map(|v| [v.re, v.im]).collect();
+    Ok((values[pair].im, vector))
+}

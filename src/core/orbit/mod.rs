@@ -1,0 +1,15 @@
+//! Periodic orbits of vector fields.
+//!
+//! A periodic orbit is the boundary-value problem
+//!
+//! ```text
+//!     dx/dτ = T f(τT, x, p),    x(0) = x(1)
+//! ```
+//!
+//! with `T` the period of the forcing, a function of the parameters, or, for an autonomous field, an
+//! unknown, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on the
+//! branch. One description serves every discretisation: [`by_collocation`] and [`by_shooting`].
+
+mod periodic;
+
+pub use periodic::{Orbit, by_collocation, by_shooting};

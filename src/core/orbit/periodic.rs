@@ -1,0 +1,111 @@
+//! Periodic orbits as boundary-value problems.
+
+use crate::core::bvp::{
+    BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shooting,
+};
+use crate::core::field::{VectorField, extremes};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// The periodic orbits of a vector field. Monitors: `period`, and `max_x` and `min_x` of each state `x`, the
+/// extremes of the orbit and not of a mesh.
+#[derive(Clone, Debug)]
+pub struct Orbit<F> {
+    field: F,
+    states: Vec<String>,
+    parameters: Vec<String>,
+    forced: bool,
+}
+
+impl<F: VectorField> Orbit<F> {
+    /// The periodic orbits of a field.
+    pub fn of(field: F) -> Self {
+        let names = field.names();
+        let forced = field.period(&vec![1.0; names.parameters.len()]).is_some();
+        let states = names.unknowns.into_iter().map(|state| state.name).collect();
+        Orbit { field, states, parameters: names.parameters, forced }
+    }
+}
+
+impl<F: VectorField> BoundaryProblem for Orbit<F> {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![self.states.clone()]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.parameters.clone()
+    }
+
+    fn extras(&self) -> Vec<String> {
+        if self.forced { Vec::new() } else { vec!["period".into()] }
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.field.field(t, x, &q[..self.parameters.len()], f);
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
+        let (p, extras) = q.split_at(self.parameters.len());
+        match extras {
+            [period] => *period,
+            _ => self.field.period(p).unwrap_or_else(T::one),
+        }
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        for (b, (start, end)) in b.iter_mut().zip(ends.start.iter().zip(ends.end)) {
+            *b = *start - *end;
+        }
+    }
+
+    fn phase(&self) -> bool {
+        !self.forced
+    }
+
+    fn periodic(&self) -> bool {
+        true
+    }
+
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let extreme = |(k, name): (usize, String)| {
+            let (segment, state) = (0, k / 2);
+            match k % 2 {
+                0 => (name, Monitor::Maximum { segment, state }),
+                _ => (name, Monitor::Minimum { segment, state }),
+            }
+        };
+        let period = ("period".to_string(), Monitor::Duration);
+        std::iter::once(period)
+            .chain(extremes(&self.states).into_iter().enumerate().map(extreme))
+            .collect()
+    }
+
+    fn domain(&self, _segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
+        self.field.domain(x, &q[..self.parameters.len()])
+    }
+}
+
+/// Periodic orbits by collocation at `degree` Gauss points in each of a number of intervals.
+///
+/// # Errors
+/// [`BoundaryError`] if the field has no states, or the degree is not between 2 and 7.
+pub fn by_collocation<F: VectorField>(
+    field: F,
+    intervals: usize,
+    degree: usize,
+) -> Result<BoundarySystem<Orbit<F>, Collocation>, BoundaryError> {
+    let method = Collocation::new(degree)?;
+    BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(intervals)])
+}
+
+/// Periodic orbits by multiple shooting over a number of segments.
+///
+/// # Errors
+/// [`BoundaryError`] if the field has no states.
+pub fn by_shooting<F: VectorField>(
+    field: F,
+    segments: usize,
+    method: Shooting,
+) -> Result<BoundarySystem<Orbit<F>, Shooting>, BoundaryError> {
+    BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(segments)])
+}
