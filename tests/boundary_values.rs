@@ -106,7 +106,7 @@ fn sizes_are_checked() {
     assert!(Collocation::new(1).unwrap_err().to_string().contains("between 2 and 7"));
 }
 
-const H: f64 = 1e-3;
+const H: f64 = 2e-4;
 
 /// Central differences of order four of a vector function along a direction.
 fn difference(x: &[f64], d: &[f64], mut f: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
