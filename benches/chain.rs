@@ -49,7 +49,8 @@ fn chain(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("factor", &name), |b| b.iter(|| case.factor()));
         let (n, size) = (case.states, INTERVALS * case.each);
         let (ends, given) = (vec![1.0; n], vec![1.0; size]);
-        let (mut right, mut reduced, mut out) = (given.clone(), vec![0.0; n + 2], vec![0.0; size + n]);
+        let (mut right, mut reduced, mut out) =
+            (given.clone(), vec![0.0; n + 2], vec![0.0; size + n]);
         group.bench_function(BenchmarkId::new("solve", &name), |b| {
             b.iter(|| {
                 right.copy_from_slice(&given);

@@ -110,14 +110,13 @@ impl Chain {
         let mut pivots = Pivots::new();
         for i in 0..self.intervals {
             self.fill_inner(i, blocks, columns, rows);
-            self.eliminate_inner(i, &mut pivots);
+            self.eliminate_inner(i, &mut pivots)?;
             if i == 0 {
                 self.begin(rows);
             } else {
                 self.fill_shared(i);
-                self.eliminate_shared(i, &mut pivots);
+                self.eliminate_shared(i, &mut pivots)?;
             }
-            pivots.judge()?;
         }
         let reordered = self.states * (self.intervals * self.nodes - 1);
         self.sign = if reordered.is_multiple_of(2) { pivots.sign } else { -pivots.sign };
@@ -343,24 +342,25 @@ impl Chain {
         }
     }
 
-    fn eliminate_inner(&mut self, i: usize, pivots: &mut Pivots) {
+    fn eliminate_inner(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
         let (length, count) = (self.inner.length(), self.inner.eliminated);
         let a = &mut self.inner_factors[i * length..(i + 1) * length];
         let exchanges = &mut self.inner_exchanges[i * count..(i + 1) * count];
-        self.inner.eliminate(a, exchanges, &mut self.inner_scales, pivots);
+        self.inner.eliminate(a, exchanges, &mut self.inner_scales, pivots)
     }
 
-    fn eliminate_shared(&mut self, i: usize, pivots: &mut Pivots) {
+    fn eliminate_shared(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
         let (n, k, length) = (self.states, self.columns, self.shared.length());
         let a = &mut self.shared_factors[(i - 1) * length..i * length];
         let exchanges = &mut self.shared_exchanges[(i - 1) * n..i * n];
-        self.shared.eliminate(a, exchanges, &mut self.shared_scales, pivots);
+        self.shared.eliminate(a, exchanges, &mut self.shared_scales, pivots)?;
         let rows = a.chunks_exact(self.shared.stride).skip(n);
         for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(rows) {
             reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
             reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);
             reduced[2 * n..].copy_from_slice(&row[3 * n..3 * n + k]);
         }
+        Ok(())
     }
 
     /// What is left after the first interval, by both its ends.
