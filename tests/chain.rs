@@ -270,7 +270,7 @@ fn multipliers_far_from_one_are_accurate() {
     }
 }
 
-/// A few intervals: the transfer matrices themselves keep the smallest multiplier to `10⁻¹⁶` times the growth.
+/// A few intervals: the transfer matrices themselves keep the smallest multiplier to 10⁻¹⁶ times the growth.
 #[test]
 fn multipliers_of_few_intervals() {
     for intervals in [1, 3] {

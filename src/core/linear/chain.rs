@@ -82,8 +82,8 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// A chain of `intervals` (N) with `nodes` (m) beyond the left one in each and `states` (n) at a node; all
-    /// at least 1.
+    /// A chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states` (n) at a node;
+    /// all at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
         Chain { intervals, nodes, states, ..Chain::default() }
     }
@@ -208,6 +208,7 @@ impl Chain {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let mut kept = std::mem::take(&mut self.transposed);
         let mut z = std::mem::take(&mut self.unknowns);
+        let mut front = std::mem::take(&mut self.equations);
         reduced_right[..n].copy_from_slice(&right_nodes[..n]);
         reduced_right[n..2 * n].fill(0.0);
         reduced_right[2 * n..].copy_from_slice(right_columns);
@@ -225,21 +226,12 @@ impl Chain {
                 reduced_right[n..2 * n].copy_from_slice(right);
                 continue;
             }
-            // Here the middle of `reduced_right` belongs to the left node, beyond which nothing came yet.
-            let mut y = std::mem::take(&mut self.equations);
-            let front = &mut y[..3 * n + self.columns];
-            front[..n].copy_from_slice(&reduced_right[n..2 * n]);
-            add(&mut front[..n], left);
+            add(&mut reduced_right[n..2 * n], left);
             front[n..2 * n].copy_from_slice(right);
-            front[2 * n..3 * n].copy_from_slice(&reduced_right[..n]);
-            front[3 * n..].copy_from_slice(&reduced_right[2 * n..]);
-            self.shared.forward_transposed(self.shared_front(i).0, front);
+            self.shared_transposed(i, reduced_right, &mut front[..3 * n + self.columns]);
             kept[inner..].copy_from_slice(&front[..n]);
-            reduced_right[n..2 * n].copy_from_slice(&front[n..2 * n]);
-            reduced_right[..n].copy_from_slice(&front[2 * n..3 * n]);
-            reduced_right[2 * n..].copy_from_slice(&front[3 * n..]);
-            self.equations = y;
         }
+        self.equations = front;
         self.transposed = kept;
         self.unknowns = z;
     }
@@ -266,6 +258,19 @@ impl Chain {
             self.inner.back_transposed(a, exchanges, out, border);
         }
         self.equations = y;
+    }
+
+    /// From right sides by `x_0`, node `i` and the `k` columns, and what interval `i` adds to node `i + 1` (in its
+    /// place in `front`), to those with node `i + 1` instead.
+    fn shared_transposed(&self, i: usize, reduced_right: &mut [f64], front: &mut [f64]) {
+        let n = self.states;
+        front[..n].copy_from_slice(&reduced_right[n..2 * n]);
+        front[2 * n..3 * n].copy_from_slice(&reduced_right[..n]);
+        front[3 * n..].copy_from_slice(&reduced_right[2 * n..]);
+        self.shared.forward_transposed(self.shared_front(i).0, front);
+        reduced_right[n..2 * n].copy_from_slice(&front[n..2 * n]);
+        reduced_right[..n].copy_from_slice(&front[2 * n..3 * n]);
+        reduced_right[2 * n..].copy_from_slice(&front[3 * n..]);
     }
 
     fn equations_each(&self) -> usize {
