@@ -398,7 +398,8 @@ where
         }
         let system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
         let Equations { method, meshes, layout, .. } = &system.equations;
-        let x = self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
+        let x =
+            self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
         Some(Refinement { system: Box::new(system), x })
     }
 }

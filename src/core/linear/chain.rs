@@ -82,8 +82,8 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// A chain of `intervals` (N) with `nodes` (m) beyond the left one in each and `states` (n) at a node; all
-    /// at least 1.
+    /// A chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states` (n) at a node;
+    /// all at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
         Chain { intervals, nodes, states, ..Chain::default() }
     }
@@ -110,14 +110,13 @@ impl Chain {
         let mut pivots = Pivots::new();
         for i in 0..self.intervals {
             self.fill_inner(i, blocks, columns, rows);
-            self.eliminate_inner(i, &mut pivots);
+            self.eliminate_inner(i, &mut pivots)?;
             if i == 0 {
                 self.begin(rows);
             } else {
                 self.fill_shared(i);
-                self.eliminate_shared(i, &mut pivots);
+                self.eliminate_shared(i, &mut pivots)?;
             }
-            pivots.judge()?;
         }
         let reordered = self.states * (self.intervals * self.nodes - 1);
         self.sign = if reordered.is_multiple_of(2) { pivots.sign } else { -pivots.sign };
@@ -209,6 +208,7 @@ impl Chain {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let mut kept = std::mem::take(&mut self.transposed);
         let mut z = std::mem::take(&mut self.unknowns);
+        let mut front = std::mem::take(&mut self.equations);
         reduced_right[..n].copy_from_slice(&right_nodes[..n]);
         reduced_right[n..2 * n].fill(0.0);
         reduced_right[2 * n..].copy_from_slice(right_columns);
@@ -226,21 +226,12 @@ impl Chain {
                 reduced_right[n..2 * n].copy_from_slice(right);
                 continue;
             }
-            // Here the middle of `reduced_right` belongs to the left node, beyond which nothing came yet.
-            let mut y = std::mem::take(&mut self.equations);
-            let front = &mut y[..3 * n + self.columns];
-            front[..n].copy_from_slice(&reduced_right[n..2 * n]);
-            add(&mut front[..n], left);
+            add(&mut reduced_right[n..2 * n], left);
             front[n..2 * n].copy_from_slice(right);
-            front[2 * n..3 * n].copy_from_slice(&reduced_right[..n]);
-            front[3 * n..].copy_from_slice(&reduced_right[2 * n..]);
-            self.shared.forward_transposed(self.shared_front(i).0, front);
+            self.shared_transposed(i, reduced_right, &mut front[..3 * n + self.columns]);
             kept[inner..].copy_from_slice(&front[..n]);
-            reduced_right[n..2 * n].copy_from_slice(&front[n..2 * n]);
-            reduced_right[..n].copy_from_slice(&front[2 * n..3 * n]);
-            reduced_right[2 * n..].copy_from_slice(&front[3 * n..]);
-            self.equations = y;
         }
+        self.equations = front;
         self.transposed = kept;
         self.unknowns = z;
     }
@@ -267,6 +258,19 @@ impl Chain {
             self.inner.back_transposed(a, exchanges, out, border);
         }
         self.equations = y;
+    }
+
+    /// From right sides by `x_0`, node `i` and the `k` columns, and what interval `i` adds to node `i + 1` (in its
+    /// place in `front`), to those with node `i + 1` instead.
+    fn shared_transposed(&self, i: usize, reduced_right: &mut [f64], front: &mut [f64]) {
+        let n = self.states;
+        front[..n].copy_from_slice(&reduced_right[n..2 * n]);
+        front[2 * n..3 * n].copy_from_slice(&reduced_right[..n]);
+        front[3 * n..].copy_from_slice(&reduced_right[2 * n..]);
+        self.shared.forward_transposed(self.shared_front(i).0, front);
+        reduced_right[n..2 * n].copy_from_slice(&front[n..2 * n]);
+        reduced_right[..n].copy_from_slice(&front[2 * n..3 * n]);
+        reduced_right[2 * n..].copy_from_slice(&front[3 * n..]);
     }
 
     fn equations_each(&self) -> usize {
@@ -343,24 +347,25 @@ impl Chain {
         }
     }
 
-    fn eliminate_inner(&mut self, i: usize, pivots: &mut Pivots) {
+    fn eliminate_inner(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
         let (length, count) = (self.inner.length(), self.inner.eliminated);
         let a = &mut self.inner_factors[i * length..(i + 1) * length];
         let exchanges = &mut self.inner_exchanges[i * count..(i + 1) * count];
-        self.inner.eliminate(a, exchanges, &mut self.inner_scales, pivots);
+        self.inner.eliminate(a, exchanges, &mut self.inner_scales, pivots)
     }
 
-    fn eliminate_shared(&mut self, i: usize, pivots: &mut Pivots) {
+    fn eliminate_shared(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
         let (n, k, length) = (self.states, self.columns, self.shared.length());
         let a = &mut self.shared_factors[(i - 1) * length..i * length];
         let exchanges = &mut self.shared_exchanges[(i - 1) * n..i * n];
-        self.shared.eliminate(a, exchanges, &mut self.shared_scales, pivots);
+        self.shared.eliminate(a, exchanges, &mut self.shared_scales, pivots)?;
         let rows = a.chunks_exact(self.shared.stride).skip(n);
         for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(rows) {
             reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
             reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);
             reduced[2 * n..].copy_from_slice(&row[3 * n..3 * n + k]);
         }
+        Ok(())
     }
 
     /// What is left after the first interval, by both its ends.

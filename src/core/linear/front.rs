@@ -1,12 +1,12 @@
 //! A front: a small dense matrix of which the leading columns are eliminated.
 
+use crate::core::zero::Singular;
+
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
 const LANES: usize = 4;
 
 /// A pivot this much smaller than the largest entry of its row counts as zero.
 const SINGULAR: f64 = 1e-15;
-
-use crate::core::zero::Singular;
 
 /// The shape of a front: some leading columns are eliminated with pivots from the leading rows,
 ///
@@ -34,34 +34,31 @@ pub(super) struct Front {
 pub(super) struct Pivots {
     /// The sign of their product, times that of the permutation of rows.
     pub(super) sign: f64,
-    verdict: Singular,
+    largest: f64,
 }
 
 impl Pivots {
     pub(super) fn new() -> Self {
-        Pivots { sign: 1.0, verdict: Singular { pivot: f64::INFINITY, largest: 0.0 } }
+        Pivots { sign: 1.0, largest: 0.0 }
     }
 
-    fn record(&mut self, pivot: f64, relative: f64) {
+    /// [`Singular`] if a pivot vanishes to working accuracy or is not a number.
+    fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Singular> {
         self.sign *= pivot.signum();
-        let smallest = self.verdict.pivot.min(relative);
-        self.verdict.pivot = if relative.is_nan() { f64::NAN } else { smallest };
-        self.verdict.largest = self.verdict.largest.max(relative);
-    }
-
-    /// [`Singular`] if one of them vanishes to working accuracy or is not a number.
-    pub(super) fn judge(&self) -> Result<(), Singular> {
-        if self.verdict.pivot > SINGULAR { Ok(()) } else { Err(self.verdict) }
+        self.largest = self.largest.max(relative);
+        let regular = relative > SINGULAR;
+        if regular { Ok(()) } else { Err(Singular { pivot: relative, largest: self.largest }) }
     }
 }
 
-/// Scales by which pivots are compared: of columns (given) and of rows, and room for a row.
+/// Scales by which pivots are compared: of columns (given) and of rows.
 #[derive(Default)]
 pub(super) struct Scales {
     /// By column of the front: the inverse of a typical entry; zero where a column has no say.
     pub(super) columns: Vec<f64>,
     /// By row: the inverse of the largest entry after columns are scaled.
     pub(super) rows: Vec<f64>,
+    /// Room for a row.
     top: Vec<f64>,
 }
 
@@ -79,13 +76,16 @@ impl Front {
     /// be if the largest entry of every row were 1. Rows of the growing and the decaying solutions of a
     /// dichotomy keep their scales, which is what bounds growth (plain partial pivoting lets it be
     /// exponential in the number of fronts: Wright 1993).
+    ///
+    /// # Errors
+    /// [`Singular`] at the first pivot that vanishes.
     pub(super) fn eliminate(
         &self,
         a: &mut [f64],
         exchanges: &mut [usize],
         scales: &mut Scales,
         pivots: &mut Pivots,
-    ) {
+    ) -> Result<(), Singular> {
         let w = self.stride;
         self.scale_rows(a, scales);
         scales.top.resize(w, 0.0);
@@ -100,26 +100,17 @@ impl Front {
             }
             let (above, below) = a.split_at_mut((c + 1) * w);
             let top = &above[c * w..];
-            pivots.record(top[c], relative * scales.columns[c]);
+            pivots.record(top[c], relative * scales.columns[c])?;
             update(below, top, c, &mut scales.top);
         }
+        Ok(())
     }
 
     fn scale_rows(&self, a: &[f64], scales: &mut Scales) {
-        scales.rows.clear();
-        let rows = a.chunks_exact(self.stride).take(self.pivotal);
-        scales.rows.extend(rows.map(|row| {
-            let mut largest = [0.0; LANES];
-            let lanes = row.as_chunks::<LANES>().0.iter().zip(scales.columns.as_chunks().0);
-            for (entries, weights) in lanes {
-                let weights: &[f64; LANES] = weights;
-                for lane in 0..LANES {
-                    let entry = entries[lane].abs() * weights[lane];
-                    largest[lane] = if entry > largest[lane] { entry } else { largest[lane] };
-                }
-            }
-            1.0 / largest.into_iter().fold(0.0, f64::max)
-        }));
+        scales.rows.resize(self.pivotal, 0.0);
+        for (r, scale) in scales.rows.iter_mut().enumerate() {
+            *scale = 1.0 / largest(&a[r * self.stride..][..self.stride], &scales.columns);
+        }
     }
 
     /// The row of the largest entry of a column, and that entry.
@@ -201,21 +192,29 @@ impl Front {
 /// and keeps the multipliers there. Whole lanes are updated: what lies left of the column meets zeros.
 fn update(below: &mut [f64], top: &[f64], c: usize, zeroed: &mut [f64]) {
     let start = (c + 1) / LANES * LANES;
-    zeroed[start..].copy_from_slice(&top[start..]);
-    if start <= c {
-        zeroed[start..=c].fill(0.0);
+    for (lane, (zeroed, top)) in zeroed[start..].iter_mut().zip(&top[start..]).enumerate() {
+        *zeroed = if start + lane > c { *top } else { 0.0 };
     }
-    let zeroed = zeroed[start..].as_chunks::<LANES>().0;
     let inverse = 1.0 / top[c];
-    for row in below.chunks_exact_mut(top.len()) {
+    let mut rest = below;
+    while let Some((row, next)) = rest.split_at_mut_checked(top.len()) {
         let multiplier = row[c] * inverse;
-        for (entries, top) in row[start..].as_chunks_mut::<LANES>().0.iter_mut().zip(zeroed) {
-            for lane in 0..LANES {
-                entries[lane] -= multiplier * top[lane];
-            }
-        }
+        subtract(&mut row[start..], multiplier, &zeroed[start..]);
         row[c] = multiplier;
+        rest = next;
     }
+}
+
+/// The largest entry of a row whose columns are scaled; its length is whole lanes.
+fn largest(row: &[f64], scales: &[f64]) -> f64 {
+    let mut largest = [0.0; LANES];
+    for (entries, scales) in row.as_chunks::<LANES>().0.iter().zip(scales.as_chunks::<LANES>().0) {
+        for lane in 0..LANES {
+            let entry = entries[lane].abs() * scales[lane];
+            largest[lane] = if entry > largest[lane] { entry } else { largest[lane] };
+        }
+    }
+    largest.into_iter().fold(0.0, f64::max)
 }
 
 /// `a · b`, in lanes.

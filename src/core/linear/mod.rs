@@ -3,6 +3,8 @@
 mod chain;
 mod front;
 mod lu;
+mod pencil;
 
 pub use chain::Chain;
 pub use lu::BorderedLu;
+pub use pencil::multipliers;

@@ -223,7 +223,12 @@ impl Factorisation {
 
     /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices (one row after
     /// the other); false if it is not this assembly that was factored last.
-    pub fn pencil(&self, layout: &Layout, assembled: &Linearisation, out: &mut [Vec<f64>; 2]) -> bool {
+    pub fn pencil(
+        &self,
+        layout: &Layout,
+        assembled: &Linearisation,
+        out: &mut [Vec<f64>; 2],
+    ) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
         };

@@ -1,0 +1,98 @@
+//! Floquet multipliers from what is left of a condensed chain.
+//!
+//! The `n` equations that a [`Chain`](super::Chain) leaves between its ends, `P x_0 + Q x_N = 0`, say all about
+//! the solutions of the linearised equations over a period: `x_N = μ x_0` where
+//!
+//! ```text
+//!     (P + μ Q) v = 0.
+//! ```
+//!
+//! These eigenvalues are the multipliers. No transfer matrix `−Q⁻¹P` is formed, in which the smallest
+//! ones would drown (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
+
+use faer::MatRef;
+
+/// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the eigenvalues of
+/// the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest modulus first.
+///
+/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by the QZ iteration,
+/// with an error, relative to `μ`, below `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits and more where `μ` is 10⁸ or 10⁻⁸.
+///
+/// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros. Where
+/// `P + μ Q` is singular for every `μ`, or has an entry that is not a number, so are the multipliers.
+///
+/// ```
+/// use tangency::core::linear::multipliers;
+/// // x_1(T) = 10¹² x_1(0), and x_2(T) = 10⁻¹² x_2(0), each solved for its larger end.
+/// let mu = multipliers(&[1.0, 0.0, 0.0, 1e-12], &[-1e-12, 0.0, 0.0, -1.0], 2);
+/// assert!((mu[0].0 / 1e12 - 1.0).abs() < 1e-15 && (mu[1].0 / 1e-12 - 1.0).abs() < 1e-15);
+/// ```
+pub fn multipliers(p: &[f64], q: &[f64], n: usize) -> Vec<(f64, f64)> {
+    let mut multipliers = match n {
+        0 => Vec::new(),
+        1 => vec![(ratio(-p[0], q[0]), 0.0)],
+        2 => quadratic(p, q),
+        _ => general(p, q, n),
+    };
+    sort(&mut multipliers);
+    multipliers
+}
+
+/// `a / b`, where a vanishing `b` means infinity without a sign.
+fn ratio(a: f64, b: f64) -> f64 {
+    if b == 0.0 && a != 0.0 { f64::INFINITY } else { a / b }
+}
+
+/// The roots of `det(P + μ Q) = a μ² + 2 b μ + c` for `n = 2`.
+fn quadratic(p: &[f64], q: &[f64]) -> Vec<(f64, f64)> {
+    let determinant = |r: &[f64], s: &[f64]| difference_of_products(r[0], s[3], r[1], s[2]);
+    let (a, b, c) =
+        (determinant(q, q), 0.5 * (determinant(p, q) + determinant(q, p)), determinant(p, p));
+    let discriminant = difference_of_products(b, b, a, c);
+    if discriminant < 0.0 {
+        let imaginary = ((-discriminant).sqrt() / a).abs();
+        return vec![(-b / a, imaginary), (-b / a, -imaginary)];
+    }
+    // The root without cancellation, and the other by Vieta's formula.
+    let larger = -(b + discriminant.sqrt().copysign(b));
+    if larger == 0.0 {
+        return vec![(ratio(-c, a), 0.0); 2];
+    }
+    vec![(ratio(larger, a), 0.0), (c / larger, 0.0)]
+}
+
+/// `a d − b c` to nearly the last digit (Kahan; Jeannerod, Louvet & Muller 2013).
+fn difference_of_products(a: f64, d: f64, b: f64, c: f64) -> f64 {
+    let product = b * c;
+    let error = (-b).mul_add(c, product);
+    a.mul_add(d, -product) + error
+}
+
+/// By the QZ iteration, after rows are brought to the same size.
+fn general(p: &[f64], q: &[f64], n: usize) -> Vec<(f64, f64)> {
+    let (mut p, mut q) = (p.to_vec(), q.to_vec());
+    for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
+        let largest = p.iter().chain(q.iter()).fold(0.0, |m: f64, a| m.max(a.abs()));
+        p.iter_mut().for_each(|a| *a /= -largest);
+        q.iter_mut().for_each(|a| *a /= largest);
+    }
+    if p.iter().chain(&q).any(|a| !a.is_finite()) {
+        return vec![(f64::NAN, 0.0); n];
+    }
+    let (p, q) = (MatRef::from_row_major_slice(&p, n, n), MatRef::from_row_major_slice(&q, n, n));
+    let Ok(eigen) = p.generalized_eigen(q) else { return vec![(f64::NAN, 0.0); n] };
+    let (above, below) = (eigen.S_a().column_vector(), eigen.S_b().column_vector());
+    let quotient = |(a, b): (&faer::c64, &faer::c64)| match (a.norm(), b.norm()) {
+        (a, 0.0) if a > 0.0 => (f64::INFINITY, 0.0),
+        _ => ((a / b).re, (a / b).im),
+    };
+    above.iter().zip(below.iter()).map(quotient).collect()
+}
+
+/// The largest modulus first; of a pair, the positive imaginary part.
+fn sort(values: &mut [(f64, f64)]) {
+    let order = |a: &(f64, f64), b: &(f64, f64)| {
+        b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)).then(b.1.total_cmp(&a.1))
+    };
+    values.sort_by(order);
+}
