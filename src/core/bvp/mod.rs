@@ -2,6 +2,8 @@
 
 mod method;
 mod problem;
+mod shooting;
 
 pub use method::{Block, Method, Span};
 pub use problem::{BoundaryProblem, Ends, Monitor, OnSegment};
+pub use shooting::Shooting;

@@ -21,6 +21,7 @@
 
 mod control;
 mod error;
+mod extrema;
 mod integrate;
 mod motion;
 mod rodas;
@@ -32,6 +33,7 @@ mod tableau;
 
 pub use control::Size;
 pub use error::{FlowError, SettingsError};
+pub use extrema::{Extrema, Extremum};
 pub use integrate::{Flow, Statistics};
 pub use settings::{Scheme, Settings};
 pub use step::Step;
