@@ -30,7 +30,7 @@ const SETTLED: f64 = 1e-14;
 ///
 /// ```
 /// use std::ops::ControlFlow;
-/// use tangency::core::flow::{Extrema, Flow, Settings};
+/// use tangency::core::flow::{Extrema, Extremum, Flow, Settings};
 /// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
 /// # struct Oscillator;
 /// # impl VectorField for Oscillator {
@@ -41,7 +41,8 @@ const SETTLED: f64 = 1e-14;
 /// #     }
 /// # }
 /// // x = sin t has its extrema at t = π/2 and 3π/2.
-/// let (mut flow, mut extrema, mut found) = (Flow::new(Settings::default()).unwrap(), Extrema::of(0), vec![]);
+/// let mut flow = Flow::new(Settings::default()).unwrap();
+/// let (mut extrema, mut found) = (Extrema::of(0), Vec::<Extremum<f64>>::new());
 /// flow.observe(&Oscillator, 0.0, 6.0, &mut [0.0, 1.0], &[1.0], |step| {
 ///     extrema.search(step, |extremum| found.push(extremum));
 ///     ControlFlow::Continue(())

@@ -19,6 +19,8 @@
 //!
 //! [`Scalar`]: crate::core::scalar::Scalar
 
+#[cfg(test)]
+mod conditions;
 mod control;
 mod error;
 mod extrema;
