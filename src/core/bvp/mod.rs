@@ -6,6 +6,7 @@ mod error;
 mod mesh;
 mod method;
 mod problem;
+mod shooting;
 mod system;
 
 pub use collocation::{Collocation, CollocationWork, PointsError};
@@ -13,4 +14,5 @@ pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
 pub use method::{Block, Method, Span};
 pub use problem::{BoundaryProblem, Ends, Monitor, OnSegment};
+pub use shooting::Shooting;
 pub use system::BoundarySystem;

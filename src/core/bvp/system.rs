@@ -27,9 +27,9 @@ use equations::{Equations, Work};
 use factorisation::{Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
-use periodic::Rotating;
 use local::{Passes, Weighted};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use periodic::Rotating;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
 const MOST_INTERVALS: usize = 4096;
@@ -59,6 +59,8 @@ pub struct BoundarySystem<P, M: Method> {
     nested_twice: Passes<Dual2<Chunk>, M>,
     /// Components of `q` by which a gradient is taken.
     numbers: Vec<usize>,
+    /// How many points of a branch were followed.
+    followed: usize,
 }
 
 impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
@@ -86,6 +88,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
             numbers: Vec::new(),
+            followed: 0,
             equations,
         })
     }

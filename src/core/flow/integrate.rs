@@ -57,7 +57,7 @@ pub struct Statistics {
 /// assert!((x[0].eps + quarter).abs() < 1e-12);
 /// ```
 pub struct Flow<T: Scalar> {
-    settings: Settings,
+    pub(in crate::core) settings: Settings,
     size: Option<Size<T>>,
     buffers: Buffers<T>,
     real: Vec<f64>,
@@ -177,7 +177,7 @@ impl<T: Scalar> Flow<T> {
                 h = 1.0 - sigma;
             }
             let error = self.attempt(motion, (sigma, h));
-            if !(error <= 1.0) {
+            if error.is_nan() || error > 1.0 {
                 statistics.rejected += 1;
                 h *= control.rejected(error);
                 continue;
@@ -328,7 +328,7 @@ impl<T: Scalar> Flow<T> {
         let product = h
             * (distance(self.buffers.stages.slope(tableau.end()), last) / distance(end, argument))
                 .sqrt();
-        if !(product > tableau.stability) {
+        if product.is_nan() || product <= tableau.stability {
             return Ok(0);
         }
         if stiff + 1 < STIFF_STEPS || (1.0 - sigma) / h < STIFF_REST {

@@ -19,8 +19,11 @@
 //!
 //! [`Scalar`]: crate::core::scalar::Scalar
 
+#[cfg(test)]
+mod conditions;
 mod control;
 mod error;
+mod extrema;
 mod integrate;
 mod motion;
 mod rodas;
@@ -32,6 +35,7 @@ mod tableau;
 
 pub use control::Size;
 pub use error::{FlowError, SettingsError};
+pub use extrema::{Extrema, Extremum};
 pub use integrate::{Flow, Statistics};
 pub use settings::{Scheme, Settings};
 pub use step::Step;

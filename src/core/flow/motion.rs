@@ -32,8 +32,14 @@ impl<F: VectorField, T: Scalar> Motion<'_, F, T> {
     /// `g(σ, x)` into `slope`.
     #[inline]
     pub fn slope(&self, sigma: f64, x: &[T], slope: &mut [T]) {
+        self.slope_at(self.time(sigma), x, slope);
+    }
+
+    /// `g` at a time into `slope`.
+    #[inline]
+    pub fn slope_at(&self, time: T, x: &[T], slope: &mut [T]) {
         self.count();
-        self.field.field(self.time(sigma), x, self.p, slope);
+        self.field.field(time, x, self.p, slope);
         slope.iter_mut().for_each(|slope| *slope *= self.length);
     }
 

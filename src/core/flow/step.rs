@@ -62,6 +62,11 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
         (self.sigma, self.sigma + self.h)
     }
 
+    /// How long the step is, as a part of the whole flow.
+    pub fn length(&self) -> f64 {
+        self.h
+    }
+
     /// The place in the whole flow (from 0 to 1) of a fraction of the step.
     pub fn place(&self, fraction: T) -> T {
         fraction * self.h + self.sigma
@@ -111,6 +116,11 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
             }
         }
         x.copy_from_slice(&partial.end);
+    }
+
+    /// The slope `dx/dσ = L f(t, x, p)` of the flow in a state at a fraction of the step.
+    pub fn slope(&self, fraction: T, x: &[T], slope: &mut [T]) {
+        self.motion.slope_at(self.time(fraction), x, slope);
     }
 
     /// State `i` at a fraction of the step by dense output, in any scalar type that the coefficients can be

@@ -85,16 +85,15 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
     }
 }
 
-/// Periodic orbits by collocation at `degree` Gauss points in each of a number of intervals.
+/// Periodic orbits by collocation on a number of intervals.
 ///
 /// # Errors
-/// [`BoundaryError`] if the field has no states, or the degree is not between 2 and 7.
+/// [`BoundaryError`] if the field has no states.
 pub fn by_collocation<F: VectorField>(
     field: F,
     intervals: usize,
-    degree: usize,
+    method: Collocation,
 ) -> Result<BoundarySystem<Orbit<F>, Collocation>, BoundaryError> {
-    let method = Collocation::new(degree)?;
     BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(intervals)])
 }
 

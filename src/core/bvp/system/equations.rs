@@ -217,6 +217,27 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         Ok(())
     }
 
+    /// Makes `x = (z, p)` the reference of the phase condition, with another motion (ordered as `z`) in
+    /// place of its own.
+    pub fn set_reference_with_slope(&mut self, x: &[f64], slope: &[f64]) {
+        let layout = &self.layout;
+        let weights = node_weights(self.method.places());
+        let mut row = vec![0.0; layout.values()];
+        for (s, j) in layout.intervals() {
+            let (span, n) = (self.span(s, j), layout.segments[s].states);
+            let (h, nodes) = (span.end - span.start, layout.interval(s, j));
+            let rows = row[nodes.clone()].chunks_exact_mut(n);
+            for ((row, order), weight) in
+                rows.zip(layout.order[nodes].chunks_exact(n)).zip(&weights)
+            {
+                row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * slope[z]);
+            }
+        }
+        self.phase.row = row;
+        self.phase.reference.clear();
+        self.phase.reference.extend_from_slice(x);
+    }
+
     /// The field of a segment where it has a meaning.
     fn flow(
         &self,

@@ -206,8 +206,9 @@ impl Factorisation {
         };
         for i in 0..closing {
             match form {
-                Form::Jacobian => (0..extras)
-                    .for_each(|e| add(i, e, assembled.closing_numbers[i * active + e])),
+                Form::Jacobian => {
+                    (0..extras).for_each(|e| add(i, e, assembled.closing_numbers[i * active + e]))
+                }
                 Form::Twisted => add(i, i, 1.0),
             }
             (0..border.width)

@@ -109,7 +109,8 @@ impl Rotating {
                 // The chains remember one elimination only.
                 self.factors.forward_transposed(layout, part);
             }
-            let (own, pair) = if k == 0 { (&re, [re[last], -im[last]]) } else { (&im, [im[last], re[last]]) };
+            let (own, pair) =
+                if k == 0 { (&re, [re[last], -im[last]]) } else { (&im, [im[last], re[last]]) };
             let dense = self.factors.dense();
             dense[..last].copy_from_slice(&own[..last]);
             dense[last..].copy_from_slice(&pair);

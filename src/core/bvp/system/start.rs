@@ -100,18 +100,22 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let extras = solution.state.len() - self.equations.layout.extras;
         let extras = &solution.state[extras..];
         let mut outcome = Ok(());
-        let mut sample = |system: &mut dyn FnMut(usize, f64, &mut [f64]) -> Result<(), EvaluationError>| {
-            self.sampled(extras, |segment, tau, out| {
-                if outcome.is_ok() {
-                    outcome = system(segment, tau, out);
-                }
-            })
-        };
+        let mut sample =
+            |system: &mut dyn FnMut(usize, f64, &mut [f64]) -> Result<(), EvaluationError>| {
+                self.sampled(extras, |segment, tau, out| {
+                    if outcome.is_ok() {
+                        outcome = system(segment, tau, out);
+                    }
+                })
+            };
         let z = if degree == 1 {
-            let mut from = BoundarySystem::new(problem, crate::core::bvp::Shooting::default(), meshes)?;
+            let mut from =
+                BoundarySystem::new(problem, crate::core::bvp::Shooting::default(), meshes)?;
             sample(&mut |segment, tau, out| Ok(from.states(&x, segment, tau, out)?))
         } else {
-            let mut from = BoundarySystem::new(problem, Collocation::new(degree)?, meshes)?;
+            let method =
+                Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
+            let mut from = BoundarySystem::new(problem, method, meshes)?;
             sample(&mut |segment, tau, out| Ok(from.states(&x, segment, tau, out)?))
         };
         outcome.map(|()| z)
@@ -159,7 +163,8 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         // A quarter of a period on, the wave is its own derivative.
         let slope = self.sampled(&zero, wave(0.25));
         let x = [&z[..], &solution.parameters[..]].concat();
-        self.set_reference_with_slope(&x, &slope);
+        self.linearisation.at.clear();
+        self.equations.set_reference_with_slope(&x, &slope);
         direction.resize(x.len(), 0.0);
         Ok(Adopted { z, tangent: Some(direction), leaving: Leaving::Direction })
     }
@@ -175,7 +180,10 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
             if self.adapt(&mut whole, &mut borrowed).is_ok() {
                 let n = self.equations.layout.dimension;
                 x.copy_from_slice(&whole);
-                directions.iter_mut().zip(&turned).for_each(|(d, t)| d[..n].copy_from_slice(&t[..n]));
+                directions
+                    .iter_mut()
+                    .zip(&turned)
+                    .for_each(|(d, t)| d[..n].copy_from_slice(&t[..n]));
             }
         }
         if self.equations.layout.phase {

@@ -1,0 +1,164 @@
+//! The order conditions of the tableaux, tree by tree (Butcher; Hairer, Nørsett and Wanner 1993,
+//! theorem II.2.13, and for Rosenbrock methods Hairer and Wanner 1996, theorem IV.7.4).
+
+use super::rodas::{COUPLING, ERROR, GAMMA, NODES, ROWS, STAGES, TIME};
+use super::tableau::{ORDER_EIGHT, ORDER_FIVE, Row, Tableau};
+
+/// Coefficients of up to 43 are rounded to 16 digits.
+const ROUNDING: f64 = 1e-14;
+
+/// A rooted tree by the trees on its root.
+#[derive(Clone)]
+struct Tree(Vec<Tree>);
+
+impl Tree {
+    fn order(&self) -> usize {
+        1 + self.0.iter().map(Tree::order).sum::<usize>()
+    }
+
+    /// `γ(t)`.
+    fn density(&self) -> f64 {
+        self.order() as f64 * self.0.iter().map(Tree::density).product::<f64>()
+    }
+
+    /// `Φ_i(t)` of all stages; a vertex with one branch uses the matrix `chain`, one with more `fork`.
+    fn weights(&self, fork: &[Vec<f64>], chain: &[Vec<f64>]) -> Vec<f64> {
+        let matrix = if self.0.len() == 1 { chain } else { fork };
+        let mut product = vec![1.0; matrix.len()];
+        for branch in &self.0 {
+            let weights = branch.weights(fork, chain);
+            for (product, row) in product.iter_mut().zip(matrix) {
+                *product *= row.iter().zip(&weights).map(|(a, w)| a * w).sum::<f64>();
+            }
+        }
+        product
+    }
+}
+
+/// All trees with up to `most` vertices.
+fn trees(most: usize) -> Vec<Tree> {
+    let mut all: Vec<Tree> = vec![Tree(vec![])];
+    for order in 2..=most {
+        let mut new = Vec::new();
+        branches(&all, 0, order - 1, &mut Vec::new(), &mut new);
+        all.extend(new);
+    }
+    all
+}
+
+/// All multisets of trees from `first` on with `rest` vertices together.
+fn branches(all: &[Tree], first: usize, rest: usize, chosen: &mut Vec<Tree>, out: &mut Vec<Tree>) {
+    if rest == 0 {
+        out.push(Tree(chosen.clone()));
+    }
+    for (i, tree) in all.iter().enumerate().skip(first).filter(|(_, t)| t.order() <= rest) {
+        chosen.push(tree.clone());
+        branches(all, i, rest - tree.order(), chosen, out);
+        chosen.pop();
+    }
+}
+
+fn dense(row: Row, n: usize) -> Vec<f64> {
+    let mut out = vec![0.0; n];
+    row.iter().for_each(|(j, a)| out[*j] = *a);
+    out
+}
+
+/// The largest violation of a condition of this order: `Σ_i b_i Φ_i(t) = 1/γ(t)`, or 0 for a
+/// `difference` of two methods.
+fn violation(
+    order: usize,
+    weights: &[f64],
+    matrices: (&[Vec<f64>], &[Vec<f64>]),
+    difference: bool,
+) -> f64 {
+    let mut largest: f64 = 0.0;
+    for tree in trees(order).iter().filter(|tree| tree.order() == order) {
+        let phi = tree.weights(matrices.0, matrices.1);
+        let sum: f64 = phi.iter().zip(weights).map(|(phi, b)| phi * b).sum();
+        let exact = if difference { 0.0 } else { 1.0 / tree.density() };
+        largest = largest.max((sum - exact).abs());
+    }
+    largest
+}
+
+#[test]
+fn trees_are_counted_as_in_the_literature() {
+    let counts: Vec<usize> =
+        (1..=8).map(|n| trees(8).iter().filter(|t| t.order() == n).count()).collect();
+    assert_eq!(counts, [1, 1, 2, 4, 9, 20, 48, 115]);
+}
+
+/// The matrix of an explicit tableau, with the stages of dense output.
+fn matrix(tableau: &Tableau) -> Vec<Vec<f64>> {
+    let rows = [&[] as Row].into_iter().chain(tableau.rows.iter().copied());
+    let rows: Vec<Row> =
+        rows.chain([tableau.weights]).chain(tableau.extra_rows.iter().copied()).collect();
+    rows.iter().map(|row| dense(row, rows.len())).collect()
+}
+
+#[test]
+fn explicit_methods_have_their_orders() {
+    for (tableau, estimates) in [
+        (&ORDER_EIGHT, [(5, ORDER_EIGHT.error), (3, ORDER_EIGHT.rough_error)]),
+        (&ORDER_FIVE, [(4, ORDER_FIVE.error), (4, ORDER_FIVE.error)]),
+    ] {
+        let a = matrix(tableau);
+        let weights = dense(tableau.weights, a.len());
+        for order in 1..=tableau.order {
+            assert!(violation(order, &weights, (&a, &a), false) < ROUNDING, "order {order}");
+        }
+        assert!(violation(tableau.order + 1, &weights, (&a, &a), false) > 1e-8);
+        for (order, row) in estimates {
+            let error = dense(row, a.len());
+            for order in 1..=order {
+                assert!(violation(order, &error, (&a, &a), true) < ROUNDING, "estimate {order}");
+            }
+            assert!(violation(order + 1, &error, (&a, &a), true) > 1e-6);
+        }
+    }
+}
+
+#[test]
+fn nodes_are_sums_of_rows() {
+    for tableau in [&ORDER_EIGHT, &ORDER_FIVE] {
+        let rows = tableau.rows.iter().chain(tableau.extra_rows);
+        for (row, node) in rows.zip(tableau.nodes.iter().chain(tableau.extra_nodes)) {
+            let sum: f64 = row.iter().map(|(_, a)| a).sum();
+            assert!((sum - node).abs() < 1e-14, "{sum} {node}");
+        }
+    }
+}
+
+/// `α = A Γ`, `β = α + Γ` and `b = m Γ` with `Γ⁻¹ = I/γ − C`.
+#[test]
+fn the_rosenbrock_method_has_its_order() {
+    let coupling: Vec<Vec<f64>> = COUPLING.iter().map(|row| dense(row, STAGES)).collect();
+    // Γ by forward substitution: row i of (I/γ − C) Γ = I.
+    let mut gamma = vec![vec![0.0; STAGES]; STAGES];
+    for i in 0..STAGES {
+        for j in 0..=i {
+            let known: f64 = (0..i).map(|k| coupling[i][k] * gamma[k][j]).sum();
+            gamma[i][j] = GAMMA * (known + if i == j { 1.0 } else { 0.0 });
+        }
+    }
+    let times = |row: Vec<f64>| -> Vec<f64> {
+        (0..STAGES).map(|j| (0..STAGES).map(|k| row[k] * gamma[k][j]).sum()).collect()
+    };
+    let alpha: Vec<Vec<f64>> = ROWS[..STAGES].iter().map(|row| times(dense(row, STAGES))).collect();
+    let beta: Vec<Vec<f64>> =
+        (0..STAGES).map(|i| (0..STAGES).map(|j| alpha[i][j] + gamma[i][j]).collect()).collect();
+    let (weights, error) = (times(dense(ROWS[STAGES], STAGES)), times(dense(ERROR, STAGES)));
+    for order in 1..=5 {
+        assert!(violation(order, &weights, (&alpha, &beta), false) < 1e-12, "order {order}");
+    }
+    assert!(violation(6, &weights, (&alpha, &beta), false) > 1e-5);
+    for order in 1..=4 {
+        assert!(violation(order, &error, (&alpha, &beta), true) < 1e-12, "estimate {order}");
+    }
+    assert!(violation(5, &error, (&alpha, &beta), true) > 1e-5);
+    for i in 0..STAGES {
+        assert!((alpha[i].iter().sum::<f64>() - NODES[i]).abs() < 1e-13, "node {i}");
+        assert!((gamma[i].iter().sum::<f64>() - TIME[i]).abs() < 1e-12, "time {i}");
+    }
+}

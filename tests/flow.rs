@@ -1,0 +1,452 @@
+//! Promise: flows are those of exact solutions, to the tolerance asked for, and so are their derivatives.
+
+use num_dual::{Dual64, DualNum, DualSVec64, HyperDual64};
+use proptest::prelude::*;
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+use tangency::core::field::VectorField;
+use tangency::core::flow::{Extrema, Extremum, Flow, Scheme, Settings, Statistics};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::Names;
+
+const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
+
+/// A field stated by name, parameters and formula.
+macro_rules! field {
+    ($(#[$doc:meta])* $name:ident, [$($x:literal),*], [$($q:literal),*],
+     |$t:ident, $state:ident, $p:ident, $f:ident| $body:block) => {
+        $(#[$doc])*
+        struct $name;
+        impl VectorField for $name {
+            fn names(&self) -> Names {
+                Names::new([$($x),*] as [&str; _], [$($q),*] as [&str; _])
+            }
+            #[allow(unused_variables)]
+            fn field<T: Scalar>(&self, $t: T, $state: &[T], $p: &[T], $f: &mut [T]) $body
+        }
+    };
+}
+
+field! {
+    /// The block of Mita's impact actuator between impacts.
+    Stick, ["q", "u"], ["omega", "V"], |t, x, p, f| {
+        let (force, gap) = (p[1] * (p[0] * t).sin(), T::one() - x[0]);
+        f[0] = x[1];
+        f[1] = force * force / (gap * gap) - x[0] - x[1] * 0.04;
+    }
+}
+field! {
+    /// `x'' + c x' + x = cos ωt`.
+    Forced, ["x", "v"], ["omega", "c"], |t, x, p, f| {
+        f[0] = x[1];
+        f[1] = (p[0] * t).cos() - x[0] - p[1] * x[1];
+    }
+}
+field! {
+    /// The plane problem of two bodies.
+    Kepler, ["x", "y", "u", "v"], [], |t, x, p, f| {
+        let cube = (x[0] * x[0] + x[1] * x[1]).powf(1.5);
+        (f[0], f[1], f[2], f[3]) = (x[2], x[3], -x[0] / cube, -x[1] / cube);
+    }
+}
+field! {
+    /// Nonlinear and forced: `x = exp(sin t²)`, `y = exp(cos t²)`.
+    Exponential, ["x", "y"], [], |t, x, p, f| {
+        f[0] = t * 2.0 * x[0] * x[1].ln();
+        f[1] = t * -2.0 * x[1] * x[0].ln();
+    }
+}
+field! {
+    /// `x' = r x (1 − x)`.
+    Logistic, ["x"], ["r"], |t, x, p, f| {
+        f[0] = p[0] * x[0] * (T::one() - x[0]);
+    }
+}
+
+fn flow<T: Scalar>(scheme: Scheme, tolerance: f64) -> Flow<T> {
+    Flow::new(Settings::new(scheme, tolerance)).unwrap()
+}
+
+/// A flow with steps of `1/n` whatever their error.
+fn steps<T: Scalar>(scheme: Scheme, n: usize) -> Flow<T> {
+    let step = 1.0 / n as f64;
+    let settings = Settings::new(scheme, 1e6);
+    Flow::new(Settings { first_step: Some(step), largest_step: step, ..settings }).unwrap()
+}
+
+fn exponential(t: f64) -> [f64; 2] {
+    [(t * t).sin().exp(), (t * t).cos().exp()]
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// `x'' + c x' + x = cos ωt` from rest: amplitude and phase of the forced part, decay of the free one.
+fn forced<T: Scalar>(t: T, omega: T, c: T) -> [T; 2] {
+    let (a, b) = (T::one() - omega * omega, c * omega);
+    let square = a * a + b * b;
+    let particular = |t: T| (a * (omega * t).cos() + b * (omega * t).sin()) / square;
+    let slope = |t: T| (b * (omega * t).cos() - a * (omega * t).sin()) * omega / square;
+    let (rate, damped) = (c * 0.5, (T::one() - c * c * 0.25).sqrt());
+    let (x, v) = (-particular(T::zero()), -slope(T::zero()));
+    let (cosine, sine) = ((damped * t).cos(), (damped * t).sin());
+    let decay = (-rate * t).exp();
+    [
+        particular(t) + decay * (x * cosine + (v + rate * x) / damped * sine),
+        slope(t) + decay * (v * cosine - (rate * v + x) / damped * sine),
+    ]
+}
+
+#[test]
+fn exact_solutions_are_met() {
+    for scheme in ALL {
+        for tolerance in [1e-5, 1e-8, 1e-11] {
+            let mut flow = flow(scheme, tolerance);
+            let mut x = [0.0, 0.0];
+            flow.advance(&Forced, 0.0, 20.0, &mut x, &[0.7, 0.1]).unwrap();
+            let error = distance(&x, &forced(20.0, 0.7, 0.1));
+            assert!(error < 30.0 * tolerance, "{scheme:?} {tolerance:e}: {error:e}");
+            let mut x = exponential(0.0);
+            flow.advance(&Exponential, 0.0, 2.5, &mut x, &[]).unwrap();
+            let error = distance(&x, &exponential(2.5));
+            assert!(error < 100.0 * tolerance, "{scheme:?} {tolerance:e}: {error:e}");
+        }
+    }
+}
+
+/// One revolution on an ellipse of eccentricity 1/2, and its energy.
+#[test]
+fn kepler_returns() {
+    for scheme in ALL {
+        let start = [0.5, 0.0, 0.0, 3f64.sqrt()];
+        let mut x = start;
+        flow(scheme, 1e-12).advance(&Kepler, 0.0, TAU, &mut x, &[]).unwrap();
+        let energy = 0.5 * (x[2] * x[2] + x[3] * x[3]) - x[0].hypot(x[1]).recip();
+        assert!((energy + 0.5).abs() < 2e-11, "{scheme:?}: {:e}", energy + 0.5);
+        assert!(distance(&x, &start) < 2e-10, "{scheme:?}: {:e}", distance(&x, &start));
+    }
+}
+
+/// Halving all steps divides the error by `2^order`.
+#[test]
+fn orders_are_those_of_theory() {
+    for (scheme, n) in
+        [(Scheme::DormandPrince8, 40), (Scheme::DormandPrince5, 200), (Scheme::Rodas5P, 200)]
+    {
+        let error = |n: usize| {
+            let mut x = exponential(0.0);
+            let statistics = steps(scheme, n).advance(&Exponential, 0.0, 2.0, &mut x, &[]).unwrap();
+            assert_eq!((statistics.accepted, statistics.rejected), (n, 0));
+            distance(&x, &exponential(2.0))
+        };
+        let order = (error(n) / error(2 * n)).log2();
+        let theory = scheme.order() as f64;
+        assert!((order / theory - 1.0).abs() < 0.1, "{scheme:?}: {order:.2} instead of {theory}");
+    }
+}
+
+/// The error within one step from an exact state: `h^(order + 1)` by a shorter step, and that of the
+/// interpolant by dense output.
+#[test]
+fn orders_within_a_step_are_those_of_theory() {
+    for (scheme, dense, h) in [
+        (Scheme::DormandPrince8, 7, 0.2),
+        (Scheme::DormandPrince5, 4, 0.05),
+        (Scheme::Rodas5P, 4, 0.05),
+    ] {
+        let errors = |h: f64| {
+            let mut errors = [0.0; 2];
+            steps(scheme, 1)
+                .observe(&Exponential, 1.1, h, &mut exponential(1.1), &[], |step| {
+                    for fraction in [0.3, 0.45, 0.6, 0.8] {
+                        let exact = exponential(1.1 + fraction * h);
+                        let mut x = [0.0; 2];
+                        step.interpolate(fraction, &mut x);
+                        errors[0] = distance(&x, &exact).max(errors[0]);
+                        step.state(fraction, &mut x);
+                        errors[1] = distance(&x, &exact).max(errors[1]);
+                    }
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
+            errors
+        };
+        let (coarse, fine) = (errors(h), errors(0.5 * h));
+        for (k, theory) in [dense + 1, scheme.order() + 1].into_iter().enumerate() {
+            let order = (coarse[k] / fine[k]).log2();
+            let ratio = order / theory as f64;
+            assert!((ratio - 1.0).abs() < 0.1, "{scheme:?} {k}: {order:.2} instead of {theory}");
+        }
+    }
+}
+
+/// Dense output and shorter steps agree with the ends of a step.
+#[test]
+fn a_step_meets_its_ends() {
+    for scheme in ALL {
+        flow(scheme, 1e-8)
+            .observe(&Stick, 0.3, 5.0, &mut [0.1, 0.2], &[0.45, 0.2], |step| {
+                let (start, end) = (step.start().to_vec(), step.end().to_vec());
+                let mut x = [0.0; 2];
+                step.interpolate(0.0, &mut x);
+                assert!(distance(&x, &start) < 1e-15);
+                step.interpolate(1.0, &mut x);
+                assert!(distance(&x, &end) < 1e-15);
+                step.state(1.0, &mut x);
+                assert!(distance(&x, &end) < 1e-13, "{scheme:?}: {:e}", distance(&x, &end));
+                step.state(0.0, &mut x);
+                assert!(distance(&x, &start) < 1e-15);
+                let (from, to) = step.span();
+                assert_eq!((step.place(0.0), step.time(0.0)), (from, 0.3 + 5.0 * from));
+                assert!((step.place(1.0) - to).abs() < 1e-15);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+    }
+}
+
+/// One period of the forcing of Mita's actuator, to 5e-12 in at most 280 evaluations.
+#[test]
+fn mita_costs_what_is_claimed() {
+    let (p, length) = ([0.45, 0.2], PI / 0.45);
+    let mut exact = [0.1, 0.2];
+    steps(Scheme::DormandPrince8, 400).advance(&Stick, 0.0, length, &mut exact, &p).unwrap();
+    let mut x = [0.1, 0.2];
+    let mut flow = flow(Scheme::DormandPrince8, 1e-11);
+    let statistics = flow.advance(&Stick, 0.0, length, &mut x, &p).unwrap();
+    assert!(distance(&x, &exact) < 5e-12, "{:e}", distance(&x, &exact));
+    assert!(statistics.evaluations <= 280, "{statistics:?}");
+}
+
+type Four = DualSVec64<4>;
+
+/// Mita's block with derivatives by both states and both parameters, over a period that depends on one.
+fn with_derivatives(flow: &mut Flow<Four>) -> ([Four; 2], Statistics) {
+    let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
+    let p = [Four::from(0.45).derivative(2), Four::from(0.2).derivative(3)];
+    let statistics = flow.advance(&Stick, Four::from(0.0), p[0].recip() * PI, &mut x, &p).unwrap();
+    (x, statistics)
+}
+
+#[test]
+fn real_parts_of_dual_flows_are_the_real_flow() {
+    for scheme in ALL {
+        let mut x = [0.1, 0.2];
+        let real = flow(scheme, 1e-10)
+            .advance(&Stick, 0.0, 0.45f64.recip() * PI, &mut x, &[0.45, 0.2])
+            .unwrap();
+        let (dual, statistics) = with_derivatives(&mut flow(scheme, 1e-10));
+        assert_eq!(real, statistics, "{scheme:?}: the same steps");
+        assert!(distance(&[dual[0].re, dual[1].re], &x) < 1e-14, "{scheme:?}");
+    }
+}
+
+/// Control of derivatives takes more steps where they need them, and makes them more accurate.
+#[test]
+fn derivatives_may_control_the_step() {
+    let size = |x: &Four| x.eps.0.map_or(0.0, |eps| eps.amax()).max(x.re.abs());
+    let exact = with_derivatives(&mut steps(Scheme::DormandPrince8, 400)).0;
+    let error = |x: [Four; 2]| {
+        let parts = |x: Four| x.eps.0.unwrap();
+        (0..2).map(|i| (parts(x[i]) - parts(exact[i])).amax()).fold(0.0, f64::max)
+    };
+    let (real, _) = with_derivatives(&mut flow(Scheme::DormandPrince8, 1e-8));
+    let (all, _) = with_derivatives(&mut flow(Scheme::DormandPrince8, 1e-8).measured_by(size));
+    assert!(
+        error(all) < 3e-7 && error(all) < 0.5 * error(real),
+        "{:e} {:e}",
+        error(all),
+        error(real)
+    );
+}
+
+/// First derivatives of a linear forced oscillator by time, frequency and damping: those of the closed form.
+#[test]
+fn variational_flows_are_derivatives_of_closed_forms() {
+    type Three = DualSVec64<3>;
+    for scheme in ALL {
+        let [t, omega, c] = [9.0, 0.7, 0.1].map(Three::from);
+        let (t, omega, c) = (t.derivative(0), omega.derivative(1), c.derivative(2));
+        let mut x = [Three::from(0.0); 2];
+        flow(scheme, 1e-11).advance(&Forced, Three::from(0.0), t, &mut x, &[omega, c]).unwrap();
+        for (x, exact) in x.iter().zip(forced(t, omega, c)) {
+            let difference = *x - exact;
+            let error = difference.re.abs().max(difference.eps.0.unwrap().amax());
+            assert!(error < 2e-9, "{scheme:?}: {error:e}");
+        }
+    }
+}
+
+/// Second derivatives of the logistic flow by its start and its rate.
+#[test]
+fn nested_duals_carry_second_derivatives() {
+    let closed = |x: HyperDual64, r: HyperDual64, t: f64| {
+        let growth = (r * t).exp();
+        x * growth / (x * (growth - 1.0) + 1.0)
+    };
+    for scheme in ALL {
+        let x0 = HyperDual64::new(0.2, 1.0, 0.0, 0.0);
+        let r = HyperDual64::new(1.5, 0.0, 1.0, 0.0);
+        let mut x = [x0];
+        let (t0, length) = (HyperDual64::from(0.0), HyperDual64::from(2.0));
+        flow(scheme, 1e-11).advance(&Logistic, t0, length, &mut x, &[r]).unwrap();
+        let difference = x[0] - closed(x0, r, 2.0);
+        for part in [difference.re, difference.eps1, difference.eps2, difference.eps1eps2] {
+            assert!(part.abs() < 1e-8, "{scheme:?}: {part:e}");
+        }
+    }
+}
+
+/// `x = sin t + a sin 3t` as a flow: extrema at the ends of steps, inside them, and two close together.
+struct TwoTones;
+impl VectorField for TwoTones {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["a"])
+    }
+    fn field<T: Scalar>(&self, t: T, _x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = t.cos() + p[0] * 3.0 * (t * 3.0).cos();
+    }
+}
+
+fn extrema<T: Scalar>(scheme: Scheme, tolerance: f64, a: T) -> Vec<Extremum<T>> {
+    let (mut search, mut found) = (Extrema::of(0), Vec::new());
+    flow(scheme, tolerance)
+        .observe(&TwoTones, T::zero(), T::constant(TAU), &mut [T::zero()], &[a], |step| {
+            search.search(step, |extremum| found.push(extremum));
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    found
+}
+
+/// For `a > 1/9` two maxima surround a minimum at `π/2`; with `s = sin² t`, `cos t (1 + 9a − 36 a s…) = 0`
+/// gives `s = 1/4 + (1 + … )/…` in closed form below.
+#[test]
+fn extrema_are_found_with_their_derivatives() {
+    for scheme in ALL {
+        for a in [0.112, 0.12, 0.2, 0.5] {
+            // x' = cos t (1 + 3a (4 cos²t − 3)), so that cos² t = (9a − 1)/(12a) beside t = π/2.
+            let aside = |a: Dual64| ((a * 9.0 - 1.0) / (a * 12.0)).sqrt().acos();
+            let value = |t: Dual64, a: Dual64| t.sin() + a * (t * 3.0).sin();
+            let a = Dual64::from(a).derivative();
+            let (first, half) = (aside(a), Dual64::from(PI));
+            let exact = [first, half * 0.5, -first + PI, first + PI, half * 1.5, -first + TAU];
+            let found = extrema(scheme, 1e-12, a);
+            assert_eq!(found.len(), 6, "{scheme:?} {}: {found:?}", a.re);
+            for (found, t) in found.iter().zip(exact) {
+                let (place, value) = (found.place * TAU - t, found.value - value(t, a));
+                assert!(place.re.abs() < 1e-10, "{scheme:?} {}: {place}", a.re);
+                assert!(value.re.abs() < 1e-12, "{scheme:?} {}: {value}", a.re);
+                assert!(place.eps.abs() < 1e-7 && value.eps.abs() < 1e-10, "{place} {value}");
+            }
+        }
+        assert_eq!(extrema(scheme, 1e-12, 0.1).len(), 2, "one maximum and one minimum only");
+    }
+}
+
+/// Rates 0.04, 3e7 and 1e4 (Robertson 1966); the values at 1e11 are those of the test set of Mazzia and
+/// Magherini (2008).
+#[test]
+fn robertson_is_integrated_to_the_end() {
+    field! {
+        /// Autocatalysis.
+        Robertson, ["a", "b", "c"], [], |t, x, p, f| {
+            let (slow, fast) = (x[0] * 0.04 - x[1] * x[2] * 1e4, x[1] * x[1] * 3e7);
+            (f[0], f[1], f[2]) = (-slow, slow - fast, fast);
+        }
+    }
+    let mut x: [f64; 3] = [1.0, 0.0, 0.0];
+    let settings = Settings { absolute: 1e-18, ..Settings::new(Scheme::Rodas5P, 1e-9) };
+    let statistics =
+        Flow::new(settings).unwrap().advance(&Robertson, 0.0, 1e11, &mut x, &[]).unwrap();
+    let exact = [0.2083340149701255e-7, 0.8333360770334713e-13, 0.9999999791665050];
+    for (x, exact) in x.iter().zip(exact) {
+        assert!((x / exact - 1.0).abs() < 1e-7, "{x:e} {exact:e} {statistics:?}");
+    }
+    assert!(statistics.accepted < 1000, "{statistics:?}");
+}
+
+/// `x' = λ(x − a cos t) − a sin t`: the flow is `a cos t` for every λ, and so is its derivative by `a`.
+#[test]
+fn stiff_flows_have_derivatives_too() {
+    field! {
+        /// Prothero and Robinson's field with an amplitude.
+        Stiff, ["x"], ["lambda", "a"], |t, x, p, f| {
+            f[0] = p[0] * (x[0] - p[1] * t.cos()) - p[1] * t.sin();
+        }
+    }
+    let (zero, lambda) = (Dual64::from(0.0), Dual64::from(-1e6));
+    let a = Dual64::from(2.0).derivative();
+    let mut x = [a];
+    flow(Scheme::Rodas5P, 1e-9)
+        .advance(&Stiff, zero, Dual64::from(3.0), &mut x, &[lambda, a])
+        .unwrap();
+    assert!((x[0].re - 2.0 * 3f64.cos()).abs() < 1e-8, "{}", x[0]);
+    assert!((x[0].eps - 3f64.cos()).abs() < 1e-8, "{}", x[0]);
+}
+
+#[test]
+fn nothing_is_allocated_after_the_first_call() {
+    for scheme in ALL {
+        let mut flow = flow(scheme, 1e-9);
+        let mut search = Extrema::of(0);
+        let mut run = || {
+            search.restart(0);
+            let p = [Four::from(0.45), Four::from(0.2)];
+            let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
+            flow.observe(&Stick, Four::from(0.0), Four::from(7.0), &mut x, &p, |step| {
+                search.search(step, |extremum| drop(std::hint::black_box(extremum)));
+                ControlFlow::Continue(())
+            })
+            .unwrap()
+        };
+        let first = run();
+        let mut second = None;
+        let counted = allocation_counter::measure(|| second = Some(run()));
+        assert_eq!(counted.count_total, 0, "{scheme:?}");
+        assert_eq!(second, Some(first), "nothing is remembered");
+    }
+}
+
+/// An observer may end the flow at the end of any step.
+#[test]
+fn observers_end_a_flow() {
+    let mut x = [0.2];
+    let mut end = 0.0;
+    flow(Scheme::DormandPrince8, 1e-10)
+        .observe(&Logistic, 0.0, 4.0, &mut x, &[1.0], |step| {
+            end = step.time(1.0);
+            if step.end()[0] > 0.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+        .unwrap();
+    let exact = 0.2 * f64::exp(end) / (0.8 + 0.2 * f64::exp(end));
+    assert!(end < 4.0 && x[0] > 0.5 && (x[0] - exact).abs() < 1e-9, "{end} {x:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn backward_undoes_forward(q in -0.3..0.3f64, u in -0.3..0.3f64, t in -5.0..5.0f64, l in 0.1..8.0f64) {
+        for scheme in ALL {
+            let mut flow = flow(scheme, 1e-10);
+            let mut x = [q, u];
+            flow.advance(&Stick, t, l, &mut x, &[0.45, 0.2]).unwrap();
+            flow.advance(&Stick, t + l, -l, &mut x, &[0.45, 0.2]).unwrap();
+            prop_assert!(distance(&x, &[q, u]) < 1e-8, "{:?}: {:e}", scheme, distance(&x, &[q, u]));
+        }
+    }
+
+    #[test]
+    fn parts_make_the_whole(q in -0.3..0.3f64, u in -0.3..0.3f64, l in 0.1..8.0f64, part in 0.05..0.95f64) {
+        for scheme in ALL {
+            let mut flow = flow(scheme, 1e-10);
+            let (mut x, mut y) = ([q, u], [q, u]);
+            flow.advance(&Stick, 0.0, l, &mut x, &[0.45, 0.2]).unwrap();
+            flow.advance(&Stick, 0.0, l * part, &mut y, &[0.45, 0.2]).unwrap();
+            flow.advance(&Stick, l * part, l - l * part, &mut y, &[0.45, 0.2]).unwrap();
+            prop_assert!(distance(&x, &y) < 1e-8, "{:?}: {:e}", scheme, distance(&x, &y));
+        }
+    }
+}
