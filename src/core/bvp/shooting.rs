@@ -77,6 +77,13 @@ impl Default for Shooting {
     }
 }
 
+impl Clone for Shooting {
+    /// The same settings; buffers are made anew.
+    fn clone(&self) -> Self {
+        Shooting { settings: self.settings.clone(), ..Shooting::default() }
+    }
+}
+
 /// A flow from the start of a span to a place in it, `x` being the states there.
 fn flow_to<P: BoundaryProblem, T: Scalar>(
     flow: &mut Flow<T>,

@@ -307,7 +307,9 @@ impl<'a> Continuation<'a> {
         };
         let mut start = start.map_err(evaluation)?;
         let slopes = stepper.forget_levels_at(&mut start).map_err(evaluation)?;
-        stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
+        if correct {
+            stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
+        }
         let tracer = Tracer {
             stepper,
             branch,

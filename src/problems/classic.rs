@@ -1,0 +1,117 @@
+//! Problems of the literature that every continuation toolkit is tried on.
+
+use crate::core::bvp::{BoundaryProblem, Ends, Monitor};
+use crate::core::field::VectorField;
+use crate::core::scalar::Scalar;
+use crate::core::zero::Names;
+
+/// A feedback control system of Lur'e type (also MatCont's `adaptx`):
+/// `x' = y, y' = z, z' = −αz − βy − x + x²`.
+///
+/// At β = 1 the equilibrium 0 has a Hopf point at α = 1, whose periodic orbits double their period at
+/// α = 0.630302006160.
+///
+/// ```
+/// use tangency::core::field::VectorField;
+/// use tangency::problems::classic::Lure;
+/// let mut f = [0.0; 3];
+/// Lure.field(0.0, &[0.5, 1.0, 2.0], &[1.0, 1.0], &mut f);
+/// assert_eq!(f, [1.0, 2.0, -3.25]);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Lure;
+
+impl Lure {
+    /// The default values of the parameters.
+    pub const DEFAULTS: [f64; 2] = [1.2, 1.0];
+}
+
+impl VectorField for Lure {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "z"], ["alpha", "beta"])
+    }
+
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let ([x, y, z], [alpha, beta]) = ([x[0], x[1], x[2]], [p[0], p[1]]);
+        f[0] = y;
+        f[1] = z;
+        f[2] = x * x - x - beta * y - alpha * z;
+    }
+}
+
+/// An isothermal reaction (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8), with a
+/// cascade of period doublings in λ.
+///
+/// ```
+/// use tangency::core::field::VectorField;
+/// use tangency::problems::classic::Isothermal;
+/// let mut f = [0.0; 3];
+/// Isothermal.field(0.0, &[4.0, 0.0, 0.0], &[12.0], &mut f);
+/// assert_eq!(f, [4.0 * 29.0 + 0.1, 0.1, 0.1]);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Isothermal;
+
+impl Isothermal {
+    /// The default value of the parameter.
+    pub const DEFAULTS: [f64; 1] = [14.0];
+}
+
+impl VectorField for Isothermal {
+    fn names(&self) -> Names {
+        Names::new(["y1", "y2", "y3"], ["lambda"])
+    }
+
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let [y1, y2, y3] = [x[0], x[1], x[2]];
+        f[0] = y1 * (-y1 * 0.25 - y2 - y3 + 30.0) + y2 * y2 * 0.001 + 0.1;
+        f[1] = y2 * (y1 - y2 * 0.001 - p[0]) + 0.1;
+        f[2] = y3 * (-y1 - y3 * 0.5 + 16.5) + 0.1;
+    }
+}
+
+/// Bratu's problem `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`, as `u' = v, v' = −λeᵘ`. Its fold is at
+/// `λ = 8θ²/cosh²θ` with `θ tanh θ = 1`.
+///
+/// ```
+/// use tangency::core::bvp::BoundaryProblem;
+/// use tangency::problems::classic::Bratu;
+/// let mut f = [0.0; 2];
+/// Bratu.field(0, 0.0, &[0.0, 4.0], &[3.0], &mut f);
+/// assert_eq!(f, [4.0, -3.0]);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Bratu;
+
+impl Bratu {
+    /// The default value of the parameter.
+    pub const DEFAULTS: [f64; 1] = [0.0];
+}
+
+impl BoundaryProblem for Bratu {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![vec!["u".into(), "v".into()]]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        vec!["lambda".into()]
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[0] * x[0].exp();
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0];
+    }
+
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![("max_u".into(), Monitor::Maximum { segment: 0, state: 0 })]
+    }
+}

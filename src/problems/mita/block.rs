@@ -1,0 +1,63 @@
+//! The block on its spring, the frame at rest.
+
+use crate::core::field::VectorField;
+use crate::core::scalar::Scalar;
+use crate::core::zero::{LeftDomain, Names};
+use std::f64::consts::PI;
+
+/// The block within a frame at rest, without impacts: with displacement `q₂` and velocity `u₂`,
+///
+/// ```text
+///     q₂' = u₂,    u₂' = V² sin²ωt/(1 − q₂)² − q₂ − c u₂
+/// ```
+///
+/// (equations 4.1 and 4.2 for `u₁ = 0`). The voltage enters squared, so the forcing has the period `π/ω`. The
+/// block pulls in at `q₂ = 1`; the front stopper, which this field does not know, is at 0.5.
+///
+/// States `displacement`, `velocity`; parameters `voltage`, `frequency`, `damping`.
+///
+/// ```
+/// use tangency::core::field::VectorField;
+/// use tangency::problems::mita::Block;
+/// let mut f = [0.0; 2];
+/// // At t = π/2ω the voltage is V = 0.2.
+/// Block.field(std::f64::consts::PI, &[0.5, 1.0], &[0.2, 0.5, 0.04], &mut f);
+/// assert!((f[1] - (0.2_f64.powi(2) / 0.25 - 0.5 - 0.04)).abs() < 1e-15);
+/// assert!(Block.domain(&[1.0, 0.0], &[0.2, 0.5, 0.04]).is_err());
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Block;
+
+impl Block {
+    /// The default values of the parameters.
+    pub const DEFAULTS: [f64; 3] = [0.01, 0.45, 0.04];
+}
+
+impl VectorField for Block {
+    fn names(&self) -> Names {
+        Names::new(["displacement", "velocity"], ["voltage", "frequency", "damping"])
+    }
+
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let [q, u] = [x[0], x[1]];
+        let [voltage, frequency, damping] = [p[0], p[1], p[2]];
+        let ratio = voltage * (frequency * t).sin() / (T::one() - q);
+        f[0] = u;
+        f[1] = ratio * ratio - q - damping * u;
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+        Some(p[1].recip() * PI)
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        if x[0] >= 1.0 {
+            let remedy = "the block touches the electrode at 1: bound `max_displacement` below it";
+            return Err(LeftDomain::new("displacement", x[0], remedy));
+        }
+        if p[1] <= 0.0 {
+            return Err(LeftDomain::new("frequency", p[1], "the frequency must be more than 0"));
+        }
+        Ok(())
+    }
+}
