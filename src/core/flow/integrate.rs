@@ -143,7 +143,7 @@ impl<T: Scalar> Flow<T> {
     ) -> Result<Statistics, FlowError> {
         let evaluations = Cell::new(0);
         let motion = Motion { field, start: t0, length, p, evaluations: &evaluations };
-        self.resize(x);
+        self.resize(x, p);
         let mut statistics = Statistics::default();
         let result = self.integrate(&motion, &mut statistics, &mut observe);
         x.copy_from_slice(&self.buffers.x);
@@ -151,7 +151,9 @@ impl<T: Scalar> Flow<T> {
         result.map(|()| statistics)
     }
 
-    fn resize(&mut self, x: &[T]) {
+    fn resize(&mut self, x: &[T], p: &[T]) {
+        self.real.clear();
+        self.real.extend(x.iter().chain(p).map(T::real));
         let buffers = &mut self.buffers;
         buffers.x.clear();
         buffers.x.extend_from_slice(x);
@@ -205,8 +207,9 @@ impl<T: Scalar> Flow<T> {
         motion: &Motion<F, T>,
         sigma: f64,
     ) -> Result<(), FlowError> {
-        self.real.clear();
-        self.real.extend(self.buffers.x.iter().chain(motion.p).map(T::real));
+        for (real, x) in self.real.iter_mut().zip(&self.buffers.x) {
+            *real = x.real();
+        }
         let (x, p) = self.real.split_at(self.buffers.x.len());
         let finite = match x.iter().position(|x| !x.is_finite()) {
             Some(i) => Err(not_finite(motion, i, x[i])),
@@ -325,17 +328,16 @@ impl<T: Scalar> Flow<T> {
     ) -> Result<usize, FlowError> {
         let Stages { end, argument, .. } = &self.buffers.stages;
         let last = self.buffers.stages.slope(tableau.end() - 1);
-        let product = h
-            * (distance(self.buffers.stages.slope(tableau.end()), last) / distance(end, argument))
-                .sqrt();
-        if product.is_nan() || product <= tableau.stability {
+        let slopes = distance(self.buffers.stages.slope(tableau.end()), last);
+        let square = h * h * slopes / distance(end, argument);
+        if square.is_nan() || square <= tableau.stability.powi(2) {
             return Ok(0);
         }
         if stiff + 1 < STIFF_STEPS || (1.0 - sigma) / h < STIFF_REST {
             return Ok(stiff + 1);
         }
         let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
-        Err(FlowError::Stiff { time, step, product })
+        Err(FlowError::Stiff { time, step, product: square.sqrt() })
     }
 }
 
