@@ -2,7 +2,7 @@
 #![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use num_dual::{Dual, DualNum, DualSVec64};
+use num_dual::{Dual, DualSVec64};
 use std::f64::consts::PI;
 use std::hint::black_box;
 use tangency::core::field::VectorField;

@@ -14,8 +14,8 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// Shooting: the residual of an interval is `φ(x_left) − x_right`, with the flow `φ` from its start to its
 /// end. Several intervals make it multiple shooting, for trajectories along which errors grow.
 ///
-/// Derivatives by the left states and all active numbers come from one flow of dual numbers that takes the same
-/// steps as that of real numbers, so that residual and Jacobian belong together.
+/// Derivatives by the left states and all active numbers come from one flow of dual numbers that takes the
+/// same steps as that of real numbers, so that residual and Jacobian belong together.
 ///
 /// ```
 /// use tangency::core::bvp::Shooting;

@@ -43,7 +43,7 @@ pub struct Statistics {
 /// // A quarter of a period: from (1, 0) to (0, −ω).
 /// let (mut x, omega) = ([1.0, 0.0], 2.0);
 /// let quarter = std::f64::consts::FRAC_PI_2 / omega;
-/// let mut flow = Flow::new(Settings::default()).unwrap();
+/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
 /// let statistics = flow.advance(&Oscillator, 0.0, quarter, &mut x, &[omega]).unwrap();
 /// assert!(x[0].abs() < 1e-12 && (x[1] + omega).abs() < 1e-12);
 /// assert!(statistics.evaluations < 130);
@@ -51,7 +51,7 @@ pub struct Statistics {
 /// // The same on dual numbers: d/dω of cos(ωt) is −t at ωt = π/2.
 /// use num_dual::Dual64;
 /// let mut x = [Dual64::from(1.0), Dual64::from(0.0)];
-/// let mut flow = Flow::new(Settings::default()).unwrap();
+/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
 /// let omega = Dual64::from(omega).derivative();
 /// flow.advance(&Oscillator, 0.0.into(), quarter.into(), &mut x, &[omega]).unwrap();
 /// assert!((x[0].eps + quarter).abs() < 1e-12);
@@ -128,7 +128,27 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// As [`advance`](Self::advance), and shows every accepted step to `observe`, which may end the flow
-    /// there.
+    /// there. The state may be asked for anywhere in the step:
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use tangency::core::flow::{Flow, Settings};
+    /// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
+    /// # struct Growth;
+    /// # impl VectorField for Growth {
+    /// #     fn names(&self) -> Names { Names::new(["x"], ["rate"]) }
+    /// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) { f[0] = p[0] * x[0]; }
+    /// # }
+    /// // x' = x in the middle of every step.
+    /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+    /// flow.observe(&Growth, 0.0, 2.0, &mut [1.0], &[1.0], |step| {
+    ///     let (mut dense, mut exact, t) = ([0.0], [0.0], step.time(0.5));
+    ///     step.interpolate(0.5, &mut dense);
+    ///     step.state(0.5, &mut exact);
+    ///     assert!((dense[0] - t.exp()).abs() < 1e-9 && (exact[0] - t.exp()).abs() < 1e-11);
+    ///     ControlFlow::Continue(())
+    /// }).unwrap();
+    /// ```
     ///
     /// # Errors
     /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
