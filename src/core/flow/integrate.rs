@@ -51,7 +51,7 @@ pub struct Statistics {
 /// // The same on dual numbers: d/dω of cos(ωt) is −t at ωt = π/2.
 /// use num_dual::Dual64;
 /// let mut x = [Dual64::from(1.0), Dual64::from(0.0)];
-/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+/// let mut flow = Flow::new(Settings::default()).unwrap();
 /// let omega = Dual64::from(omega).derivative();
 /// flow.advance(&Oscillator, 0.0.into(), quarter.into(), &mut x, &[omega]).unwrap();
 /// assert!((x[0].eps + quarter).abs() < 1e-12);
