@@ -41,9 +41,7 @@ fn an_eigenvalue_is_an_unknown() {
     let z = system.sampled(&[9.0], guess);
     let x = solved(&mut system, z, &[1.0]);
     close(x[x.len() - 2], PI * PI, 1e-12);
-    let mut state = [0.0; 2];
-    system.states(&x, 0, 0.5, &mut state).unwrap();
-    close(state[0], 2.0_f64.sqrt(), 1e-10);
+    close(system.states(&x, 0, 0.5).unwrap()[0], 2.0_f64.sqrt(), 1e-10);
 }
 
 /// Two segments: `x = exp(a sin t)` reaches 2 at `t = arcsin(ln 2/a)`; with `b = 0` the second is a rotation,
@@ -72,7 +70,7 @@ fn two_segments_are_glued() {
     assert_eq!(names, [("x[0]", 41), ("x[1]", 41), ("w", 41), ("d", 1), ("area", 1)]);
 }
 
-/// Van der Pol's period and amplitude at μ = 1, to the digits of A. Urabe and others: 6.663286859323130,
+/// Van der Pol's period and amplitude at μ = 1, to the digits of A. Urabe and others: 6.663_286_859_323_13,
 /// 2.008619860874843.
 #[test]
 fn periods_are_unknowns() {
@@ -84,7 +82,7 @@ fn periods_are_unknowns() {
     let x = solved(&mut system, z, &[1.0]);
     let mut monitors = [0.0; 3];
     system.monitors(&x, &mut monitors).unwrap();
-    close(monitors[0], 6.663286859323130, 1e-12);
+    close(monitors[0], 6.663_286_859_323_13, 1e-12);
     close(monitors[1], 2.008619860874843, 1e-10);
     // The pencil of the ends has the multiplier 1: P + Q is singular.
     system.assemble(&x).unwrap();
@@ -92,6 +90,37 @@ fn periods_are_unknowns() {
     let sum: Vec<f64> = p.iter().zip(q).map(|(p, q)| p + q).collect();
     let size = sum.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
     assert!((sum[0] * sum[3] - sum[1] * sum[2]).abs() < 1e-9 * size * size);
+}
+
+/// A solution followed over two of its periods, on a mesh from 0 to 2, has the same period.
+#[test]
+fn meshes_may_hold_several_periods() {
+    let mesh = vec![Mesh::uniform(80).stretched(2.0)];
+    let mut system = BoundarySystem::new(VanDerPol, Collocation::new(7).unwrap(), mesh).unwrap();
+    let guess = |_, tau: f64, x: &mut [f64]| {
+        x.copy_from_slice(&[2.0 * (2.0 * PI * tau).cos(), -2.0 * (2.0 * PI * tau).sin()]);
+    };
+    let z = system.sampled(&[6.5], guess);
+    let x = solved(&mut system, z, &[1.0]);
+    let mut monitors = [0.0; 3];
+    system.monitors(&x, &mut monitors).unwrap();
+    close(monitors[0], 2.0 * 6.66328685932313, 1e-11);
+}
+
+/// Histories are smooth curves over the whole time, and the portrait is theirs.
+#[test]
+fn profiles_are_drawn() {
+    let mut system = collocated(Bratu, 4, 10);
+    let z = system.sampled(&[], |_, _, _| {});
+    let x = solved(&mut system, z, &[2.0]);
+    let profiles = system.profiles(&x);
+    let names: Vec<_> = profiles.iter().map(|p| (p.name.as_str(), p.along.as_str())).collect();
+    assert_eq!(names, [("u", "time"), ("v", "time"), ("v", "u")]);
+    assert!(profiles.iter().all(|profile| profile.points.len() == 101));
+    let [first, last] = [profiles[0].points[0], profiles[0].points[100]];
+    close(first[0], 0.0, 0.0);
+    close(last[0], 1.0, 1e-15);
+    close(last[1], 0.0, 1e-14);
 }
 
 /// Sizes that do not fit are refused with what is wrong.

@@ -11,6 +11,27 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
+    /// # #[derive(Clone)]
+    /// # struct Decay;
+    /// # impl BoundaryProblem for Decay {
+    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
+    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// # }
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+    /// x.push(1.0);
+    /// // A cubic on each of four intervals.
+    /// let error = system.error_estimate(&x);
+    /// assert!(error > 1e-6 && error < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.largest_error(&self.plain.nodes).map_or(0.0, |largest| largest.error)
@@ -22,6 +43,28 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
+    /// # #[derive(Clone)]
+    /// # struct Decay;
+    /// # impl BoundaryProblem for Decay {
+    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
+    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// # }
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// // A solution that decays within a tenth.
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-10.0 * tau).exp());
+    /// x.push(10.0);
+    /// system.adapt(&mut x, &mut [])?;
+    /// let points = system.meshes()[0].points();
+    /// assert!(points.len() == 5 && points[1] < 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn adapt(
         &mut self,
         x: &mut Vec<f64>,
@@ -59,6 +102,27 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     ///
     /// # Errors
     /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::LeftDomain`].
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
+    /// # #[derive(Clone)]
+    /// # struct Decay;
+    /// # impl BoundaryProblem for Decay {
+    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
+    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// # }
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+    /// x.push(1.0);
+    /// let (mut fine, x) = system.with_error(&x, 1e-6)?;
+    /// assert!(fine.meshes()[0].intervals() > 4);
+    /// assert!(fine.error_estimate(&x) < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
         let mut before = self;
         before.plain.load(&before.equations.layout, |i| x[i]);
