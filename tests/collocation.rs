@@ -15,7 +15,8 @@ use tangency::core::zero::{Border, Slot, System};
 
 type Collocated<P> = BoundarySystem<P, Collocation>;
 
-/// The exact lower solution of Bratu's problem: `u = 2 ln(cosh(θ/4) / cosh((t − ½)θ/2))` with `θ = √(2λ) cosh(θ/4)`.
+/// The exact lower solution of Bratu's problem: `u = 2 ln(cosh(θ/4) / cosh((t − ½)θ/2))` with `θ = √(2λ)
+/// cosh(θ/4)`.
 fn bratu(lambda: f64, t: f64) -> f64 {
     let mut theta = 0.0;
     for _ in 0..200 {
@@ -56,8 +57,8 @@ fn errors<P: BoundaryProblem>(
     largest
 }
 
-/// Orders `2m` at breakpoints, `m + 2` at nodes and `m + 1` in between, within 10 %; the estimate is that of the
-/// last, and not below it.
+/// Orders `2m` at breakpoints, `m + 2` at nodes and `m + 1` in between, within 10 %; the estimate is that
+/// of the last, and not below it.
 #[test]
 fn superconvergence() {
     for (m, intervals) in [(2, 16), (3, 12), (4, 6), (5, 3)] {

@@ -28,9 +28,10 @@ const MOST_INTERVALS: usize = 4096;
 /// A boundary-value problem, discretised by a method on one mesh for each segment.
 ///
 /// Unknowns `z`: for each segment and each state a group of values at the segment's nodes (`N·m + 1` of them
-/// for `N` intervals with `m` nodes beyond the first), then one scalar group for each extra. Equations: those of
-/// all intervals, boundary conditions, integral conditions, the phase condition. The Jacobian is never
-/// formed: chains of intervals are condensed to their ends at a cost linear in the number of intervals.
+/// for `N` intervals with `m` nodes beyond the first), then one scalar group for each extra. Equations:
+/// those of all intervals, boundary conditions, integral conditions, the phase condition. The Jacobian is
+/// never formed: chains of intervals are condensed to their ends at a cost linear in the number of
+/// intervals.
 ///
 /// Monitors are those of the problem and, where the mesh causes an error, its estimate `mesh_error`.
 ///
@@ -139,9 +140,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// # impl BoundaryProblem for Decay {
     /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
     /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
     /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
     /// # }
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
@@ -184,9 +189,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// # impl BoundaryProblem for Decay {
     /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
     /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
     /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
     /// # }
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
@@ -221,9 +230,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// # impl BoundaryProblem for Decay {
     /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
     /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
     /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
     /// # }
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
@@ -238,12 +251,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         self.equations.set_reference(x, &mut self.plain)
     }
 
-    /// The equations of the first segment, assembled last, condensed to its ends: `P δx(0) + Q δx(1) = 0` with `n × n`
-    /// matrices `P` and `Q`, one row after the other. The multipliers of a periodic solution are those of
-    /// this pencil.
+    /// The equations of the first segment, assembled last, condensed to its ends: `P δx(0) + Q δx(1) = 0`
+    /// with `n × n` matrices `P` and `Q`, one row after the other. The multipliers of a periodic solution
+    /// are those of this pencil.
     ///
     /// # Errors
-    /// [`Singular`] if the equations of some interval do not determine what is inside it.
+    /// [`Singular`] if the equations of some interval do not determine what is inside it, or if nothing is
+    /// assembled.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
@@ -252,9 +266,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// # impl BoundaryProblem for Decay {
     /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
     /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) { f[0] = -q[0] * x[0]; }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
     /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) { b[0] = ends.start[0] - 1.0; }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
     /// # }
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;

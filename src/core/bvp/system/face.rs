@@ -12,8 +12,8 @@ use crate::core::zero::{
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
-    /// The first point at which the equations are evaluated is the reference of the phase condition, where none
-    /// is given.
+    /// The first point at which the equations are evaluated is the reference of the phase condition, where
+    /// none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
         if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
             self.set_reference(x)?;
