@@ -40,7 +40,7 @@ fn bratu_folds() {
 #[test]
 fn branches_are_switched() {
     let mut system = collocated(TrivialBranch, 4, 12);
-    let branch = Continuation::of(&mut system).along("a", 0.1..=5.0).trace().unwrap();
+    let branch = Continuation::of(&mut system).at("a", 0.1).along("a", 0.1..=5.0).trace().unwrap();
     let points: Vec<_> = branch.of_kind(Kind::BP).collect();
     assert_eq!(points.len(), 2);
     for (k, point) in points.iter().enumerate() {

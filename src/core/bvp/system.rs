@@ -24,6 +24,9 @@ use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
 const MOST_INTERVALS: usize = 4096;
+/// Nor is it refined more often than this: with every rung of a ladder of high order come many digits, so
+/// that what has not settled by then is rounding.
+const MOST_REFINEMENTS: usize = 5;
 
 /// A boundary-value problem, discretised by a method on one mesh for each segment.
 ///
@@ -90,6 +93,8 @@ pub struct BoundarySystem<P, M: Method> {
     nested_twice: Passes<Dual2<Chunk>, M>,
     /// Components of `q` by which a gradient is taken.
     numbers: Vec<usize>,
+    /// How often the system was refined to become this one.
+    refinements: usize,
 }
 
 impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
@@ -116,6 +121,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
             numbers: Vec::new(),
+            refinements: 0,
             equations,
         })
     }

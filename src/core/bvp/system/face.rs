@@ -3,7 +3,7 @@
 use super::carry::Onto;
 use super::equations::Equations;
 use super::local::Weighted;
-use super::{BoundarySystem, MOST_INTERVALS};
+use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::chunk::Chunk;
 use crate::core::bvp::{BoundaryProblem, Mesh, Method};
 use crate::core::zero::{
@@ -182,10 +182,12 @@ where
     fn refined(&self, x: &[f64]) -> Option<Refinement> {
         let (method, parts) = self.equations.method.finer()?;
         let meshes: Vec<Mesh> = self.meshes().iter().map(|mesh| mesh.divided(parts)).collect();
-        if meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS) {
+        let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
+        if too_fine || self.refinements >= MOST_REFINEMENTS {
             return None;
         }
-        let system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
+        let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
+        system.refinements = self.refinements + 1;
         let Equations { method, meshes, layout, .. } = &system.equations;
         let x =
             self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
