@@ -327,8 +327,8 @@ fn complex_infinite_and_vanishing_multipliers() {
     assert!(multipliers(&[f64::NAN; 9], &[1.0; 9], 3)[0].0.is_nan());
 }
 
-/// Growth by 10⁶ and decay by 10⁻⁶ in each of 20 intervals, with the decaying part given at the left end and the
-/// growing one at the right: exact to the last digits, and as the dense factorisation has it.
+/// Growth by 10⁶ and decay by 10⁻⁶ in each of 20 intervals, with the decaying part given at the left end
+/// and the growing one at the right: exact to the last digits, and as the dense factorisation has it.
 #[test]
 fn dichotomic_conditions_are_solved_accurately() {
     let (intervals, n) = (20, 2);

@@ -123,8 +123,8 @@ impl Chain {
         Ok(())
     }
 
-    /// `R`: the `n` equations that are left of the chain, then the `l` rows, one row after the other, by `x_0`,
-    /// `x_N` and the `k` columns; the corner is zero.
+    /// `R`: the `n` equations that are left of the chain, then the `l` rows, one row after the other,
+    /// by `x_0`, `x_N` and the `k` columns; the corner is zero.
     pub fn reduced(&self) -> &[f64] {
         &self.reduced
     }
@@ -160,8 +160,8 @@ impl Chain {
         }
     }
 
-    /// The values at all nodes (`(N·m + 1)·n`) from those at the ends and the `k` unknowns `y` of the columns;
-    /// `right` as [`forward`](Self::forward) left it.
+    /// The values at all nodes (`(N·m + 1)·n`) from those at the ends and the `k` unknowns `y` of the
+    /// columns; `right` as [`forward`](Self::forward) left it.
     pub fn back(
         &mut self,
         right: &[f64],
@@ -194,8 +194,8 @@ impl Chain {
         self.unknowns = z;
     }
 
-    /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns` (`k`) are `r`, and
-    /// `reduced_right` (`2n + k`) becomes the right side of `Rᵀ`.
+    /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns` (`k`) are
+    /// `r`, and `reduced_right` (`2n + k`) becomes the right side of `Rᵀ`.
     ///
     /// With `w = Eᵀ y`, `Mᵀ w = r` is `Uᵀ y₁ = r₁`, `Rᵀ y₂ = r₂ − *ᵀ y₁`. `y₁` is kept until
     /// [`back_transposed`](Self::back_transposed).
@@ -260,8 +260,8 @@ impl Chain {
         self.equations = y;
     }
 
-    /// From right sides by `x_0`, node `i` and the `k` columns, and what interval `i` adds to node `i + 1` (in its
-    /// place in `front`), to those with node `i + 1` instead.
+    /// From right sides by `x_0`, node `i` and the `k` columns, and what interval `i` adds to node `i + 1`
+    /// (in its place in `front`), to those with node `i + 1` instead.
     fn shared_transposed(&self, i: usize, reduced_right: &mut [f64], front: &mut [f64]) {
         let n = self.states;
         front[..n].copy_from_slice(&reduced_right[n..2 * n]);

@@ -1,7 +1,7 @@
 //! Floquet multipliers from what is left of a condensed chain.
 //!
-//! The `n` equations that a [`Chain`](super::Chain) leaves between its ends, `P x_0 + Q x_N = 0`, say all about
-//! the solutions of the linearised equations over a period: `x_N = μ x_0` where
+//! The `n` equations that a [`Chain`](super::Chain) leaves between its ends, `P x_0 + Q x_N = 0`, say all
+//! about the solutions of the linearised equations over a period: `x_N = μ x_0` where
 //!
 //! ```text
 //!     (P + μ Q) v = 0.
@@ -15,8 +15,9 @@ use faer::MatRef;
 /// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the eigenvalues of
 /// the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest modulus first.
 ///
-/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by the QZ iteration,
-/// with an error, relative to `μ`, below `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits and more where `μ` is 10⁸ or 10⁻⁸.
+/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by the QZ
+/// iteration, with an error, relative to `μ`, of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits and
+/// more where `μ` is 10⁸ or 10⁻⁸.
 ///
 /// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros. Where
 /// `P + μ Q` is singular for every `μ`, or has an entry that is not a number, so are the multipliers.
