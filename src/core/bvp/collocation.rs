@@ -198,15 +198,19 @@ impl Method for Collocation {
         _span: Span,
         nodes: &[f64],
         _q: &[f64],
-        state: usize,
-        visit: &mut dyn FnMut(f64, f64),
+        states: &[usize],
+        visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         let basis = &self.basis;
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
-        let at = |j: usize| nodes[j * n + state];
-        visit(0.0, at(0));
-        basis.stationary(at, |s| visit(s, (0..=m).map(|j| basis.lagrange(j, s) * at(j)).sum()));
-        visit(1.0, at(m));
+        for &state in states {
+            let at = |j: usize| nodes[j * n + state];
+            visit(state, 0.0, at(0));
+            basis.stationary(at, |s| {
+                visit(state, s, (0..=m).map(|j| basis.lagrange(j, s) * at(j)).sum());
+            });
+            visit(state, 1.0, at(m));
+        }
         Ok(())
     }
 

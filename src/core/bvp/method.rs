@@ -84,8 +84,8 @@ pub trait Method {
         block: Block,
     ) -> Result<(), LeftDomain>;
 
-    /// Calls `visit` with place (from 0 to 1) and value of every local extremum of a state inside an
-    /// interval, its ends included.
+    /// Calls `visit` with number, place (from 0 to 1) and value of some states at every local extremum inside
+    /// an interval, and at its ends.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
@@ -95,8 +95,8 @@ pub trait Method {
         span: Span,
         nodes: &[f64],
         q: &[f64],
-        state: usize,
-        visit: &mut dyn FnMut(f64, f64),
+        states: &[usize],
+        visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain>;
 
     /// How many Gauss points an interval needs for integrals to be as accurate as the trajectory.

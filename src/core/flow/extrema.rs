@@ -77,6 +77,12 @@ impl<T: Scalar> Extrema<T> {
         step: &mut Step<F, T>,
         mut visit: impl FnMut(Extremum<T>),
     ) {
+        if let Some(slope) = step.clear_slope(self.state) {
+            if self.slope * slope >= 0.0 {
+                self.slope = slope;
+                return;
+            }
+        }
         step.prepare();
         let mut left = Sample::of(step, self.state, 0.0);
         self.pass(step, left, left, &mut visit);
@@ -164,7 +170,8 @@ impl Sample {
         quantity: impl Fn(&Sample) -> f64,
     ) -> Self {
         let (mut low, mut high) = (left, right);
-        while high.fraction - low.fraction > 1e-10 {
+        // Good enough for Newton's method on shorter steps.
+        while high.fraction - low.fraction > 1e-6 {
             let middle = Sample::of(step, state, 0.5 * (low.fraction + high.fraction));
             if quantity(&middle) * quantity(&right) > 0.0 {
                 high = middle;

@@ -2,6 +2,7 @@
 
 use super::layout::{Layout, span};
 use super::mesh_error::highest_derivative;
+use super::monitors::Extremes;
 use crate::core::bvp::method::left_domain;
 use crate::core::bvp::{
     BoundaryError, BoundaryProblem, Ends, Mesh, Method, Monitor, OnSegment, Span,
@@ -21,6 +22,7 @@ pub(super) struct Equations<P, M> {
     pub quadrature: Vec<[f64; 2]>,
     pub phase: Phase,
     pub monitors: Vec<Monitor>,
+    pub extremes: Extremes,
     /// The weights of the values at the nodes in the `m`-th derivative.
     pub highest: Vec<f64>,
     /// Positions in `z`, kept so that nothing is allocated twice.
@@ -87,13 +89,16 @@ impl<T: Scalar, M: Method> Work<T, M> {
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     pub fn new(problem: P, method: M, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
         let layout = Layout::new(&problem, &method, &meshes)?;
+        let monitors: Vec<Monitor> =
+            problem.monitors().into_iter().map(|(_, monitor)| monitor).collect();
         let (points, weights) = gauss_legendre(method.quadrature());
         let quadrature =
             points.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect();
         Ok(Equations {
             quadrature,
             phase: Phase::default(),
-            monitors: problem.monitors().into_iter().map(|(_, monitor)| monitor).collect(),
+            extremes: Extremes::of(&monitors, &layout),
+            monitors,
             highest: highest_derivative(method.places()),
             positions: Vec::new(),
             problem,
