@@ -69,6 +69,33 @@ pub trait Method {
         x: &mut [T],
     ) -> Result<(), LeftDomain>;
 
+    /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start on, for
+    /// drawing.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval's data, places, buffers and a visitor"
+    )]
+    fn trajectory<P: BoundaryProblem>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        count: usize,
+        work: &mut Self::Work<f64>,
+        visit: &mut dyn FnMut(f64, &[f64]),
+    ) -> Result<(), LeftDomain> {
+        let mut x = vec![0.0; nodes.len() / self.places().len()];
+        for place in (0..count).map(|k| k as f64 / count as f64) {
+            self.value(problem, span, nodes, q, place, work, &mut x)?;
+            visit(place, &x);
+        }
+        Ok(())
+    }
+
     /// The residual of an interval with its derivatives by the nodes and by the active components
     /// of `q`.
     ///

@@ -202,6 +202,36 @@ impl Method for Shooting {
         if place == 0.0 { Ok(()) } else { flow_to(work, problem, span, place, q, x) }
     }
 
+    /// From the dense output of one flow.
+    fn trajectory<P: BoundaryProblem>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        count: usize,
+        work: &mut Flow<f64>,
+        visit: &mut dyn FnMut(f64, &[f64]),
+    ) -> Result<(), LeftDomain> {
+        let mut x = nodes[..nodes.len() / 2].to_vec();
+        let (mut next, mut between) = (0, x.clone());
+        work.settings = self.settings;
+        let field = OnSegment { problem, segment: span.segment };
+        let duration = problem.duration(span.segment, q);
+        let length = duration * (span.end - span.start);
+        work.observe(&field, duration * span.start, length, &mut x, q, |step| {
+            let (start, end) = step.span();
+            while next < count && (next as f64) < end * count as f64 {
+                let place = next as f64 / count as f64;
+                step.interpolate((place - start) / (end - start), &mut between);
+                visit(place, &between);
+                next += 1;
+            }
+            ControlFlow::Continue(())
+        })?;
+        Ok(())
+    }
+
     fn linearise<P: BoundaryProblem>(
         &mut self,
         problem: &P,
