@@ -69,11 +69,11 @@ fn runs() -> usize {
 fn main() -> Result<(), Box<dyn Error>> {
     println!("| method | points | mesh | fold V | fold error | CPU ms (median) |");
     println!("|---|---|---|---|---|---|");
-    report("shooting", "1", [0.1, 1.0], &|| {
-        let shooting = Shooting::new(Scheme::DormandPrince8, 1e-10)?;
+    report("shooting", "1", [0.058, 1.0], &|| {
+        let shooting = Shooting::new(Scheme::DormandPrince8, 5e-11)?;
         Ok(Box::new(by_shooting(Block, 1, shooting)?))
     })?;
-    report("collocation", "20 × 4", [0.1, 9.0], &|| {
+    report("collocation", "20 × 4", [0.042, 9.0], &|| {
         Ok(Box::new(by_collocation(Block, 20, Collocation::new(4)?)?))
     })?;
     Ok(())

@@ -215,7 +215,7 @@ impl Newton {
                 return Ok(report);
             }
             // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
-            if iteration > 1 && contracts && size * ratio * ratio <= 0.01 * tolerance {
+            if iteration > 1 && contracts && size * ratio * ratio <= 0.1 * tolerance {
                 unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
                 report.matrix_error = 2.0 * ratio * ratio;
                 return Ok(report);

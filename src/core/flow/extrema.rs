@@ -18,8 +18,8 @@ pub struct Extremum<T> {
 const PARTS: usize = 8;
 /// How many times an extremum is improved at most.
 const ROUNDS: usize = 12;
-/// A change of place by this part of a step is none.
-const SETTLED: f64 = 1e-14;
+/// After a change of place by this part of a step, the parabola through it is the solution to rounding.
+const SETTLED: f64 = 1e-5;
 
 /// The search for all local extrema of one state, step by step: to be called by the observer of a flow.
 ///
@@ -126,18 +126,25 @@ impl<T: Scalar> Extrema<T> {
         let place = Dual2::new(start, T::one(), T::zero());
         let curvature = step.interpolated(i, place, Dual2::from_re).v2;
         let mut theta = start;
+        let mut value = T::zero();
         for round in 0..ROUNDS {
             step.state(theta, &mut self.x);
             step.slope(theta, &self.x, &mut self.slopes);
-            let change = self.slopes[i] * step.length() / curvature;
-            let settled = change.real().abs() < SETTLED;
+            let slope = self.slopes[i] * step.length();
+            let change = slope / curvature;
+            value = self.x[i];
             let strayed = (theta - change - guess).real().abs() > 1.0 / PARTS as f64;
-            if strayed || !change.real().is_finite() || (settled && round > T::NDERIV) {
+            if strayed || !change.real().is_finite() {
                 break;
             }
             theta -= change;
+            // On the parabola, the rest of the way changes the value by half the slope times it.
+            value -= slope * change * 0.5;
+            if change.real().abs() < SETTLED && round >= T::NDERIV {
+                break;
+            }
         }
-        Extremum { place: step.place(theta), value: self.x[i] }
+        Extremum { place: step.place(theta), value }
     }
 }
 
