@@ -77,30 +77,57 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut system = by_shooting(Block, 1, Shooting::new(Scheme::DormandPrince8, 5e-11)?)?;
         let n = system.names().dimension();
         let mut x = vec![0.0; n + 3];
-        x[n] = 0.2; x[n + 1] = 0.45; x[n + 2] = 0.04;
+        x[n] = 0.2;
+        x[n + 1] = 0.45;
+        x[n + 2] = 0.04;
         let mut d = vec![0.0; n + 3];
         d[n] = 1.0;
         let mut out = vec![0.0; n];
         system.derivative(&x, &d, &mut out);
         let mut r = vec![0.0; n];
         let mut values = vec![0.0; 5];
-        for what in 0..5 {
+        for what in 0..9 {
             let start = ProcessTime::now();
-            for k in 0..10000 {
+            for k in 0..2000 {
                 x[0] = 0.1 + 1e-6 * k as f64;
                 match what {
                     0 => system.assemble(&x)?,
                     1 => system.residual(&x, &mut r)?,
                     2 => system.monitors(&x, &mut values)?,
-                    3 => { system.factor(tangency::core::zero::Slot::Curve, tangency::core::zero::Border::NONE)?; }
-                    _ => { system.spectrum(&x); }
+                    3 => {
+                        system.factor(
+                            tangency::core::zero::Slot::Curve,
+                            tangency::core::zero::Border::NONE,
+                        )?;
+                    }
+                    4 => {
+                        system.spectrum(&x);
+                    }
+                    5 => {
+                        let w = vec![1.0; n];
+                        let v = vec![1.0; n + 3];
+                        let mut o = vec![0.0; n + 3];
+                        system.gradient(&x, &w, &v, &[0], &mut o);
+                    }
+                    6 => {
+                        let mut o = vec![0.0; n + 3];
+                        system.monitor_gradient(1, &x, &mut o);
+                    }
+                    7 => {
+                        system.profiles(&x);
+                    }
+                    _ => {
+                        by_shooting(Block, 1, Shooting::new(Scheme::DormandPrince8, 5e-11)?)?;
+                    }
                 }
             }
-            println!("{what}: {:.2} µs", start.elapsed().as_secs_f64() * 1e6 / 1e4);
+            println!("{what}: {:.2} µs", start.elapsed().as_secs_f64() * 1e6 / 2e3);
         }
     }
-    if std::env::args().nth(2).is_none() { report("collocation", "20 × 4", [0.042, 9.0], &|| {
-        Ok(Box::new(by_collocation(Block, 20, Collocation::new(4)?)?))
-    })?; }
+    if std::env::args().nth(2).is_none() {
+        report("collocation", "20 × 4", [0.042, 9.0], &|| {
+            Ok(Box::new(by_collocation(Block, 20, Collocation::new(4)?)?))
+        })?;
+    }
     Ok(())
 }

@@ -123,19 +123,13 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
         self.motion.slope_at(self.time(fraction), x, slope);
     }
 
-    /// The slope of state `i` at the end of the step, if it keeps clear of zero in all of it: at both ends and
-    /// in the middle of the cubic through the ends it has one sign and sizes that differ by less than
-    /// five times. Costs no evaluation; of a Rosenbrock method it is not known.
-    pub(super) fn clear_slope(&self, i: usize) -> Option<f64> {
+    /// The slopes of state `i` at the start, in the middle of the cubic through the ends, and at the end of the
+    /// step. Costs no evaluation; of a Rosenbrock method they are not known.
+    pub(super) fn slopes(&self, i: usize) -> Option<[f64; 3]> {
         let (end, stages) = (self.scheme.tableau()?.end(), &self.buffers.stages);
         let [first, last] = [0, end].map(|stage| stages.slope(stage)[i].real() * self.h);
         let rise = (stages.end[i] - self.buffers.x[i]).real();
-        let middle = 1.5 * rise - 0.25 * (first + last);
-        let slopes = [first, middle, last];
-        let least = slopes.iter().fold(f64::INFINITY, |least, s| least.min(s.abs()));
-        let most = slopes.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
-        let one_sign = slopes.iter().all(|s| s * last > 0.0);
-        (one_sign && 5.0 * least > most).then_some(last)
+        Some([first, 1.5 * rise - 0.25 * (first + last), last])
     }
 
     /// State `i` at a fraction of the step by dense output, in any scalar type that the coefficients can be

@@ -25,6 +25,8 @@ pub(super) struct Extremes {
     states: Vec<Vec<usize>>,
     /// The largest and the smallest value of each state of all segments.
     found: Vec<[Extremum; 2]>,
+    /// The values at the nodes and the numbers for which they were found.
+    at: Vec<f64>,
 }
 
 impl Extremes {
@@ -39,7 +41,7 @@ impl Extremes {
                 states[segment].push(state);
             }
         }
-        Extremes { states, found: vec![Default::default(); layout.states] }
+        Extremes { states, found: vec![Default::default(); layout.states], at: Vec::new() }
     }
 }
 
@@ -107,7 +109,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// Finds the extremes of all states that monitors ask for, in one pass over the intervals.
     fn find_extremes(&mut self, work: &Work<f64, M>) -> Result<(), LeftDomain> {
         let Equations { problem, method, meshes, layout, extremes, .. } = self;
-        let Extremes { states, found } = extremes;
+        let Extremes { states, found, at } = extremes;
+        let here = || work.nodes.iter().chain(&work.q);
+        if at.iter().eq(here()) {
+            return Ok(());
+        }
+        at.clear();
         let none = Extremum { value: f64::NAN, ..Extremum::default() };
         found.fill([none; 2]);
         for (segment, states) in states.iter().enumerate() {
@@ -128,6 +135,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 method.extrema(problem, span, nodes, &work.q, states, &mut visit)?;
             }
         }
+        at.extend(here());
         Ok(())
     }
 
