@@ -137,6 +137,28 @@ pub trait Method {
         None
     }
 
+    /// The residual of an interval together with what [`extrema`](Self::extrema) visits, where both come
+    /// from the same work; false, and nothing done, where they do not.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval's data, states, a target and a visitor"
+    )]
+    fn residual_with_extrema<P: BoundaryProblem>(
+        &mut self,
+        _problem: &P,
+        _span: Span,
+        _nodes: &[f64],
+        _q: &[f64],
+        _states: &[usize],
+        _r: &mut [f64],
+        _visit: &mut dyn FnMut(usize, f64, f64),
+    ) -> Result<bool, LeftDomain> {
+        Ok(false)
+    }
+
     /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`
     /// where there is none finer.
     fn finer(&self) -> Option<(Self, usize)>

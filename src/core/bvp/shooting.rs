@@ -268,6 +268,21 @@ impl Method for Shooting {
         states: &[usize],
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
+        let mut r = vec![0.0; nodes.len() / 2];
+        self.residual_with_extrema(problem, span, nodes, q, states, &mut r, visit)?;
+        Ok(())
+    }
+
+    fn residual_with_extrema<P: BoundaryProblem>(
+        &mut self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        states: &[usize],
+        r: &mut [f64],
+        visit: &mut dyn FnMut(usize, f64, f64),
+    ) -> Result<bool, LeftDomain> {
         let Shooting { plain, extrema, x, .. } = self;
         plain.settings = self.settings;
         extrema.resize_with(states.len(), || Extrema::of(0));
@@ -285,7 +300,9 @@ impl Method for Shooting {
             ControlFlow::Continue(())
         })?;
         states.iter().for_each(|&state| visit(state, 1.0, x[state]));
-        Ok(())
+        let right = &nodes[nodes.len() / 2..];
+        r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
+        Ok(true)
     }
 
     fn finer(&self) -> Option<(Self, usize)> {

@@ -114,6 +114,20 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
 
     /// All left sides at the arguments of `work`, into its `r`.
     pub fn residual<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+        self.residual_inside(work)?;
+        self.residual_beside(work)
+    }
+
+    /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
+    pub fn residual_watching(&mut self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+        if !self.residual_with_extremes(work)? {
+            self.residual_inside(work)?;
+        }
+        self.residual_beside(work)
+    }
+
+    /// Left sides of the equations of all intervals.
+    fn residual_inside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
         let layout = &self.layout;
         for (s, j) in layout.intervals() {
             let (nodes, r) =
@@ -127,6 +141,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 r,
             )?;
         }
+        Ok(())
+    }
+
+    /// Left sides of boundary, integral and phase conditions.
+    fn residual_beside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+        let layout = &self.layout;
         let conditions = &mut work.r[layout.conditions()..];
         let (boundary, closing) = conditions.split_at_mut(layout.boundary);
         gather_ends(layout, &work.nodes, &mut work.ends);

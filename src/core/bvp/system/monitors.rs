@@ -43,6 +43,42 @@ impl Extremes {
         }
         Extremes { states, found: vec![Default::default(); layout.states], at: Vec::new() }
     }
+
+    /// Whether they are known at the arguments of `work`.
+    fn known<M: Method>(&self, work: &Work<f64, M>) -> bool {
+        self.at.iter().eq(work.nodes.iter().chain(&work.q))
+    }
+
+    fn begin(&mut self) {
+        let none = Extremum { value: f64::NAN, ..Extremum::default() };
+        self.found.fill([none; 2]);
+        self.at.clear();
+    }
+
+    fn end<M: Method>(&mut self, work: &Work<f64, M>) {
+        self.at.extend(work.nodes.iter().chain(&work.q));
+    }
+
+    /// The states asked for on a segment, and what takes in the extrema of an interval.
+    fn visitor(
+        &mut self,
+        layout: &Layout,
+        segment: usize,
+        interval: usize,
+    ) -> (&[usize], impl FnMut(usize, f64, f64)) {
+        let (ends, found) = (layout.segments[segment].ends, &mut self.found);
+        let visit = move |state: usize, place: f64, value: f64| {
+            let here = Extremum { interval, place, value };
+            let [largest, smallest] = &mut found[ends + state];
+            if value > largest.value || largest.value.is_nan() {
+                *largest = here;
+            }
+            if value < smallest.value || smallest.value.is_nan() {
+                *smallest = here;
+            }
+        };
+        (&self.states[segment], visit)
+    }
 }
 
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
@@ -109,34 +145,38 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// Finds the extremes of all states that monitors ask for, in one pass over the intervals.
     fn find_extremes(&mut self, work: &Work<f64, M>) -> Result<(), LeftDomain> {
         let Equations { problem, method, meshes, layout, extremes, .. } = self;
-        let Extremes { states, found, at } = extremes;
-        let here = || work.nodes.iter().chain(&work.q);
-        if at.iter().eq(here()) {
+        if extremes.known(work) {
             return Ok(());
         }
-        at.clear();
-        let none = Extremum { value: f64::NAN, ..Extremum::default() };
-        found.fill([none; 2]);
-        for (segment, states) in states.iter().enumerate() {
-            let ends = layout.segments[segment].ends;
-            for interval in 0..layout.segments[segment].intervals {
-                let nodes = &work.nodes[layout.interval(segment, interval)];
-                let mut visit = |state: usize, place: f64, value: f64| {
-                    let here = Extremum { interval, place, value };
-                    let [largest, smallest] = &mut found[ends + state];
-                    if value > largest.value || largest.value.is_nan() {
-                        *largest = here;
-                    }
-                    if value < smallest.value || smallest.value.is_nan() {
-                        *smallest = here;
-                    }
-                };
-                let span = span(meshes, segment, interval);
-                method.extrema(problem, span, nodes, &work.q, states, &mut visit)?;
+        extremes.begin();
+        for (s, j) in layout.intervals() {
+            let nodes = &work.nodes[layout.interval(s, j)];
+            let (states, mut visit) = extremes.visitor(layout, s, j);
+            method.extrema(problem, span(meshes, s, j), nodes, &work.q, states, &mut visit)?;
+        }
+        extremes.end(work);
+        Ok(())
+    }
+
+    /// The residuals of all intervals at the arguments of `work`, with the extremes of all states that
+    /// monitors ask for, where both come from the same work; false where they do not.
+    pub(super) fn residual_with_extremes(
+        &mut self,
+        work: &mut Work<f64, M>,
+    ) -> Result<bool, LeftDomain> {
+        let Equations { problem, method, meshes, layout, extremes, .. } = self;
+        extremes.begin();
+        for (s, j) in layout.intervals() {
+            let nodes = &work.nodes[layout.interval(s, j)];
+            let (states, mut visit) = extremes.visitor(layout, s, j);
+            let (span, r) = (span(meshes, s, j), &mut work.r[layout.equations(s, j)]);
+            let visit = &mut visit;
+            if !method.residual_with_extrema(problem, span, nodes, &work.q, states, r, visit)? {
+                return Ok(false);
             }
         }
-        at.extend(here());
-        Ok(())
+        extremes.end(work);
+        Ok(true)
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
