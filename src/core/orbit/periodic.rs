@@ -1,7 +1,8 @@
 //! Periodic orbits as boundary-value problems.
 
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Shooting,
+    BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Monitor,
+    Shooting,
 };
 use crate::core::field::{VectorField, extremes};
 use crate::core::scalar::Scalar;
@@ -24,6 +25,11 @@ impl<F: VectorField> Orbit<F> {
         let forced = field.period(&vec![1.0; names.parameters.len()]).is_some();
         let states = names.unknowns.into_iter().map(|state| state.name).collect();
         Orbit { field, states, parameters: names.parameters, forced }
+    }
+
+    /// The field itself.
+    pub fn vector_field(&self) -> &F {
+        &self.field
     }
 }
 
@@ -88,23 +94,34 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
 /// Periodic orbits by collocation on a number of intervals.
 ///
 /// # Errors
-/// [`BoundaryError`] if the field has no states.
+/// [`BoundaryError`] if the field has no states, or there is no interval.
 pub fn by_collocation<F: VectorField>(
     field: F,
     intervals: usize,
     method: Collocation,
 ) -> Result<BoundarySystem<Orbit<F>, Collocation>, BoundaryError> {
-    BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(intervals)])
+    discretised(field, intervals, method)
 }
 
 /// Periodic orbits by multiple shooting over a number of segments.
 ///
 /// # Errors
-/// [`BoundaryError`] if the field has no states.
+/// [`BoundaryError`] if the field has no states, or there is no segment.
 pub fn by_shooting<F: VectorField>(
     field: F,
     segments: usize,
     method: Shooting,
 ) -> Result<BoundarySystem<Orbit<F>, Shooting>, BoundaryError> {
-    BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(segments)])
+    discretised(field, segments, method)
+}
+
+fn discretised<F: VectorField, M: Method>(
+    field: F,
+    intervals: usize,
+    method: M,
+) -> Result<BoundarySystem<Orbit<F>, M>, BoundaryError> {
+    if intervals == 0 {
+        return Err(BoundaryError::NoIntervals { segment: 0 });
+    }
+    BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(intervals)])
 }
