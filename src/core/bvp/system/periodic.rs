@@ -145,16 +145,40 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         Ok(multipliers(p, q, n))
     }
 
-    /// The multipliers that decide stability: all but the trivial one.
+    /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its vector is
+    /// known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or a branch point it
+    /// could not be told from the one that is about to become 1.
     pub(super) fn deciding_multipliers(&mut self) -> Option<Spectrum> {
-        let mut found = self.multipliers().ok()?;
-        if self.equations.layout.phase {
-            let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
-            let nearest = (0..found.len())
-                .min_by(|&a, &b| distance(&found[a]).total_cmp(&distance(&found[b])))?;
-            found.remove(nearest);
+        let n = self.equations.layout.states;
+        if !self.equations.layout.phase {
+            return self.multipliers().ok();
         }
+        let motions = self.motions();
+        let (p, q) = self.reduced_pencil().ok()?;
+        if let Some((p, q)) = motions.iter().find_map(|motion| deflated(p, q, motion)) {
+            return Some(multipliers(&p, &q, n - 1));
+        }
+        let mut found = multipliers(p, q, n);
+        let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
+        let nearest = (0..found.len())
+            .min_by(|&a, &b| distance(&found[a]).total_cmp(&distance(&found[b])))?;
+        found.remove(nearest);
         Some(found)
+    }
+
+    /// The motion at the start of the orbit assembled last, and that of the phase condition's reference: at a
+    /// Hopf point, where the former vanishes, that of the orbits to come.
+    fn motions(&self) -> [Vec<f64>; 2] {
+        let (layout, at) = (&self.equations.layout, &self.linearisation.at);
+        let n = layout.states;
+        let start: Vec<f64> = layout.ends[..n].iter().filter_map(|&z| at.get(z).copied()).collect();
+        let numbers = (0..layout.numbers()).filter_map(|k| at.get(layout.number(k)).copied());
+        let mut motion = vec![0.0; n];
+        if start.len() == n {
+            let q: Vec<f64> = numbers.collect();
+            self.equations.problem.field(0, 0.0, &start, &q, &mut motion);
+        }
+        [motion, self.equations.phase.row.iter().take(n).copied().collect()]
     }
 
     /// Factors the linearisation with antiperiodic boundary conditions.
@@ -168,6 +192,55 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         }
         self.factors[slot as usize].factor(layout, assembled, &boundary, Form::Twisted, border)
     }
+}
+
+/// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
+/// multipliers mean nothing anyhow.
+const TRIVIAL: f64 = 1e-3;
+
+/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases that begin
+/// with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such vector.
+fn deflated(p: &[f64], q: &[f64], v: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    let n = v.len();
+    let times =
+        |a: &[f64]| -> Vec<f64> { a.chunks_exact(n.max(1)).map(|row| dot(row, v)).collect() };
+    let (pv, qv) = (times(p), times(q));
+    let left: Vec<f64> = pv.iter().zip(&qv).map(|(p, q)| p + q).collect();
+    let trivial = dot(&left, &left) <= TRIVIAL * TRIVIAL * dot(&qv, &qv);
+    if !(trivial && dot(v, v) > 0.0 && dot(&qv, &qv) > 0.0) {
+        return None;
+    }
+    let (from, to) = (reflector(v), reflector(&qv));
+    let block = |a: &[f64]| -> Vec<f64> {
+        let mut a = a.to_vec();
+        a.chunks_exact_mut(n).for_each(|row| reflect(&from, row));
+        let columns: Vec<Vec<f64>> = (1..n)
+            .map(|j| {
+                let mut column: Vec<f64> = (0..n).map(|i| a[i * n + j]).collect();
+                reflect(&to, &mut column);
+                column
+            })
+            .collect();
+        (1..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+    };
+    Some((block(p), block(q)))
+}
+
+/// The vector `w` of Householder's reflection `I − 2 w wᵀ/wᵀw` that turns `v` into the first axis.
+fn reflector(v: &[f64]) -> Vec<f64> {
+    let size = dot(v, v).sqrt();
+    let mut w: Vec<f64> = v.iter().map(|v| v / size).collect();
+    w[0] += 1.0_f64.copysign(w[0]);
+    w
+}
+
+fn reflect(w: &[f64], x: &mut [f64]) {
+    let share = 2.0 * dot(w, x) / dot(w, w);
+    x.iter_mut().zip(w).for_each(|(x, w)| *x -= share * w);
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl<P: BoundaryProblem, M: Method> Oscillation for BoundarySystem<P, M> {
