@@ -11,7 +11,7 @@ use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use tangency::core::field::VectorField;
 use tangency::core::flow::Scheme;
-use tangency::core::orbit::{by_collocation, by_shooting};
+use tangency::core::orbit::{Simulation, by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Names, System};
 use tangency::problems::classic::Lure;
@@ -113,12 +113,14 @@ impl VectorField for VanDerPol {
     }
 }
 
-fn relaxation(system: &mut dyn System, end: f64) -> Branch {
-    let rest = equilibria(VanDerPol, &[0.0; 2], &[-0.5], [-1.0, 1.0]);
-    Continuation::of(system)
-        .restart(&rest, label(&rest, Kind::HB))
-        .along("mu", -1.0..=end)
-        .settings(Settings { max_step: 0.2, max_points: 400, ..Settings::default() })
+fn relaxation(intervals: usize) -> Branch {
+    let mut system = collocated(VanDerPol, intervals);
+    let z = system.simulated(&Simulation::default(), &[1.0, 0.0], &[1.0]).unwrap();
+    Continuation::of(&mut system)
+        .from(&z)
+        .at("mu", 1.0)
+        .along("mu", 1.0..=5.0)
+        .settings(Settings { max_step: 0.2, max_points: 200, ..Settings::default() })
         .trace()
         .unwrap()
 }
@@ -126,9 +128,9 @@ fn relaxation(system: &mut dyn System, end: f64) -> Branch {
 /// A mesh too coarse for the orbit: the monitor `mesh_error` and the error of special points say so.
 #[test]
 fn a_coarse_mesh_is_not_trusted() {
-    let branch = relaxation(&mut collocated(VanDerPol, 5), 5.0);
+    let branch = relaxation(5);
     println!("{:?} {:?}", branch.ends[1], branch.points.last());
-    let fine = relaxation(&mut collocated(VanDerPol, 60), 5.0);
+    let fine = relaxation(60);
     println!("{:?} {:?}", fine.ends[1], fine.points.last());
     let column = branch.monitors.iter().position(|name| name == "mesh_error").unwrap();
     let (coarse, fine) = (branch.points.last().unwrap(), fine.points.last().unwrap());
@@ -164,26 +166,33 @@ impl VectorField for Stiff {
 
 #[test]
 fn stiff_fields() {
-    let trace = |system: &mut dyn System| {
+    fn wave(_: usize, tau: f64, x: &mut [f64]) {
+        (x[0], x[1]) = ((TAU * tau).cos(), 0.0);
+    }
+    let trace = |system: &mut dyn System, z: &[f64]| {
         Continuation::of(system)
-            .at("amplitude", 0.0)
+            .from(z)
+            .at("amplitude", 1.0)
             .at("rate", 1e5)
-            .along("amplitude", 0.0..=2.0)
-            .mark("max_x", 1.0)
+            .along("amplitude", 0.5..=2.0)
+            .mark("max_x", 1.5)
             .settings(Settings { accuracy: 0.0, ..Settings::default() })
             .trace()
     };
     // The explicit pair refuses by name.
-    let refused = trace(&mut shot(Stiff, 1)).unwrap_err().to_string();
+    let mut explicit = shot(Stiff, 1);
+    let z = explicit.sampled(&[], wave);
+    let refused = trace(&mut explicit, &z).unwrap_err().to_string();
     assert!(refused.contains("stiff") && refused.contains("implicit"), "{refused}");
     let rodas = Shooting::new(Scheme::Rodas5P, 1e-8).unwrap();
-    for (system, tolerance) in [
-        (&mut collocated(Stiff, 30) as &mut dyn System, 1e-9),
-        (&mut by_shooting(Stiff, 1, rodas).unwrap(), 1e-6),
-    ] {
-        let branch = trace(system).unwrap();
-        println!("{:e}", first(&branch, Kind::UZ).parameters[0] - 1.0);
-        close(first(&branch, Kind::UZ).parameters[0], 1.0, tolerance);
+    let (mut collocation, mut implicit) =
+        (collocated(Stiff, 30), by_shooting(Stiff, 1, rodas).unwrap());
+    let starts = [collocation.sampled(&[], wave), implicit.sampled(&[], wave)];
+    let systems = [&mut collocation as &mut dyn System, &mut implicit];
+    for ((system, z), tolerance) in systems.into_iter().zip(starts).zip([1e-7, 1e-6]) {
+        let branch = trace(system, &z).unwrap();
+        println!("{:e}", first(&branch, Kind::UZ).parameters[0] - 1.5);
+        close(first(&branch, Kind::UZ).parameters[0], 1.5, tolerance);
         assert!(branch.points.iter().all(|point| point.unstable == Some(0)));
     }
 }
@@ -197,12 +206,7 @@ fn a_field_that_leaves_its_domain() {
             .at("frequency", 0.45)
             .at("damping", 0.04)
             .along("voltage", 0.01..=0.5)
-            .settings(Settings {
-                max_step: 0.05,
-                accuracy: 0.0,
-                max_points: 300,
-                ..Settings::default()
-            })
+            .settings(Settings { accuracy: 0.0, ..Settings::default() })
             .trace()
             .unwrap();
         println!("{:?} {} {:?}", branch.ends[1], branch.points.len(), branch.points.last());
@@ -241,7 +245,7 @@ fn bad_input_is_refused() {
     let orbits = Continuation::of(&mut system)
         .restart(&rest, label(&rest, Kind::HB))
         .along("alpha", 0.4..=1.6)
-        .settings(Settings { max_points: 30, ..Settings::default() })
+        .settings(Settings { max_points: 100, ..Settings::default() })
         .trace()
         .unwrap();
     let start = |system: &mut dyn System, parameter: &str| {

@@ -113,36 +113,43 @@ fn isothermal_cascade() {
     let rest = equilibria(Isothermal, &[12.0, 8.0, 9.0], &[14.0], [5.0, 20.0]);
     // By Newton's method on equilibrium and trace · (sum of principal minors) = determinant.
     close(first(&rest, Kind::HB).parameters[0], 12.143462569889, 1e-11);
-    let mut shooting = shot(Isothermal, 4);
-    let mut collocation = collocated(Isothermal, 30);
-    for system in [&mut shooting as &mut dyn System, &mut collocation] {
-        let mut branch = Continuation::of(system)
-            .restart(&rest, label(&rest, Kind::HB))
+    let published = [(10.571047456, 0.751234), (10.146517655, 1.636055), (10.091209039, 3.344771)];
+    let (mut shooting, mut collocation) = (shot(Isothermal, 4), collocated(Isothermal, 30));
+    let [by_shooting, by_collocation] = [&mut shooting as &mut dyn System, &mut collocation]
+        .map(|system| cascade(system, &rest, published.len()));
+    for ((a, b), (lambda, period)) in by_shooting.iter().zip(&by_collocation).zip(published) {
+        println!("{a:?} {b:?}");
+        close(a[0], b[0], 1e-9);
+        close(a[1], b[1], 1e-8);
+        close(a[0], lambda, 2e-9);
+        close(a[1], period, 5e-7);
+    }
+}
+
+/// λ and period at so many period doublings, each found on the branch that the last one gave birth to.
+fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]> {
+    let settings = Settings { accuracy: 1e-11, ..settings() };
+    let mut branch = Continuation::of(system)
+        .restart(rest, label(rest, Kind::HB))
+        .along("lambda", 10.0..=20.0)
+        .settings(settings.clone())
+        .trace()
+        .unwrap();
+    let mut found = Vec::new();
+    loop {
+        let doubling = first(&branch, Kind::PD);
+        found.push([doubling.parameters[0], doubling.monitors[0]]);
+        if found.len() == count {
+            return found;
+        }
+        let label = doubling.label;
+        branch = Continuation::of(system)
+            .restart(&branch, label)
+            .switch()
             .along("lambda", 10.0..=20.0)
-            .settings(settings())
+            .settings(Settings { max_points: 60, ..settings.clone() })
             .trace()
             .unwrap();
-        let published =
-            [(10.571047456, 0.751234), (10.146517655, 1.636055), (10.091209039, 3.344771)];
-        for (lambda, period) in published {
-            println!(
-                "{:?} {:?}",
-                values(&branch, Kind::PD, "lambda"),
-                values(&branch, Kind::PD, "period")
-            );
-            let doubling = branch.of_kind(Kind::PD).next().unwrap();
-            close(doubling.parameters[0], lambda, 5e-10);
-            close(doubling.monitors[0], period, 5e-7);
-            let label = doubling.label;
-            let end = lambda - 0.01;
-            branch = Continuation::of(system)
-                .restart(&branch, label)
-                .switch()
-                .along("lambda", end.min(10.0)..=20.0)
-                .settings(settings())
-                .trace()
-                .unwrap();
-        }
     }
 }
 

@@ -211,6 +211,11 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 row.iter_mut().zip(f.iter()).for_each(|(r, f)| *r += duration * h * weight * f);
             }
         }
+        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant tells branch points.
+        let along: f64 = row.iter().zip(&self.phase.row).map(|(new, old)| new * old).sum();
+        if along < 0.0 {
+            row.iter_mut().for_each(|r| *r = -*r);
+        }
         self.phase.row = row;
         self.phase.reference.clear();
         self.phase.reference.extend_from_slice(x);

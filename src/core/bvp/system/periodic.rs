@@ -23,6 +23,11 @@ pub(super) struct Rotating {
     matrix: Vec<f64>,
     lu: BorderedLu,
     right: Vec<f64>,
+    /// Real and imaginary parts of a right side, and what the chains leave of them.
+    parts: [Vec<f64>; 2],
+    left: [Vec<f64>; 2],
+    /// Boundary conditions that stand in place of the orbit's own.
+    boundary: Vec<f64>,
 }
 
 impl Rotating {
@@ -40,8 +45,9 @@ impl Rotating {
     ) -> Result<(), Singular> {
         let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
         self.factors.condense(layout, assembled, Form::Twisted, border)?;
-        let no_boundary = vec![0.0; assembled.boundary.len()];
-        self.factors.place(layout, assembled, &no_boundary, Form::Twisted, border);
+        self.boundary.clear();
+        self.boundary.resize(assembled.boundary.len(), 0.0);
+        self.factors.place(layout, assembled, &self.boundary, Form::Twisted, border);
         let n = layout.states;
         let last = self.factors.dense().len() - 2;
         let size = last + 1;
@@ -80,53 +86,50 @@ impl Rotating {
 
     /// Solves with the matrix, or with its conjugate transposed, in place.
     fn solve(&mut self, layout: &Layout, right: &mut [f64], transposed: bool) {
+        let Rotating { factors, lu, right: dense, parts, left, .. } = self;
         let length = right.len() / 2;
         let (real, imaginary) = right.split_at_mut(length);
-        let mut parts = [self.widened(real), self.widened(imaginary)];
         let g = [real[length - 1], imaginary[length - 1]];
-        let mut left = [Vec::new(), Vec::new()];
-        for (part, left) in parts.iter_mut().zip(&mut left) {
+        for ((part, left), given) in parts.iter_mut().zip(&mut *left).zip([&*real, &*imaginary]) {
+            // Room for the two real unknowns of the border.
+            part.clear();
+            part.extend_from_slice(&given[..length - 1]);
+            part.extend([0.0, 0.0]);
             match transposed {
-                true => self.factors.forward_transposed(layout, part),
-                false => self.factors.forward(layout, part),
+                true => factors.forward_transposed(layout, part),
+                false => factors.forward(layout, part),
             }
-            left.clone_from(self.factors.dense());
+            left.clone_from(factors.dense());
         }
         let last = left[0].len() - 2;
-        let [a, b] = &left;
-        self.right.clear();
-        self.right.extend_from_slice(&a[..last]);
-        self.right.push(g[0] + a[last] + b[last + 1]);
-        self.right.extend_from_slice(&b[..last]);
-        self.right.push(g[1] + b[last] - a[last + 1]);
+        let [a, b] = &*left;
+        dense.clear();
+        dense.extend_from_slice(&a[..last]);
+        dense.push(g[0] + a[last] + b[last + 1]);
+        dense.extend_from_slice(&b[..last]);
+        dense.push(g[1] + b[last] - a[last + 1]);
         match transposed {
-            true => self.lu.solve_transposed(&mut self.right),
-            false => self.lu.solve(&mut self.right),
+            true => lu.solve_transposed(dense),
+            false => lu.solve(dense),
         }
-        let [re, im] = [0, last + 1].map(|start| self.right[start..=start + last].to_vec());
+        let (re, im) = dense.split_at(last + 1);
         for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
             if transposed {
                 // The chains remember one elimination only.
-                self.factors.forward_transposed(layout, part);
+                factors.forward_transposed(layout, part);
             }
             let (own, pair) =
-                if k == 0 { (&re, [re[last], -im[last]]) } else { (&im, [im[last], re[last]]) };
-            let dense = self.factors.dense();
-            dense[..last].copy_from_slice(&own[..last]);
-            dense[last..].copy_from_slice(&pair);
+                if k == 0 { (re, [re[last], -im[last]]) } else { (im, [im[last], re[last]]) };
+            let ends = factors.dense();
+            ends[..last].copy_from_slice(&own[..last]);
+            ends[last..].copy_from_slice(&pair);
             match transposed {
-                true => self.factors.back_transposed(layout, part),
-                false => self.factors.back(layout, part),
+                true => factors.back_transposed(layout, part),
+                false => factors.back(layout, part),
             }
             out[..length - 1].copy_from_slice(&part[..length - 1]);
             out[length - 1] = own[last];
         }
-    }
-
-    /// A part of a right side with room for the two real unknowns of the border.
-    fn widened(&self, part: &[f64]) -> Vec<f64> {
-        let n = part.len() - 1;
-        part[..n].iter().copied().chain([0.0, 0.0]).collect()
     }
 }
 
@@ -186,11 +189,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let n = layout.states;
         let width = 2 * n + assembled.active.len();
-        let mut boundary = vec![0.0; n * width];
+        let boundary = &mut self.rotating.boundary;
+        boundary.clear();
+        boundary.resize(n * width, 0.0);
         for i in 0..n {
             (boundary[i * width + i], boundary[i * width + n + i]) = (-1.0, -1.0);
         }
-        self.factors[slot as usize].factor(layout, assembled, &boundary, Form::Twisted, border)
+        self.factors[slot as usize].factor(layout, assembled, boundary, Form::Twisted, border)
     }
 }
 
