@@ -1,5 +1,5 @@
-//! Promise: folds, period doublings, torus points and branch points of periodic orbits are located exactly, and
-//! held along curves in two parameters.
+//! Promise: folds, period doublings, torus points and branch points of periodic orbits are located exactly,
+//! and held along curves in two parameters.
 
 mod common;
 mod cycles;
@@ -52,7 +52,6 @@ fn period_doublings_in_two_parameters() {
             .settings(settings())
             .trace()
             .unwrap();
-        println!("{:?} {}", curve.ends, curve.points.len());
         for (point, expected) in curve.of_kind(Kind::UZ).zip(&expected) {
             close(point.parameters[0], expected[0], 1e-9);
             close(point.monitors[0], expected[1], 1e-8);
@@ -61,24 +60,20 @@ fn period_doublings_in_two_parameters() {
     }
 }
 
-/// The unknowns of a trajectory that is known, and its parameters.
-fn circle(kind: &str) -> impl Fn(f64, &mut [f64]) {
-    let _ = kind;
-    |tau: f64, x: &mut [f64]| {
-        let (sine, cosine) = (TAU * tau).sin_cos();
-        x.fill(0.0);
-        (x[0], x[1]) = (cosine, sine);
-    }
+/// The circle of radius 1, once in a period.
+fn circle(tau: f64, x: &mut [f64]) {
+    let (sine, cosine) = (TAU * tau).sin_cos();
+    x.fill(0.0);
+    (x[0], x[1]) = (cosine, sine);
 }
 
 #[test]
 fn torus_points_in_two_parameters() {
     let kappa = 0.3;
     let (mut collocation, mut shooting) = (collocated(ForcedSpiral, 20), shot(ForcedSpiral, 3));
-    let wave = circle("forced");
     let starts = [
-        collocation.sampled(&[], |_, tau, x| wave(tau, x)),
-        shooting.sampled(&[], |_, tau, x| wave(tau, x)),
+        collocation.sampled(&[], |_, tau, x| circle(tau, x)),
+        shooting.sampled(&[], |_, tau, x| circle(tau, x)),
     ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
@@ -102,7 +97,6 @@ fn torus_points_in_two_parameters() {
             .mark("kappa", 0.0)
             .trace()
             .unwrap();
-        println!("{:?} {}", curve.ends, curve.points.len());
         assert!(curve.points.len() > 5);
         for point in &curve.points {
             close(point.parameters[0], point.parameters[1].powi(2), 1e-9);
@@ -111,7 +105,7 @@ fn torus_points_in_two_parameters() {
     }
     // The angle of the multipliers is ΩT.
     let mut system = shot(ForcedSpiral, 3);
-    let z = system.sampled(&[], |_, tau, x| wave(tau, x));
+    let z = system.sampled(&[], |_, tau, x| circle(tau, x));
     system.assemble(&[&z[..], &[kappa * kappa, kappa]].concat()).unwrap();
     let mu = system.multipliers().unwrap()[0];
     let period = TAU / ForcedSpiral::NU;
@@ -123,10 +117,9 @@ fn torus_points_in_two_parameters() {
 fn branch_points_of_cycles() {
     let (mut collocation, mut shooting) =
         (collocated(PitchforkOfCycles, 20), shot(PitchforkOfCycles, 3));
-    let wave = circle("free");
     let starts = [
-        collocation.sampled(&[TAU], |_, tau, x| wave(tau, x)),
-        shooting.sampled(&[TAU], |_, tau, x| wave(tau, x)),
+        collocation.sampled(&[TAU], |_, tau, x| circle(tau, x)),
+        shooting.sampled(&[TAU], |_, tau, x| circle(tau, x)),
     ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
@@ -137,16 +130,6 @@ fn branch_points_of_cycles() {
             .along("mu", 0.0..=2.0)
             .trace()
             .unwrap();
-        for special in &branch.special {
-            println!(
-                "{} {:?} {:?} {} {}",
-                special.kind,
-                special.parameters,
-                special.monitors,
-                special.error,
-                special.converged
-            );
-        }
         let point = first(&branch, Kind::BP);
         close(point.parameters[0], 1.04, 1e-10);
         assert_eq!(branch.of_kind(Kind::BP).count(), 1);
@@ -157,12 +140,12 @@ fn branch_points_of_cycles() {
             .mark("mu", 1.5)
             .trace()
             .unwrap();
-        println!("{:?} {}", other.ends, other.points.len());
         for p in other.points.iter().filter(|p| (p.parameters[0] - 1.04).abs() > 1e-9) {
             assert_eq!(p.unstable, Some(0), "{:?} of {:?}", p, other.points.len());
         }
         let half = first(&other, Kind::UZ);
-        // 1/z² = y solves y' = 2 − 2(μ − 1.04 + cos t) y: linear, so that its periodic solution is an integral.
+        // 1/z² = y solves y' = 2 − 2(μ − 1.04 + cos t) y: linear, so that its periodic solution is an
+        // integral.
         let names = &other.monitors;
         let largest = names.iter().position(|name| name == "max_z").unwrap();
         let smallest = names.iter().position(|name| name == "min_z").unwrap();
@@ -180,7 +163,6 @@ fn branch_points_of_cycles() {
             .along("kappa", -0.5..=0.5)
             .trace()
             .unwrap();
-        println!("{:?} {}", curve.ends, curve.points.len());
         assert!(curve.points.len() > 5);
         for point in &curve.points {
             close(point.parameters[0], 1.0 + point.parameters[1].powi(2), 1e-9);
@@ -188,7 +170,8 @@ fn branch_points_of_cycles() {
     }
 }
 
-/// The extremes of `y^{−1/2}` with `y(t) = 2∫₀^∞ exp(−2(a s + sin t − sin(t − s))) ds`, by the trapezoidal rule.
+/// The extremes of `y^{−1/2}` with `y(t) = 2∫₀^∞ exp(−2(a s + sin t − sin(t − s))) ds`, by the trapezoidal
+/// rule.
 fn extremes_of_the_broken_branch(a: f64) -> (f64, f64) {
     let y = |t: f64| {
         let (step, end) = (1e-3, 45.0);
@@ -229,16 +212,6 @@ fn folds_of_cycles() {
             .settings(settings())
             .trace()
             .unwrap();
-        for special in &branch.special {
-            println!(
-                "{} {:?} {:?} {} {}",
-                special.kind,
-                special.parameters,
-                special.monitors,
-                special.error,
-                special.converged
-            );
-        }
         let fold = first(&branch, Kind::LP);
         assert_eq!(branch.of_kind(Kind::BP).count(), 0);
         close(fold.parameters[0], -1.0, 1e-11);
@@ -259,7 +232,6 @@ fn folds_of_cycles() {
             .settings(settings())
             .trace()
             .unwrap();
-        println!("{:?} {}", curve.ends, curve.points.len());
         for point in &curve.points {
             close(point.parameters[0], -point.parameters[1].powi(2), 1e-8);
         }

@@ -1,5 +1,5 @@
-//! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and keeps what there
-//! is.
+//! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and keeps what
+//! there is.
 
 mod common;
 mod cycles;
@@ -13,7 +13,7 @@ use tangency::core::field::VectorField;
 use tangency::core::flow::Scheme;
 use tangency::core::orbit::{Simulation, by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::zero::{LeftDomain, Names, System};
 use tangency::problems::classic::Lure;
 use tangency::problems::mita::Block;
 
@@ -51,7 +51,6 @@ fn strongly_unstable_orbits() {
             ("multiple shooting", saddle!(shot(Saddle, 12), rate)),
         ] {
             let (error, mu) = outcome.unwrap();
-            println!("{name} {rate}: error {error:.1e}, multipliers {mu:?}");
             assert!(error < tolerance, "{name}, rate {rate}: {error:.1e}");
             close(mu[0].0 / exact, 1.0, 1e-6);
             close(mu[1].0 * exact, 1.0, 1e-6);
@@ -61,10 +60,9 @@ fn strongly_unstable_orbits() {
     for (rate, least) in [(3.5, 1e-9), (6.0, 1e-3)] {
         match saddle!(shot(Saddle, 1), rate) {
             Ok((error, _)) => {
-                println!("single shooting {rate}: error {error:.1e}");
                 assert!(error > least && error < 1e-15 * (TAU * rate).exp() * 1e3)
             }
-            Err(cause) => println!("{cause}"),
+            Err(cause) => assert!(!cause.to_string().is_empty()),
         }
     }
 }
@@ -86,12 +84,10 @@ fn lost_digits_are_in_the_error() {
             .mark("max_x", 1.5)
             .trace();
         match outcome {
-            Err(cause) => println!("{rate}: {cause}"),
+            Err(cause) => assert!(rate == 6.0 && cause.to_string().contains("singular"), "{cause}"),
             Ok(branch) => {
-                println!("{rate}: {:?}", branch.ends);
                 for point in branch.of_kind(Kind::UZ) {
                     let error = (point.parameters[0] - 1.5).abs();
-                    println!("{rate}: {error:.1e} {:.1e} {}", point.error, point.converged);
                     assert!(error <= point.error);
                 }
             }
@@ -129,21 +125,14 @@ fn relaxation(intervals: usize) -> Branch {
 #[test]
 fn a_coarse_mesh_is_not_trusted() {
     let branch = relaxation(5);
-    println!("{:?} {:?}", branch.ends[1], branch.points.last());
     let fine = relaxation(60);
-    println!("{:?} {:?}", fine.ends[1], fine.points.last());
     let column = branch.monitors.iter().position(|name| name == "mesh_error").unwrap();
     let (coarse, fine) = (branch.points.last().unwrap(), fine.points.last().unwrap());
     assert_eq!(fine.parameters[0], 5.0);
-    assert!(fine.monitors[column] < 1e-4);
-    // The period at μ = 5: 11.6122…
-    let period = fine.monitors[0];
-    close(period, 11.6122, 2e-4);
-    if coarse.parameters[0] == 5.0 {
-        let error = (coarse.monitors[0] / period - 1.0).abs();
-        println!("{error:.1e} {:.1e}", coarse.monitors[column]);
-        assert!(coarse.monitors[column] > 0.01 && coarse.monitors[column] > error);
-    }
+    close(fine.monitors[0], 11.612230667, 1e-6);
+    assert!(fine.monitors[column] < 1e-9, "{fine:?}");
+    assert!(coarse.monitors[column] > 0.1, "{coarse:?}");
+    assert!(matches!(branch.ends[1], End::StepTooSmall { .. }) || coarse.parameters[0] == 5.0);
 }
 
 /// `ε x' = −(x − cos t) − ε sin t`, `y' = −y`, with the periodic solution `x = cos t`.
@@ -189,32 +178,52 @@ fn stiff_fields() {
         (collocated(Stiff, 30), by_shooting(Stiff, 1, rodas).unwrap());
     let starts = [collocation.sampled(&[], wave), implicit.sampled(&[], wave)];
     let systems = [&mut collocation as &mut dyn System, &mut implicit];
-    for ((system, z), tolerance) in systems.into_iter().zip(starts).zip([1e-7, 1e-6]) {
+    for (system, z) in systems.into_iter().zip(starts) {
         let branch = trace(system, &z).unwrap();
-        println!("{:e}", first(&branch, Kind::UZ).parameters[0] - 1.5);
-        close(first(&branch, Kind::UZ).parameters[0], 1.5, tolerance);
+        println!("{:?} {:?} {:?}", branch.ends, branch.points.first(), branch.points.last());
+        close(first(&branch, Kind::UZ).parameters[0], 1.5, 1e-6);
         assert!(branch.points.iter().all(|point| point.unstable == Some(0)));
     }
 }
 
-/// The block reaches the electrode at a displacement of 1.
+/// `x' = −x + A (cos t − sin t)`, whose periodic solution is `A cos t`, in a box that ends at 1.2.
+#[derive(Clone, Copy)]
+struct Walled;
+
+impl VectorField for Walled {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["amplitude"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let (sine, cosine) = t.sin_cos();
+        f[0] = p[0] * (cosine - sine) - x[0];
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(TAU))
+    }
+    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+        if x[0] <= 1.2 {
+            return Ok(());
+        }
+        Err(LeftDomain::new("x", x[0], "the box ends at 1.2"))
+    }
+}
+
 #[test]
 fn a_field_that_leaves_its_domain() {
-    for system in [&mut collocated(Block, 20) as &mut dyn System, &mut shot(Block, 1)] {
+    for system in [&mut collocated(Walled, 20) as &mut dyn System, &mut shot(Walled, 2)] {
         let branch = Continuation::of(system)
-            .at("voltage", 0.01)
-            .at("frequency", 0.45)
-            .at("damping", 0.04)
-            .along("voltage", 0.01..=0.5)
-            .settings(Settings { accuracy: 0.0, ..Settings::default() })
+            .along("amplitude", 0.0..=2.0)
+            .mark("max_x", 1.0)
             .trace()
             .unwrap();
-        println!("{:?} {} {:?}", branch.ends[1], branch.points.len(), branch.points.last());
-        assert!(branch.points.len() > 20 && !branch.special.is_empty());
-        assert!(branch.points.iter().all(|point| point.monitors[1] < 1.0));
-        if let End::StepTooSmall { cause, .. } = &branch.ends[1] {
-            assert!(!cause.is_empty());
-        }
+        let End::StepTooSmall { cause, .. } = &branch.ends[1] else { panic!("{:?}", branch.ends) };
+        assert!(cause.contains("x at t =") && cause.contains("the box ends at 1.2"), "{cause}");
+        close(first(&branch, Kind::UZ).parameters[0], 1.0, 1e-10);
+        let last = branch.points.last().unwrap();
+        // The nodes of a mesh need not see the very top of the orbit.
+        assert!((1.19..1.21).contains(&last.parameters[0]), "{last:?}");
+        assert_eq!(branch.special.last().unwrap().kind, Kind::MX);
     }
 }
 
@@ -230,7 +239,8 @@ fn bad_input_is_refused() {
     let outcome = Continuation::of(&mut system).along("alhpa", 0.0..=1.0).trace();
     assert!(outcome.unwrap_err().to_string().contains("did you mean `alpha`"));
 
-    // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point of a forced one.
+    // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point of a
+    // forced one.
     let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
     let restart = |system: &mut dyn System, branch: &Branch, kind: Kind| {
         let outcome = Continuation::of(system)

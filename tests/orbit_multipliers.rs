@@ -1,11 +1,13 @@
-//! Promise: multipliers do not depend on the method, nor on the number of its segments, and telling them apart is
-//! never needed.
+//! Promise: multipliers do not depend on the method, nor on the number of its segments, and telling them
+//! apart is never needed.
 
 mod common;
 mod cycles;
 
 use common::close;
-use cycles::{collocated, label, precisely_shot, solved};
+use cycles::{Saddle, collocated, label, precisely_shot, shot, solved};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
 use tangency::core::zero::System;
 use tangency::problems::classic::Lure;
@@ -43,7 +45,6 @@ fn multipliers_of_lure() {
         let x = restarted(&mut system, &branch, special.label);
         system.assemble(&x).unwrap();
         all.push(system.multipliers().unwrap());
-        println!("{} {:?}", special.parameters[0], all[0]);
         for other in &all {
             assert_eq!(other.len(), 3);
             for (a, b) in other.iter().zip(&all[0]) {
@@ -58,7 +59,6 @@ fn multipliers_of_lure() {
             }
         }
     }
-    println!("{complex} complex");
     assert!((1..alphas.len()).contains(&complex));
 }
 
@@ -83,4 +83,23 @@ fn multipliers_at(
     let x = restarted(system, branch, label);
     system.assemble(&x).unwrap();
     system.multipliers().unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// The forced saddle has the multipliers exp(±2πλ), over any number of segments that is enough.
+    #[test]
+    fn multipliers_of_a_saddle(rate in 0.05..4.0_f64, amplitude in -2.0..2.0_f64, more in 0..6_usize) {
+        let mut system = shot(Saddle, 1 + more + (2.0 * rate) as usize);
+        let z = system.sampled(&[], |_, tau, x| {
+            let (sine, cosine) = (TAU * tau).sin_cos();
+            x.copy_from_slice(&[amplitude * cosine, amplitude * sine]);
+        });
+        system.assemble(&[&z[..], &[amplitude, rate]].concat()).unwrap();
+        let mu = system.multipliers().unwrap();
+        close(mu[0].0 / (TAU * rate).exp(), 1.0, 1e-9);
+        close(mu[1].0 * (TAU * rate).exp(), 1.0, 1e-9);
+        prop_assert_eq!((mu[0].1, mu[1].1), (0.0, 0.0));
+    }
 }

@@ -1,5 +1,5 @@
-//! Promise: a stable orbit found by simulation lands on the branch of orbits, and a simulation that finds none says
-//! why.
+//! Promise: a stable orbit found by simulation lands on the branch of orbits, and a simulation that finds
+//! none says why.
 
 mod common;
 mod cycles;

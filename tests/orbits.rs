@@ -4,7 +4,7 @@
 mod common;
 mod cycles;
 
-use common::{close, first, values};
+use common::{close, first};
 use cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
@@ -118,7 +118,6 @@ fn isothermal_cascade() {
     let [by_shooting, by_collocation] = [&mut shooting as &mut dyn System, &mut collocation]
         .map(|system| cascade(system, &rest, published.len()));
     for ((a, b), (lambda, period)) in by_shooting.iter().zip(&by_collocation).zip(published) {
-        println!("{a:?} {b:?}");
         close(a[0], b[0], 1e-9);
         close(a[1], b[1], 1e-8);
         close(a[0], lambda, 2e-9);
@@ -177,20 +176,12 @@ fn predator_prey_approaches_a_heteroclinic_orbit() {
     let settings = Settings { max_points: 60, ..Settings::default() };
     for system in [&mut collocated(PredatorPrey, 30) as &mut dyn System, &mut shot(PredatorPrey, 4)]
     {
-        let clock = std::time::Instant::now();
         let branch = Continuation::of(system)
             .restart(&rest, hopf.label)
             .along("p", 0.0..=1.0)
             .settings(settings.clone())
             .trace()
             .unwrap();
-        println!(
-            "{:?} {} {:?} {:?}",
-            branch.ends[1],
-            branch.points.len(),
-            branch.points.last(),
-            clock.elapsed()
-        );
         assert!(matches!(branch.ends[1], End::PointLimit { .. } | End::StepTooSmall { .. }));
         assert!(branch.points.last().unwrap().monitors[0] > 40.0);
     }
@@ -214,18 +205,6 @@ fn mita_block() {
     let (mut collocation, mut shooting) = (collocated(Block, 20), precisely_shot(Block, 1));
     for system in [&mut collocation as &mut dyn System, &mut shooting] {
         let branch = vibration(system, 0.45);
-        println!("{:?}", values(&branch, Kind::LP, "voltage"));
-        println!("{:?}", values(&branch, Kind::UZ, "voltage"));
-        for special in &branch.special {
-            println!(
-                "{} {:?} {:?} {} {}",
-                special.kind,
-                special.parameters,
-                special.monitors,
-                special.error,
-                special.converged
-            );
-        }
         let fold = first(&branch, Kind::LP);
         close(fold.parameters[0], 0.235565433583, 1e-11);
         close(first(&branch, Kind::UZ).parameters[0], 0.228618817738, 1e-11);
@@ -251,17 +230,6 @@ fn mita_cusp_by_both_methods() {
             .settings(Settings { accuracy: 1e-10, ..settings() })
             .trace()
             .unwrap();
-        for special in &curve.special {
-            println!(
-                "{} {:?} {:?} {} {}",
-                special.kind,
-                special.parameters,
-                special.monitors,
-                special.error,
-                special.converged
-            );
-        }
-        println!("{:?}", curve.ends);
         let cusp = first(&curve, Kind::CP);
         assert!((0.48..0.485).contains(&cusp.parameters[1]));
         cusps.push([cusp.parameters[0], cusp.parameters[1]]);

@@ -1,8 +1,8 @@
 //! Periodic motions found by simulation: starts for branches of stable orbits.
 //!
-//! A trajectory is followed past its transient until it repeats. Under a forcing of period `T` it is looked at once
-//! in every period, `x(kT)`. Without forcing it is looked at on a section through the point where the transient
-//! ended, across the motion there,
+//! A trajectory is followed past its transient until it repeats. Under a forcing of period `T` it is looked
+//! at once in every period, `x(kT)`. Without forcing it is looked at on a section through the point where the
+//! transient ended, across the motion there,
 //!
 //! ```text
 //!     ⟨f(x₀), x − x₀⟩ = 0,  growing,
@@ -233,8 +233,8 @@ impl<F: VectorField> Run<'_, F> {
     }
 }
 
-/// Where a height, negative at the start of a step and not so at its end, vanishes: time and state. States are
-/// those of shorter steps of the method, so that both have the accuracy of the flow.
+/// Where a height, negative at the start of a step and not so at its end, vanishes: time and state. States
+/// are those of shorter steps of the method, so that both have the accuracy of the flow.
 fn crossing_in<F: VectorField>(
     step: &mut Step<F, f64>,
     height: &impl Fn(&[f64]) -> f64,
@@ -268,7 +268,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl<F: VectorField, M: Method> BoundarySystem<Orbit<F>, M> {
-    /// The unknowns `z` of a stable orbit, found by simulation from a state (at time 0): a start for a branch.
+    /// The unknowns `z` of a stable orbit, found by simulation from a state (at time 0): a start for a
+    /// branch.
     ///
     /// ```
     /// use tangency::core::bvp::Collocation;

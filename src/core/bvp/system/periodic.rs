@@ -139,6 +139,36 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
     /// multiplier 1 is among them.
     ///
+    /// ```
+    /// use std::f64::consts::TAU;
+    /// use tangency::core::bvp::Collocation;
+    /// use tangency::core::{field::VectorField, orbit::by_collocation, scalar::Scalar};
+    /// use tangency::core::zero::{Names, System};
+    /// /// `r' = r (1 − r²), θ' = 1`: the circle r = 1 has the multipliers 1 and exp(−4π).
+    /// #[derive(Clone)]
+    /// struct Circle;
+    /// impl VectorField for Circle {
+    ///     fn names(&self) -> Names {
+    ///         Names::new(["x", "y"], ["p"])
+    ///     }
+    ///     fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
+    ///         let growth = T::one() - x[0] * x[0] - x[1] * x[1];
+    ///         f[0] = growth * x[0] - x[1];
+    ///         f[1] = growth * x[1] + x[0];
+    ///     }
+    /// }
+    /// let mut orbits = by_collocation(Circle, 20, Collocation::new(4)?)?;
+    /// let z = orbits.sampled(&[TAU], |_, tau, x| {
+    ///     let (sine, cosine) = (TAU * tau).sin_cos();
+    ///     x.copy_from_slice(&[cosine, sine]);
+    /// });
+    /// orbits.assemble(&[&z[..], &[0.0]].concat())?;
+    /// let multipliers = orbits.multipliers()?;
+    /// assert!((multipliers[0].0 - 1.0).abs() < 1e-9);
+    /// assert!((multipliers[1].0 / (-2.0 * TAU).exp() - 1.0).abs() < 1e-7);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Singular`] if nothing is assembled, or the equations of some interval do not determine what is
     /// inside it.

@@ -30,7 +30,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let states = self.equations.layout.states;
         if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
         {
-            return self.from_hopf(solution);
+            return self.born_at_hopf(solution);
         }
         let mut solution = solution.clone();
         let doubled = solution.kind == Kind::PD && solution.switch;
@@ -145,7 +145,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
 
     /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`:
     /// `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period `2π/ω`.
-    fn from_hopf(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
         let problem = self.problem().clone();
         let n = self.equations.layout.states;
         let mut q = solution.parameters.clone();
@@ -177,7 +177,9 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
     pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
-        if self.equations.method.error_constant().is_some() && self.followed % ADAPT_EVERY == 0 {
+        if self.equations.method.error_constant().is_some()
+            && self.followed.is_multiple_of(ADAPT_EVERY)
+        {
             let mut whole = x.to_vec();
             let mut turned: Vec<Vec<f64>> = directions.iter().map(|d| self.padded(d)).collect();
             let mut borrowed: Vec<&mut Vec<f64>> = turned.iter_mut().collect();
@@ -246,8 +248,8 @@ fn oscillating_pair<S: System>(
     let (re, im) = (values[pair].re, values[pair].im);
     if re.abs() > NEAR_THE_AXIS * im {
         return Err(not_applicable(format!(
-            "the eigenvalue {re:.3e} + {im:.3e}i is not on the imaginary axis: a branch of periodic orbits starts \
-             at a Hopf point (HB)"
+            "the eigenvalue {re:.3e} + {im:.3e}i is not on the imaginary axis: a branch of periodic orbits \
+             starts at a Hopf point (HB)"
         )));
     }
     let vector = (0..n).map(|i| decomposition.U()[(i, pair)]).map(|v| [v.re, v.im]).collect();
