@@ -3,13 +3,15 @@
 mod common;
 mod cycles;
 
-use cycles::{Bautin, ForcedSpiral, collocated, shot};
+use cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{Fold, Hopf};
 use tangency::core::condition::Condition;
+use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::extended::Extended;
 use tangency::core::newton::{Newton, Tolerances};
 use tangency::core::zero::System;
+use tangency::problems::classic::Lure;
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
 
@@ -70,5 +72,21 @@ fn newton_on_folds_and_torus_points_allocates_nothing() {
     {
         let x = [&z[..], &[0.01, 0.0]].concat();
         assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Hopf::of_orbits()))), 0);
+    }
+}
+
+#[test]
+fn newton_on_period_doublings_allocates_nothing() {
+    let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
+    for system in [&mut collocated(Lure, 20) as &mut dyn System, &mut shot(Lure, 2)] {
+        let branch = Continuation::of(system)
+            .restart(&rest, label(&rest, Kind::HB))
+            .along("alpha", 0.6..=1.5)
+            .trace()
+            .unwrap();
+        let doubling = branch.of_kind(Kind::PD).next().unwrap();
+        let mut x = [&doubling.state[..], &doubling.parameters[..]].concat();
+        x[doubling.state.len()] *= 1.0001;
+        assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Fold::antiperiodic()))), 0);
     }
 }

@@ -74,8 +74,8 @@ impl VectorField for PredatorPrey {
     }
 }
 
-/// Bautin's normal form: `r' = r(μ + 2κr² − r⁴), θ' = 1`. Cycles `μ = r⁴ − 2κr²` of period 2π fold at `μ =
-/// −κ²`, `r² = κ`; the multiplier is `exp(2π(4κr² − 4r⁴))`.
+/// Bautin's normal form: `r' = r(μ + 2κr² − r⁴), θ' = 1`. Cycles `μ = r⁴ − 2κr²` of period 2π fold at
+/// `μ = −κ²`, `r² = κ`; the multiplier is `exp(2π(4κr² − 4r⁴))`.
 #[derive(Clone, Copy, Debug)]
 pub struct Bautin;
 
