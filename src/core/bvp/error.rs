@@ -21,6 +21,12 @@ pub enum BoundaryError {
         /// The segment.
         segment: usize,
     },
+    /// A segment without intervals.
+    #[error("segment {segment} has no intervals: it needs at least one")]
+    NoIntervals {
+        /// The segment.
+        segment: usize,
+    },
     /// More integral and phase conditions than there is to determine.
     #[error(
         "{closing} integral and phase conditions, but only {unknowns} states and extras to determine: drop \

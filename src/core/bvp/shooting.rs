@@ -81,7 +81,7 @@ impl Default for Shooting {
 impl Clone for Shooting {
     /// The same settings; buffers are made anew.
     fn clone(&self) -> Self {
-        Shooting { settings: self.settings.clone(), ..Shooting::default() }
+        Shooting { settings: self.settings, ..Shooting::default() }
     }
 }
 

@@ -94,7 +94,10 @@ impl From<FlowError> for LeftDomain {
                 quantity: format!("the step of the flow at t = {time:.6e}"),
                 value: step,
                 verdict: "is too small",
-                remedy: format!("allow more than {steps} steps, or divide the interval"),
+                remedy: format!(
+                    "allow more than {steps} steps, divide the interval, or use the implicit method if the \
+                     field is stiff"
+                ),
             },
             FlowError::Stiff { time, step, product } => LeftDomain {
                 quantity: format!("the step of the flow at t = {time:.6e}"),

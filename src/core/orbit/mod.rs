@@ -7,9 +7,13 @@
 //! ```
 //!
 //! with `T` the period of the forcing, a function of the parameters, or, for an autonomous field, an
-//! unknown, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on the
-//! branch. One description serves every discretisation: [`by_collocation`] and [`by_shooting`].
+//! unknown, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on
+//! the branch. One description serves every discretisation: [`by_collocation`] and [`by_shooting`].
+//!
+//! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
 
 mod periodic;
+mod simulation;
 
 pub use periodic::{Orbit, by_collocation, by_shooting};
+pub use simulation::{PeriodicMotion, Simulation, SimulationError};

@@ -29,8 +29,8 @@ pub(super) struct Equations<P, M> {
     pub positions: Vec<usize>,
 }
 
-/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature weights
-/// `w` of the nodes. Without a reference, it has none yet.
+/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature weights `w`
+/// of the nodes. Without a reference, it has none yet.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Phase {
     /// The reference, as `x = (z, p)`; empty before it is set.
@@ -235,6 +235,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 self.flow(s, t, x, &work.q, f)?;
                 row.iter_mut().zip(f.iter()).for_each(|(r, f)| *r += duration * h * weight * f);
             }
+        }
+        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant tells branch
+        // points.
+        let along: f64 = row.iter().zip(&self.phase.row).map(|(new, old)| new * old).sum();
+        if along < 0.0 {
+            row.iter_mut().for_each(|r| *r = -*r);
         }
         self.phase.row = row;
         self.phase.reference.clear();

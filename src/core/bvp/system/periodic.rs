@@ -23,6 +23,11 @@ pub(super) struct Rotating {
     matrix: Vec<f64>,
     lu: BorderedLu,
     right: Vec<f64>,
+    /// Real and imaginary parts of a right side, and what the chains leave of them.
+    parts: [Vec<f64>; 2],
+    left: [Vec<f64>; 2],
+    /// Boundary conditions that stand in place of the orbit's own.
+    boundary: Vec<f64>,
 }
 
 impl Rotating {
@@ -40,8 +45,9 @@ impl Rotating {
     ) -> Result<(), Singular> {
         let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
         self.factors.condense(layout, assembled, Form::Twisted, border)?;
-        let no_boundary = vec![0.0; assembled.boundary.len()];
-        self.factors.place(layout, assembled, &no_boundary, Form::Twisted, border);
+        self.boundary.clear();
+        self.boundary.resize(assembled.boundary.len(), 0.0);
+        self.factors.place(layout, assembled, &self.boundary, Form::Twisted, border);
         let n = layout.states;
         let last = self.factors.dense().len() - 2;
         let size = last + 1;
@@ -80,53 +86,50 @@ impl Rotating {
 
     /// Solves with the matrix, or with its conjugate transposed, in place.
     fn solve(&mut self, layout: &Layout, right: &mut [f64], transposed: bool) {
+        let Rotating { factors, lu, right: dense, parts, left, .. } = self;
         let length = right.len() / 2;
         let (real, imaginary) = right.split_at_mut(length);
-        let mut parts = [self.widened(real), self.widened(imaginary)];
         let g = [real[length - 1], imaginary[length - 1]];
-        let mut left = [Vec::new(), Vec::new()];
-        for (part, left) in parts.iter_mut().zip(&mut left) {
+        for ((part, left), given) in parts.iter_mut().zip(&mut *left).zip([&*real, &*imaginary]) {
+            // Room for the two real unknowns of the border.
+            part.clear();
+            part.extend_from_slice(&given[..length - 1]);
+            part.extend([0.0, 0.0]);
             match transposed {
-                true => self.factors.forward_transposed(layout, part),
-                false => self.factors.forward(layout, part),
+                true => factors.forward_transposed(layout, part),
+                false => factors.forward(layout, part),
             }
-            left.clone_from(self.factors.dense());
+            left.clone_from(factors.dense());
         }
         let last = left[0].len() - 2;
-        let [a, b] = &left;
-        self.right.clear();
-        self.right.extend_from_slice(&a[..last]);
-        self.right.push(g[0] + a[last] + b[last + 1]);
-        self.right.extend_from_slice(&b[..last]);
-        self.right.push(g[1] + b[last] - a[last + 1]);
+        let [a, b] = &*left;
+        dense.clear();
+        dense.extend_from_slice(&a[..last]);
+        dense.push(g[0] + a[last] + b[last + 1]);
+        dense.extend_from_slice(&b[..last]);
+        dense.push(g[1] + b[last] - a[last + 1]);
         match transposed {
-            true => self.lu.solve_transposed(&mut self.right),
-            false => self.lu.solve(&mut self.right),
+            true => lu.solve_transposed(dense),
+            false => lu.solve(dense),
         }
-        let [re, im] = [0, last + 1].map(|start| self.right[start..=start + last].to_vec());
+        let (re, im) = dense.split_at(last + 1);
         for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
             if transposed {
                 // The chains remember one elimination only.
-                self.factors.forward_transposed(layout, part);
+                factors.forward_transposed(layout, part);
             }
             let (own, pair) =
-                if k == 0 { (&re, [re[last], -im[last]]) } else { (&im, [im[last], re[last]]) };
-            let dense = self.factors.dense();
-            dense[..last].copy_from_slice(&own[..last]);
-            dense[last..].copy_from_slice(&pair);
+                if k == 0 { (re, [re[last], -im[last]]) } else { (im, [im[last], re[last]]) };
+            let ends = factors.dense();
+            ends[..last].copy_from_slice(&own[..last]);
+            ends[last..].copy_from_slice(&pair);
             match transposed {
-                true => self.factors.back_transposed(layout, part),
-                false => self.factors.back(layout, part),
+                true => factors.back_transposed(layout, part),
+                false => factors.back(layout, part),
             }
             out[..length - 1].copy_from_slice(&part[..length - 1]);
             out[length - 1] = own[last];
         }
-    }
-
-    /// A part of a right side with room for the two real unknowns of the border.
-    fn widened(&self, part: &[f64]) -> Vec<f64> {
-        let n = part.len() - 1;
-        part[..n].iter().copied().chain([0.0, 0.0]).collect()
     }
 }
 
@@ -135,6 +138,36 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever multiplying them
     /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
     /// multiplier 1 is among them.
+    ///
+    /// ```
+    /// use std::f64::consts::TAU;
+    /// use tangency::core::bvp::Collocation;
+    /// use tangency::core::{field::VectorField, orbit::by_collocation, scalar::Scalar};
+    /// use tangency::core::zero::{Names, System};
+    /// /// `r' = r (1 − r²), θ' = 1`: the circle r = 1 has the multipliers 1 and exp(−4π).
+    /// #[derive(Clone)]
+    /// struct Circle;
+    /// impl VectorField for Circle {
+    ///     fn names(&self) -> Names {
+    ///         Names::new(["x", "y"], ["p"])
+    ///     }
+    ///     fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
+    ///         let growth = T::one() - x[0] * x[0] - x[1] * x[1];
+    ///         f[0] = growth * x[0] - x[1];
+    ///         f[1] = growth * x[1] + x[0];
+    ///     }
+    /// }
+    /// let mut orbits = by_collocation(Circle, 20, Collocation::new(4)?)?;
+    /// let z = orbits.sampled(&[TAU], |_, tau, x| {
+    ///     let (sine, cosine) = (TAU * tau).sin_cos();
+    ///     x.copy_from_slice(&[cosine, sine]);
+    /// });
+    /// orbits.assemble(&[&z[..], &[0.0]].concat())?;
+    /// let multipliers = orbits.multipliers()?;
+    /// assert!((multipliers[0].0 - 1.0).abs() < 1e-9);
+    /// assert!((multipliers[1].0 / (-2.0 * TAU).exp() - 1.0).abs() < 1e-7);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`Singular`] if nothing is assembled, or the equations of some interval do not determine what is
@@ -145,16 +178,40 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         Ok(multipliers(p, q, n))
     }
 
-    /// The multipliers that decide stability: all but the trivial one.
+    /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its vector is
+    /// known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or a branch point it
+    /// could not be told from the one that is about to become 1.
     pub(super) fn deciding_multipliers(&mut self) -> Option<Spectrum> {
-        let mut found = self.multipliers().ok()?;
-        if self.equations.layout.phase {
-            let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
-            let nearest = (0..found.len())
-                .min_by(|&a, &b| distance(&found[a]).total_cmp(&distance(&found[b])))?;
-            found.remove(nearest);
+        let n = self.equations.layout.states;
+        if !self.equations.layout.phase {
+            return self.multipliers().ok();
         }
+        let motions = self.motions();
+        let (p, q) = self.reduced_pencil().ok()?;
+        if let Some((p, q)) = motions.iter().find_map(|motion| deflated(p, q, motion)) {
+            return Some(multipliers(&p, &q, n - 1));
+        }
+        let mut found = multipliers(p, q, n);
+        let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
+        let nearest = (0..found.len())
+            .min_by(|&a, &b| distance(&found[a]).total_cmp(&distance(&found[b])))?;
+        found.remove(nearest);
         Some(found)
+    }
+
+    /// The motion at the start of the orbit assembled last, and that of the phase condition's reference: at a
+    /// Hopf point, where the former vanishes, that of the orbits to come.
+    fn motions(&self) -> [Vec<f64>; 2] {
+        let (layout, at) = (&self.equations.layout, &self.linearisation.at);
+        let n = layout.states;
+        let start: Vec<f64> = layout.ends[..n].iter().filter_map(|&z| at.get(z).copied()).collect();
+        let numbers = (0..layout.numbers()).filter_map(|k| at.get(layout.number(k)).copied());
+        let mut motion = vec![0.0; n];
+        if start.len() == n {
+            let q: Vec<f64> = numbers.collect();
+            self.equations.problem.field(0, 0.0, &start, &q, &mut motion);
+        }
+        [motion, self.equations.phase.row.iter().take(n).copied().collect()]
     }
 
     /// Factors the linearisation with antiperiodic boundary conditions.
@@ -162,12 +219,63 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let n = layout.states;
         let width = 2 * n + assembled.active.len();
-        let mut boundary = vec![0.0; n * width];
+        let boundary = &mut self.rotating.boundary;
+        boundary.clear();
+        boundary.resize(n * width, 0.0);
         for i in 0..n {
             (boundary[i * width + i], boundary[i * width + n + i]) = (-1.0, -1.0);
         }
-        self.factors[slot as usize].factor(layout, assembled, &boundary, Form::Twisted, border)
+        self.factors[slot as usize].factor(layout, assembled, boundary, Form::Twisted, border)
     }
+}
+
+/// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
+/// multipliers mean nothing anyhow.
+const TRIVIAL: f64 = 1e-3;
+
+/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases that begin
+/// with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such vector.
+fn deflated(p: &[f64], q: &[f64], v: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    let n = v.len();
+    let times =
+        |a: &[f64]| -> Vec<f64> { a.chunks_exact(n.max(1)).map(|row| dot(row, v)).collect() };
+    let (pv, qv) = (times(p), times(q));
+    let left: Vec<f64> = pv.iter().zip(&qv).map(|(p, q)| p + q).collect();
+    let trivial = dot(&left, &left) <= TRIVIAL * TRIVIAL * dot(&qv, &qv);
+    if !(trivial && dot(v, v) > 0.0 && dot(&qv, &qv) > 0.0) {
+        return None;
+    }
+    let (from, to) = (reflector(v), reflector(&qv));
+    let block = |a: &[f64]| -> Vec<f64> {
+        let mut a = a.to_vec();
+        a.chunks_exact_mut(n).for_each(|row| reflect(&from, row));
+        let columns: Vec<Vec<f64>> = (1..n)
+            .map(|j| {
+                let mut column: Vec<f64> = (0..n).map(|i| a[i * n + j]).collect();
+                reflect(&to, &mut column);
+                column
+            })
+            .collect();
+        (1..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+    };
+    Some((block(p), block(q)))
+}
+
+/// The vector `w` of Householder's reflection `I − 2 w wᵀ/wᵀw` that turns `v` into the first axis.
+fn reflector(v: &[f64]) -> Vec<f64> {
+    let size = dot(v, v).sqrt();
+    let mut w: Vec<f64> = v.iter().map(|v| v / size).collect();
+    w[0] += 1.0_f64.copysign(w[0]);
+    w
+}
+
+fn reflect(w: &[f64], x: &mut [f64]) {
+    let share = 2.0 * dot(w, x) / dot(w, w);
+    x.iter_mut().zip(w).for_each(|(x, w)| *x -= share * w);
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl<P: BoundaryProblem, M: Method> Oscillation for BoundarySystem<P, M> {

@@ -1,7 +1,7 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
 
 use super::{BoundaryProblem, BoundarySystem, Method};
-use crate::core::bvp::{BoundaryError, Collocation, Mesh, OnSegment};
+use crate::core::bvp::{BoundaryError, Collocation, Mesh, OnSegment, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::dense::Dense;
 use crate::core::field::Equilibria;
@@ -24,12 +24,13 @@ impl From<BoundaryError> for EvaluationError {
 }
 
 impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> BoundarySystem<P, M> {
-    /// A start from a saved solution.
+    /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses accuracy. A
+    /// solution of another method is carried over to this mesh.
     pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
         let states = self.equations.layout.states;
         if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
         {
-            return self.from_hopf(solution);
+            return self.born_at_hopf(solution);
         }
         let mut solution = solution.clone();
         let doubled = solution.kind == Kind::PD && solution.switch;
@@ -38,31 +39,27 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         }
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(&solution, &meshes)?;
-        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-        let system = BoundarySystem::new(problem, method, meshes)?;
-        let own = degree == system.equations.layout.degree;
-        let adopted = match own {
-            true => Adopted {
-                z: solution.state.clone(),
-                tangent: solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat()),
-                leaving: if doubled { Leaving::BranchPoint } else { Leaving::Along },
-            },
-            false if doubled => {
-                return Err(not_applicable(
-                    "the period doubling was found by another method: restart the orbit with this one \
-                     first, and find it again",
-                ));
-            }
-            false => Adopted {
-                z: system.resampled(&solution, degree)?,
-                tangent: None,
-                leaving: Leaving::Along,
-            },
-        };
-        *self = system;
-        let x = [&adopted.z[..], &solution.parameters[..]].concat();
+        let same_method = degree == self.equations.layout.degree;
+        if doubled && !same_method {
+            return Err(not_applicable(
+                "the period doubling was found by another method: restart the orbit with this one first, and \
+                 find it again",
+            ));
+        }
+        let finer =
+            self.meshes().iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
+        if doubled || (same_method && !finer) {
+            let (problem, method) = (self.problem().clone(), self.equations.method.clone());
+            *self = BoundarySystem::new(problem, method, meshes)?;
+        } else {
+            solution.state = self.resampled(&solution, degree, meshes)?;
+            solution.tangent = None;
+        }
+        let x = [&solution.state[..], &solution.parameters[..]].concat();
         self.set_reference(&x)?;
-        Ok(adopted)
+        let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
+        let leaving = if doubled { Leaving::BranchPoint } else { Leaving::Along };
+        Ok(Adopted { z: solution.state, tangent, leaving })
     }
 
     /// How many nodes an interval has, beyond its first, in a saved solution.
@@ -92,32 +89,43 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         )))
     }
 
-    /// A saved solution of another method, as this one has it.
-    fn resampled(&self, solution: &Solution, degree: usize) -> Result<Vec<f64>, EvaluationError> {
+    /// A solution saved on other meshes, by a method with `degree` nodes an interval, on this one's.
+    fn resampled(
+        &self,
+        solution: &Solution,
+        degree: usize,
+        meshes: Vec<Mesh>,
+    ) -> Result<Vec<f64>, EvaluationError> {
         let problem = self.problem().clone();
-        let meshes = self.meshes().to_vec();
         let x = [&solution.state[..], &solution.parameters[..]].concat();
-        let extras = solution.state.len() - self.equations.layout.extras;
-        let extras = &solution.state[extras..];
-        let mut outcome = Ok(());
-        let mut sample =
-            |states: &mut dyn FnMut(usize, f64) -> Result<Vec<f64>, EvaluationError>| {
-                self.sampled(extras, |segment, tau, out| match states(segment, tau) {
-                    Ok(states) => out.copy_from_slice(&states),
-                    Err(cause) => outcome = Err(cause),
-                })
-            };
-        let z = if degree == 1 {
-            let mut from =
-                BoundarySystem::new(problem, crate::core::bvp::Shooting::default(), meshes)?;
-            sample(&mut |segment, tau| Ok(from.states(&x, segment, tau)?))
+        if degree == 1 {
+            self.sampled_from(BoundarySystem::new(problem, Shooting::default(), meshes)?, &x)
         } else {
             let method =
                 Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
-            let mut from = BoundarySystem::new(problem, method, meshes)?;
-            sample(&mut |segment, tau| Ok(from.states(&x, segment, tau)?))
-        };
-        outcome.map(|()| z)
+            self.sampled_from(BoundarySystem::new(problem, method, meshes)?, &x)
+        }
+    }
+
+    /// A solution `x = (z, p)` of another system of the same problem, as this one has it.
+    fn sampled_from<N: Method + Clone + 'static>(
+        &self,
+        mut from: BoundarySystem<P, N>,
+        x: &[f64],
+    ) -> Result<Vec<f64>, EvaluationError> {
+        let layout = &from.equations.layout;
+        let extras = &x[layout.values()..layout.dimension].to_vec();
+        let mut outcome = Ok(());
+        let z = self.sampled(extras, |segment, tau, out| {
+            if outcome.is_ok() {
+                match from.states(x, segment, tau) {
+                    Ok(states) => out.copy_from_slice(&states),
+                    Err(cause) => outcome = Err(cause),
+                }
+            }
+        });
+        outcome?;
+        Ok(z)
     }
 
     /// The orbit twice, and its direction, on twice the intervals: a solution of period two.
@@ -140,7 +148,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
 
     /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`:
     /// `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period `2π/ω`.
-    fn from_hopf(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
         let problem = self.problem().clone();
         let n = self.equations.layout.states;
         let mut q = solution.parameters.clone();
@@ -172,7 +180,9 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
     pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
-        if self.equations.method.error_constant().is_some() && self.followed % ADAPT_EVERY == 0 {
+        if self.equations.method.error_constant().is_some()
+            && self.followed.is_multiple_of(ADAPT_EVERY)
+        {
             let mut whole = x.to_vec();
             let mut turned: Vec<Vec<f64>> = directions.iter().map(|d| self.padded(d)).collect();
             let mut borrowed: Vec<&mut Vec<f64>> = turned.iter_mut().collect();
@@ -215,6 +225,9 @@ fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, EvaluationError> {
     meshes.into_iter().map(mesh).collect()
 }
 
+/// Eigenvalues with a smaller real part, in units of the imaginary one, are those of a Hopf point.
+const NEAR_THE_AXIS: f64 = 1e-4;
+
 /// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary) parts.
 fn oscillating_pair<S: System>(
     system: &mut S,
@@ -235,6 +248,13 @@ fn oscillating_pair<S: System>(
                 "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)",
             )
         })?;
+    let (re, im) = (values[pair].re, values[pair].im);
+    if re.abs() > NEAR_THE_AXIS * im {
+        return Err(not_applicable(format!(
+            "the eigenvalue {re:.3e} + {im:.3e}i is not on the imaginary axis: a branch of periodic orbits \
+             starts at a Hopf point (HB)"
+        )));
+    }
     let vector = (0..n).map(|i| decomposition.U()[(i, pair)]).map(|v| [v.re, v.im]).collect();
     Ok((values[pair].im, vector))
 }

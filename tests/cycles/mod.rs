@@ -1,0 +1,156 @@
+//! Vector fields with known periodic orbits, and ways to get to them, shared by tests.
+#![allow(dead_code, missing_docs)]
+
+use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
+use tangency::core::continuation::{Branch, Continuation, Kind};
+use tangency::core::dense::Dense;
+use tangency::core::extended::Extended;
+use tangency::core::field::{Equilibria, VectorField};
+use tangency::core::flow::Scheme;
+use tangency::core::newton::{Newton, NewtonError, Tolerances};
+use tangency::core::orbit::{Orbit, by_collocation, by_shooting};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Names, System};
+
+pub type ByCollocation<F> = BoundarySystem<Orbit<F>, Collocation>;
+pub type ByShooting<F> = BoundarySystem<Orbit<F>, Shooting>;
+
+pub fn collocated<F: VectorField>(field: F, intervals: usize) -> ByCollocation<F> {
+    by_collocation(field, intervals, Collocation::new(4).unwrap()).unwrap()
+}
+
+pub fn shot<F: VectorField>(field: F, segments: usize) -> ByShooting<F> {
+    by_shooting(field, segments, Shooting::default()).unwrap()
+}
+
+pub fn precisely_shot<F: VectorField>(field: F, segments: usize) -> ByShooting<F> {
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+    by_shooting(field, segments, method).unwrap()
+}
+
+/// Solves with all parameters fixed: `x = (z, p)`.
+pub fn solved(system: &mut dyn System, z: &[f64], p: &[f64]) -> Result<Vec<f64>, NewtonError> {
+    let x = [z, p].concat();
+    let mut equations = Extended::new(system, &x, vec![]);
+    let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 20 };
+    let weights = vec![1.0 / z.len() as f64; z.len()];
+    let mut unknowns = z.to_vec();
+    Newton::default().solve(&mut equations, &mut unknowns, None, &weights, tolerances)?;
+    unknowns.extend_from_slice(p);
+    Ok(unknowns)
+}
+
+/// The equilibria of a field in its first parameter, from a guess.
+pub fn equilibria<F: VectorField>(field: F, guess: &[f64], p: &[f64], ends: [f64; 2]) -> Branch {
+    let names = field.names().parameters;
+    let mut system = Dense::new(Equilibria(field));
+    let mut continuation =
+        Continuation::of(&mut system).named("rest").from(guess).along(&names[0], ends[0]..=ends[1]);
+    for (name, value) in names.iter().zip(p) {
+        continuation = continuation.at(name, *value);
+    }
+    continuation.trace().unwrap()
+}
+
+/// The first label of a kind.
+#[track_caller]
+pub fn label(branch: &Branch, kind: Kind) -> usize {
+    let found = branch.of_kind(kind).next();
+    found.unwrap_or_else(|| panic!("no {kind} on {}: {:?}", branch.name, branch.ends)).label
+}
+
+/// AUTO's demo pp2.
+#[derive(Clone, Copy, Debug)]
+pub struct PredatorPrey;
+
+impl VectorField for PredatorPrey {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["p"])
+    }
+    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let (x, y) = (z[0], z[1]);
+        f[0] = x * 3.0 * (T::one() - x) - x * y - p[0] * (T::one() - (x * -5.0).exp());
+        f[1] = x * y * 3.0 - y;
+    }
+}
+
+/// Bautin's normal form: `r' = r(μ + 2κr² − r⁴), θ' = 1`. Cycles `μ = r⁴ − 2κr²` of period 2π fold at
+/// `μ = −κ²`, `r² = κ`; the multiplier is `exp(2π(4κr² − 4r⁴))`.
+#[derive(Clone, Copy, Debug)]
+pub struct Bautin;
+
+impl VectorField for Bautin {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["mu", "kappa"])
+    }
+    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let square = z[0] * z[0] + z[1] * z[1];
+        let growth = p[0] + p[1] * square * 2.0 - square * square;
+        f[0] = z[0] * growth - z[1];
+        f[1] = z[1] * growth + z[0];
+    }
+}
+
+/// The circle of radius 1, and a pitchfork across it: `z' = (μ − 1 − κ² + x) z − z³`. On the circle the mean
+/// of `x` is zero: the branch point is at `μ = 1 + κ²`.
+#[derive(Clone, Copy, Debug)]
+pub struct PitchforkOfCycles;
+
+impl VectorField for PitchforkOfCycles {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "z"], ["mu", "kappa"])
+    }
+    fn field<T: Scalar>(&self, _t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let growth = T::one() - z[0] * z[0] - z[1] * z[1];
+        f[0] = z[0] * growth - z[1];
+        f[1] = z[1] * growth + z[0];
+        f[2] = (p[0] - p[1] * p[1] - 1.0 + z[0]) * z[2] - z[2].powi(3);
+    }
+}
+
+/// A spiral about a forced motion `a(t) = (cos νt, sin νt)`: with `w = x + iy − e^{iνt}`,
+/// `w' = (μ − κ² + iΩ) w − |w|² w`. The motion `w = 0` has the multipliers `exp((μ − κ² ± iΩ) 2π/ν)`, and a
+/// torus point at `μ = κ²`.
+#[derive(Clone, Copy, Debug)]
+pub struct ForcedSpiral;
+
+impl ForcedSpiral {
+    pub const NU: f64 = 1.3;
+    pub const OMEGA: f64 = 0.4;
+}
+
+impl VectorField for ForcedSpiral {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["mu", "kappa"])
+    }
+    fn field<T: Scalar>(&self, t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let (nu, omega) = (Self::NU, Self::OMEGA);
+        let (sine, cosine) = (t * nu).sin_cos();
+        let (x, y) = (z[0] - cosine, z[1] - sine);
+        let growth = p[0] - p[1] * p[1] - x * x - y * y;
+        f[0] = growth * x - y * omega - sine * nu;
+        f[1] = growth * y + x * omega + cosine * nu;
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(std::f64::consts::TAU / Self::NU))
+    }
+}
+
+/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the periodic
+/// solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Saddle;
+
+impl VectorField for Saddle {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["amplitude", "rate"])
+    }
+    fn field<T: Scalar>(&self, t: T, z: &[T], p: &[T], f: &mut [T]) {
+        let (sine, cosine) = t.sin_cos();
+        f[0] = p[1] * (z[0] - p[0] * cosine) - p[0] * sine;
+        f[1] = -p[1] * (z[1] - p[0] * sine) + p[0] * cosine;
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(std::f64::consts::TAU))
+    }
+}
