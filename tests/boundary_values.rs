@@ -3,12 +3,17 @@
 mod boundary;
 mod common;
 
-use boundary::{Bratu, Eigenvalue, FOLD, Glued, VanDerPol, collocated, solved};
+use boundary::{
+    Bratu, Eigenvalue, FOLD, Glued, TrivialBranch, VanDerPol, collocated, solved, strings,
+};
 use common::close;
 use proptest::prelude::*;
 use std::f64::consts::PI;
-use tangency::core::bvp::{BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Mesh};
+use tangency::core::bvp::{
+    BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, MeshError, Monitor,
+};
 use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Border, Slot, System};
 
 /// Bratu's branch through its fold, finished on the finer discretisation; the error is honest.
@@ -31,6 +36,30 @@ fn bratu_folds() {
     }
 }
 
+/// Branch points on a trivial branch, and the branch that leaves the second one: there `u` has one node.
+#[test]
+fn branches_are_switched() {
+    let mut system = collocated(TrivialBranch, 4, 12);
+    let branch = Continuation::of(&mut system).at("a", 0.1).along("a", 0.1..=5.0).trace().unwrap();
+    let points: Vec<_> = branch.of_kind(Kind::BP).collect();
+    assert_eq!(points.len(), 2);
+    for (k, point) in points.iter().enumerate() {
+        let exact = ((k + 1) as f64 * PI).powi(2) / 10.0;
+        close(point.parameters[0], exact, 1e-12);
+        assert!((point.parameters[0] - exact).abs() <= point.error);
+    }
+    let label = points[1].label;
+    let bifurcated = Continuation::of(&mut system)
+        .restart(&branch, label)
+        .switch()
+        .along("a", 3.0..=4.5)
+        .bound("max", -1.0..=0.5)
+        .trace()
+        .unwrap();
+    let end = bifurcated.points.last().unwrap();
+    assert!(end.monitors[0] > 0.1 && end.monitors[1] < -0.1, "{:?}", end.monitors);
+}
+
 /// An unknown number determined by an integral condition.
 #[test]
 fn an_eigenvalue_is_an_unknown() {
@@ -41,9 +70,7 @@ fn an_eigenvalue_is_an_unknown() {
     let z = system.sampled(&[9.0], guess);
     let x = solved(&mut system, z, &[1.0]);
     close(x[x.len() - 2], PI * PI, 1e-12);
-    let mut state = [0.0; 2];
-    system.states(&x, 0, 0.5, &mut state).unwrap();
-    close(state[0], 2.0_f64.sqrt(), 1e-10);
+    close(system.states(&x, 0, 0.5).unwrap()[0], 2.0_f64.sqrt(), 1e-10);
 }
 
 /// Two segments: `x = exp(a sin t)` reaches 2 at `t = arcsin(ln 2/a)`; with `b = 0` the second is a rotation,
@@ -72,7 +99,7 @@ fn two_segments_are_glued() {
     assert_eq!(names, [("x[0]", 41), ("x[1]", 41), ("w", 41), ("d", 1), ("area", 1)]);
 }
 
-/// Van der Pol's period and amplitude at μ = 1, to the digits of A. Urabe and others: 6.663286859323130,
+/// Van der Pol's period and amplitude at μ = 1, to the digits of A. Urabe and others: 6.663_286_859_323_13,
 /// 2.008619860874843.
 #[test]
 fn periods_are_unknowns() {
@@ -84,7 +111,7 @@ fn periods_are_unknowns() {
     let x = solved(&mut system, z, &[1.0]);
     let mut monitors = [0.0; 3];
     system.monitors(&x, &mut monitors).unwrap();
-    close(monitors[0], 6.663286859323130, 1e-12);
+    close(monitors[0], 6.663_286_859_323_13, 1e-12);
     close(monitors[1], 2.008619860874843, 1e-10);
     // The pencil of the ends has the multiplier 1: P + Q is singular.
     system.assemble(&x).unwrap();
@@ -94,12 +121,117 @@ fn periods_are_unknowns() {
     assert!((sum[0] * sum[3] - sum[1] * sum[2]).abs() < 1e-9 * size * size);
 }
 
+/// A branch of periodic solutions ends where solving there at once does.
+#[test]
+fn periodic_solutions_are_continued() {
+    let guess = |_, tau: f64, x: &mut [f64]| {
+        x.copy_from_slice(&[2.0 * (2.0 * PI * tau).cos(), -2.0 * (2.0 * PI * tau).sin()]);
+    };
+    let mut system = collocated(VanDerPol, 5, 40);
+    let z = system.sampled(&[6.3], guess);
+    let branch = Continuation::of(&mut system)
+        .from(&z)
+        .at("mu", 0.3)
+        .along("mu", 0.2..=1.0)
+        .trace()
+        .unwrap();
+    let end = branch.special.iter().find(|point| point.parameters[0] == 1.0).unwrap();
+    close(end.monitors[0], 6.66328685932313, 1e-11);
+    close(end.monitors[1], 2.008619860874843, 1e-11);
+    // Folds and branch points, of which there are none.
+    assert_eq!(branch.special.iter().filter(|point| point.kind != Kind::EP).count(), 0);
+}
+
+/// A solution followed over two of its periods, on a mesh from 0 to 2, has the same period.
+#[test]
+fn meshes_may_hold_several_periods() {
+    let mesh = vec![Mesh::uniform(80).stretched(2.0)];
+    let mut system = BoundarySystem::new(VanDerPol, Collocation::new(7).unwrap(), mesh).unwrap();
+    let guess = |_, tau: f64, x: &mut [f64]| {
+        x.copy_from_slice(&[2.0 * (2.0 * PI * tau).cos(), -2.0 * (2.0 * PI * tau).sin()]);
+    };
+    let z = system.sampled(&[6.5], guess);
+    let x = solved(&mut system, z, &[1.0]);
+    let mut monitors = [0.0; 3];
+    system.monitors(&x, &mut monitors).unwrap();
+    close(monitors[0], 2.0 * 6.66328685932313, 1e-11);
+}
+
+/// Histories are smooth curves over the whole time, and the portrait is theirs.
+#[test]
+fn profiles_are_drawn() {
+    let mut system = collocated(Bratu, 4, 10);
+    let z = system.sampled(&[], |_, _, _| {});
+    let x = solved(&mut system, z, &[2.0]);
+    let profiles = system.profiles(&x);
+    let names: Vec<_> = profiles.iter().map(|p| (p.name.as_str(), p.along.as_str())).collect();
+    assert_eq!(names, [("u", "time"), ("v", "time"), ("v", "u")]);
+    assert!(profiles.iter().all(|profile| profile.points.len() == 101));
+    let [first, last] = [profiles[0].points[0], profiles[0].points[100]];
+    close(first[0], 0.0, 0.0);
+    close(last[0], 1.0, 1e-15);
+    close(last[1], 0.0, 1e-14);
+}
+
+/// A problem whose sizes may be wrong.
+struct Wrong {
+    phase: bool,
+    integrals: usize,
+    segments: usize,
+    monitor: usize,
+}
+
+impl BoundaryProblem for Wrong {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["x"]); self.segments]
+    }
+    fn parameters(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, _x: &[T], _q: &[T], f: &mut [T]) {
+        f[0] = T::zero();
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - ends.end[0];
+    }
+    fn integrals(&self) -> usize {
+        self.integrals
+    }
+    fn phase(&self) -> bool {
+        self.phase
+    }
+    fn periodic(&self) -> bool {
+        true
+    }
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![("max".into(), Monitor::Maximum { segment: 0, state: self.monitor })]
+    }
+}
+
 /// Sizes that do not fit are refused with what is wrong.
 #[test]
 fn sizes_are_checked() {
     let collocation = || Collocation::new(4).unwrap();
     let refused = |meshes| BoundarySystem::new(Glued, collocation(), meshes).err().unwrap();
     assert_eq!(refused(vec![Mesh::uniform(3)]), BoundaryError::Meshes { segments: 2, meshes: 1 });
+    let (uniform, points) = (Mesh::uniform(3), |points: &[f64]| Mesh::new(points.to_vec()));
+    let wrong = |phase, integrals, segments, monitor| Wrong { phase, integrals, segments, monitor };
+    let refused = |problem: Wrong| {
+        let meshes = vec![uniform.clone(); problem.segments];
+        BoundarySystem::new(problem, collocation(), meshes).err().unwrap().to_string()
+    };
+    let many = "2 integral and phase conditions, but only 1 states and extras";
+    assert!(refused(wrong(true, 1, 1, 0)).contains(many));
+    assert!(refused(wrong(false, 0, 2, 0)).contains("has 2 segments"));
+    assert!(refused(wrong(false, 0, 1, 3)).contains("state 3 on segment 0, which does not exist"));
+    assert_eq!(points(&[0.0]), Err(MeshError::Empty { points: 1 }));
+    assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start { start: 0.5 }));
+    let order = MeshError::Order { index: 2, before: 0.5, next: 0.5 };
+    assert_eq!(points(&[0.0, 0.5, 0.5, 1.0]), Err(order));
+    assert!(points(&[0.0, f64::NAN]).is_err());
     assert!(Collocation::new(1).unwrap_err().to_string().contains("between 2 and 7"));
 }
 

@@ -64,6 +64,36 @@ impl BoundaryProblem for Bratu {
     }
 }
 
+/// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`, `u(0) = u(1) = 0`: branch points on `u = 0` at `a = (kπ)²/10`.
+#[derive(Clone)]
+pub struct TrivialBranch;
+
+impl BoundaryProblem for TrivialBranch {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["a", "b"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[0] * 10.0 * (x[0].exp() - 1.0 - q[1] * x[0] * x[0] * 0.5);
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0];
+    }
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        vec![
+            ("max".into(), Monitor::Maximum { segment: 0, state: 0 }),
+            ("min".into(), Monitor::Minimum { segment: 0, state: 0 }),
+        ]
+    }
+}
+
 /// `u'' + λu = 0`, `u(0) = u(1) = 0`, `∫u² = 1`: `λ = (kπ)²` is an unknown.
 #[derive(Clone)]
 pub struct Eigenvalue;

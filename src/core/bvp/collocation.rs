@@ -7,11 +7,11 @@
 //!     Σ_j ℓ_j'(ρ_c) x_j − h L f(t_c, Σ_j ℓ_j(ρ_c) x_j, q) = 0,    c = 1 … m
 //! ```
 //!
-//! Its error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and `O(h^{2m})`
-//! at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*, 1973; U. Ascher,
-//! R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential
-//! Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the values there are better by an order
-//! than those between them.
+//! Its error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and
+//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*, 1973;
+//! U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary
+//! Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the values there are
+//! better by an order than those between them.
 
 mod basis;
 

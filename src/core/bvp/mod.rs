@@ -1,4 +1,15 @@
 //! Boundary-value zero problems: segments of trajectories with conditions at their ends.
+//!
+//! ```text
+//!     dx_s/dτ = L_s(q) f_s(τ L_s(q), x_s, q),    0 ≤ τ ≤ 1,    s = 1 … S
+//!     b(x_1(0), …, x_S(0), x_1(1), …, x_S(1), q) = 0
+//!     Σ_s ∫ g_s(t, x_s, q) dt = 0
+//! ```
+//!
+//! A [`BoundaryProblem`] states this once. A [`Method`] replaces each trajectory by values at nodes and
+//! equations on the intervals of a [`Mesh`]: [`Collocation`] is one. A [`BoundarySystem`] puts all
+//! intervals and conditions together into a [`System`](crate::core::zero::System), which is continued
+//! like any other.
 
 mod chunk;
 mod collocation;

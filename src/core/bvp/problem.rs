@@ -9,7 +9,7 @@ use crate::core::zero::{LeftDomain, Names};
 pub struct Ends<'a, T> {
     /// States where the segments begin.
     pub start: &'a [T],
-    /// States where they end.
+    /// States where they end: where their meshes do, at 1 or at the number of periods.
     pub end: &'a [T],
 }
 
@@ -45,6 +45,45 @@ pub enum Monitor {
 /// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. There are as
 /// many boundary and integral conditions (and a phase condition, where [`phase`](Self::phase) is free)
 /// as states of all segments and further unknowns.
+///
+/// ```
+/// use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
+/// use tangency::core::scalar::Scalar;
+/// /// The eigenvalues of `u'' + λu = 0`, `u(0) = u(1) = 0`, `∫u² dt = norm`: `λ` is a further unknown.
+/// struct TautString;
+/// impl BoundaryProblem for TautString {
+///     fn segments(&self) -> Vec<Vec<String>> {
+///         vec![vec!["u".into(), "v".into()]]
+///     }
+///     fn parameters(&self) -> Vec<String> {
+///         vec!["norm".into()]
+///     }
+///     fn extras(&self) -> Vec<String> {
+///         vec!["lambda".into()]
+///     }
+///     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+///         f[0] = x[1];
+///         f[1] = -q[1] * x[0];
+///     }
+///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+///         T::one()
+///     }
+///     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+///         b[0] = ends.start[0];
+///         b[1] = ends.end[0];
+///     }
+///     fn integrals(&self) -> usize {
+///         1
+///     }
+///     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], g: &mut [T]) {
+///         g[0] = x[0] * x[0] - q[0];
+///     }
+/// }
+/// // Two states and one further unknown: two boundary conditions and an integral one.
+/// let string = BoundarySystem::new(TautString, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
+/// assert_eq!(string.meshes()[0].intervals(), 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait BoundaryProblem {
     /// The names of the states of each segment.
     fn segments(&self) -> Vec<Vec<String>>;

@@ -1,7 +1,7 @@
 //! How large an error is, and how long the next step may be.
 
 use super::settings::Settings;
-use super::stages::Stages;
+use super::stages::{Stages, each_sum};
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
 
@@ -25,16 +25,16 @@ impl<T: Scalar> Measure<T> {
 
     /// `Σ_i (h Σ_j e_j k_ij / tolerated_i)²`.
     fn square(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
-        let n = x.len();
-        let error = |i: usize| match self.size {
-            None => row.iter().map(|(j, e)| stages.slopes[j * n + i].real() * e).sum::<f64>(),
+        let mut square = 0.0;
+        let mut add =
+            |i: usize, e: f64| square += (e / self.tolerated(&x[i], &stages.end[i])).powi(2);
+        match self.size {
+            None => each_sum(x.len(), h, row, &stages.slopes, T::real, add),
             Some(size) => {
-                let terms = row.iter().map(|(j, e)| stages.slopes[j * n + i] * *e);
-                size(&terms.fold(T::zero(), |sum, term| sum + term))
+                each_sum(x.len(), h, row, &stages.slopes, |k| *k, |i, e| add(i, size(&e)));
             }
-        };
-        let part = |i: usize| h * error(i) / self.tolerated(&x[i], &stages.end[i]);
-        (0..n).map(|i| part(i).powi(2)).sum()
+        }
+        square
     }
 
     /// The root mean square of an estimate in units of what is tolerated: acceptable up to 1.

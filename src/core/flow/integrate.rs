@@ -43,7 +43,7 @@ pub struct Statistics {
 /// // A quarter of a period: from (1, 0) to (0, −ω).
 /// let (mut x, omega) = ([1.0, 0.0], 2.0);
 /// let quarter = std::f64::consts::FRAC_PI_2 / omega;
-/// let mut flow = Flow::new(Settings::default()).unwrap();
+/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
 /// let statistics = flow.advance(&Oscillator, 0.0, quarter, &mut x, &[omega]).unwrap();
 /// assert!(x[0].abs() < 1e-12 && (x[1] + omega).abs() < 1e-12);
 /// assert!(statistics.evaluations < 130);
@@ -128,7 +128,27 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// As [`advance`](Self::advance), and shows every accepted step to `observe`, which may end the flow
-    /// there.
+    /// there. The state may be asked for anywhere in the step:
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use tangency::core::flow::{Flow, Settings};
+    /// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
+    /// # struct Growth;
+    /// # impl VectorField for Growth {
+    /// #     fn names(&self) -> Names { Names::new(["x"], ["rate"]) }
+    /// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) { f[0] = p[0] * x[0]; }
+    /// # }
+    /// // x' = x in the middle of every step.
+    /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+    /// flow.observe(&Growth, 0.0, 2.0, &mut [1.0], &[1.0], |step| {
+    ///     let (mut dense, mut exact, t) = ([0.0], [0.0], step.time(0.5));
+    ///     step.interpolate(0.5, &mut dense);
+    ///     step.state(0.5, &mut exact);
+    ///     assert!((dense[0] - t.exp()).abs() < 1e-9 && (exact[0] - t.exp()).abs() < 1e-11);
+    ///     ControlFlow::Continue(())
+    /// }).unwrap();
+    /// ```
     ///
     /// # Errors
     /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
@@ -143,7 +163,7 @@ impl<T: Scalar> Flow<T> {
     ) -> Result<Statistics, FlowError> {
         let evaluations = Cell::new(0);
         let motion = Motion { field, start: t0, length, p, evaluations: &evaluations };
-        self.resize(x);
+        self.resize(x, p);
         let mut statistics = Statistics::default();
         let result = self.integrate(&motion, &mut statistics, &mut observe);
         x.copy_from_slice(&self.buffers.x);
@@ -151,7 +171,9 @@ impl<T: Scalar> Flow<T> {
         result.map(|()| statistics)
     }
 
-    fn resize(&mut self, x: &[T]) {
+    fn resize(&mut self, x: &[T], p: &[T]) {
+        self.real.clear();
+        self.real.extend(x.iter().chain(p).map(T::real));
         let buffers = &mut self.buffers;
         buffers.x.clear();
         buffers.x.extend_from_slice(x);
@@ -205,8 +227,9 @@ impl<T: Scalar> Flow<T> {
         motion: &Motion<F, T>,
         sigma: f64,
     ) -> Result<(), FlowError> {
-        self.real.clear();
-        self.real.extend(self.buffers.x.iter().chain(motion.p).map(T::real));
+        for (real, x) in self.real.iter_mut().zip(&self.buffers.x) {
+            *real = x.real();
+        }
         let (x, p) = self.real.split_at(self.buffers.x.len());
         let finite = match x.iter().position(|x| !x.is_finite()) {
             Some(i) => Err(not_finite(motion, i, x[i])),
@@ -325,17 +348,16 @@ impl<T: Scalar> Flow<T> {
     ) -> Result<usize, FlowError> {
         let Stages { end, argument, .. } = &self.buffers.stages;
         let last = self.buffers.stages.slope(tableau.end() - 1);
-        let product = h
-            * (distance(self.buffers.stages.slope(tableau.end()), last) / distance(end, argument))
-                .sqrt();
-        if product.is_nan() || product <= tableau.stability {
+        let slopes = distance(self.buffers.stages.slope(tableau.end()), last);
+        let square = h * h * slopes / distance(end, argument);
+        if square.is_nan() || square <= tableau.stability.powi(2) {
             return Ok(0);
         }
         if stiff + 1 < STIFF_STEPS || (1.0 - sigma) / h < STIFF_REST {
             return Ok(stiff + 1);
         }
         let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
-        Err(FlowError::Stiff { time, step, product })
+        Err(FlowError::Stiff { time, step, product: square.sqrt() })
     }
 }
 

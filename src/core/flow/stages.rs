@@ -70,7 +70,6 @@ impl<T: Scalar> Stages<T> {
 }
 
 /// `x + h Σ_j a_j k_j` into `out`, with the `k_j` one after the other.
-#[inline]
 pub(super) fn combine<T: Scalar>(
     x: &[T],
     h: f64,
@@ -78,44 +77,46 @@ pub(super) fn combine<T: Scalar>(
     slopes: &[T],
     out: &mut [T],
 ) {
-    match row.len() {
-        1 => unrolled::<T, 1>(x, h, row, slopes, out),
-        2 => unrolled::<T, 2>(x, h, row, slopes, out),
-        3 => unrolled::<T, 3>(x, h, row, slopes, out),
-        4 => unrolled::<T, 4>(x, h, row, slopes, out),
-        5 => unrolled::<T, 5>(x, h, row, slopes, out),
-        6 => unrolled::<T, 6>(x, h, row, slopes, out),
-        7 => unrolled::<T, 7>(x, h, row, slopes, out),
-        8 => unrolled::<T, 8>(x, h, row, slopes, out),
-        9 => unrolled::<T, 9>(x, h, row, slopes, out),
-        10 => unrolled::<T, 10>(x, h, row, slopes, out),
-        _ => {
-            out.copy_from_slice(x);
-            for (stage, a) in row {
-                let slope = &slopes[stage * x.len()..];
-                out.iter_mut().zip(slope).for_each(|(out, k)| *out += *k * (h * a));
-            }
-        }
-    }
+    each_sum(x.len(), h, row, slopes, |k| *k, |i, sum| out[i] = x[i] + sum);
 }
 
-/// [`combine`] for a row of known length, whose inner loop the compiler unrolls.
-#[inline]
-fn unrolled<T: Scalar, const M: usize>(
-    x: &[T],
+/// Calls `take` with every component `i` of `h Σ_j a_j k_j`, two at a time so that sums stay in registers.
+#[inline(always)]
+pub(super) fn each_sum<T, S: Scalar>(
+    n: usize,
     h: f64,
     row: &[(usize, f64)],
     slopes: &[T],
-    out: &mut [T],
+    part: impl Fn(&T) -> S,
+    mut take: impl FnMut(usize, S),
 ) {
-    let n = x.len();
-    let terms: [(&[T], f64); M] =
-        std::array::from_fn(|m| (&slopes[row[m].0 * n..(row[m].0 + 1) * n], h * row[m].1));
-    for (i, (out, x)) in out.iter_mut().zip(x).enumerate() {
-        let mut sum = terms[0].0[i] * terms[0].1;
-        for (slope, a) in &terms[1..] {
-            sum += slope[i] * *a;
-        }
-        *out = *x + sum;
+    for i in (0..n - n % 2).step_by(2) {
+        let [first, second] = sums::<T, S, 2>(i, n, h, row, slopes, &part);
+        take(i, first);
+        take(i + 1, second);
     }
+    if n % 2 == 1 {
+        let [last] = sums::<T, S, 1>(n - 1, n, h, row, slopes, &part);
+        take(n - 1, last);
+    }
+}
+
+/// The components `i … i + N − 1` of `h Σ_j a_j k_j`.
+#[inline(always)]
+fn sums<T, S: Scalar, const N: usize>(
+    i: usize,
+    n: usize,
+    h: f64,
+    row: &[(usize, f64)],
+    slopes: &[T],
+    part: &impl Fn(&T) -> S,
+) -> [S; N] {
+    let mut sums = [S::zero(); N];
+    for (j, a) in row {
+        let a = h * a;
+        for (sum, k) in sums.iter_mut().zip(&slopes[j * n + i..j * n + i + N]) {
+            *sum += part(k) * a;
+        }
+    }
+    sums
 }

@@ -41,6 +41,7 @@ impl Basis {
     }
 
     /// The row of a table that belongs to a Gauss point.
+    #[inline]
     pub fn row<'a>(&self, table: &'a [f64], c: usize) -> &'a [f64] {
         &table[c * self.nodes.len()..(c + 1) * self.nodes.len()]
     }

@@ -11,23 +11,78 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
+    /// # #[derive(Clone)]
+    /// # struct Decay;
+    /// # impl BoundaryProblem for Decay {
+    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
+    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
+    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
+    /// # }
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+    /// x.push(1.0);
+    /// // A cubic on each of four intervals.
+    /// let error = system.error_estimate(&x);
+    /// assert!(error > 1e-6 && error < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.largest_error(&self.plain.nodes).map_or(0.0, |largest| largest.error)
     }
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many
-    /// intervals as before. The solution `x = (z, p)`, directions at it (as long as it) and the reference of the
-    /// phase condition are carried over by interpolation: `x` then needs to be corrected.
+    /// intervals as before. The solution `x = (z, p)`, directions at it (as long as it) and the reference
+    /// of the phase condition are carried over by interpolation: `x` then needs to be corrected. A method
+    /// whose mesh causes no error keeps it.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
+    /// # #[derive(Clone)]
+    /// # struct Decay;
+    /// # impl BoundaryProblem for Decay {
+    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
+    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
+    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
+    /// # }
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// // A solution that decays within a tenth.
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-10.0 * tau).exp());
+    /// x.push(10.0);
+    /// system.adapt(&mut x, &mut [])?;
+    /// let points = system.meshes()[0].points();
+    /// assert!(points.len() == 5 && points[1] < 0.2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn adapt(
         &mut self,
         x: &mut Vec<f64>,
         directions: &mut [&mut Vec<f64>],
     ) -> Result<(), LeftDomain> {
         let equations = &self.equations;
+        if equations.method.error_constant().is_none() {
+            return Ok(());
+        }
         let (layout, places) = (&equations.layout, equations.method.places());
         self.plain.load(layout, |i| x[i]);
         let mesh_of = |(segment, mesh): (usize, &Mesh)| {
@@ -54,12 +109,41 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     }
 
     /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried over to it,
-    /// which then needs to be corrected. Each segment gets as many intervals as it takes, of evenly spread error;
-    /// an estimate from a coarse mesh may be too small, so the new solution's is to be looked at again.
+    /// which then needs to be corrected. Each segment gets as many intervals as it takes, of evenly spread
+    /// error; an estimate from a coarse mesh may be too small, so the new solution's is to be looked at
+    /// again.
     ///
     /// # Errors
     /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::LeftDomain`].
+    ///
+    /// ```
+    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
+    /// # #[derive(Clone)]
+    /// # struct Decay;
+    /// # impl BoundaryProblem for Decay {
+    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
+    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
+    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
+    /// #         f[0] = -q[0] * x[0];
+    /// #     }
+    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
+    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
+    /// #         b[0] = ends.start[0] - 1.0;
+    /// #     }
+    /// # }
+    /// // x' = −rate·x, x(0) = 1.
+    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
+    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+    /// x.push(1.0);
+    /// let (mut fine, x) = system.with_error(&x, 1e-6)?;
+    /// assert!(fine.meshes()[0].intervals() > 4);
+    /// assert!(fine.error_estimate(&x) < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {
+        if self.equations.method.error_constant().is_none() {
+            return Ok((self, x.to_vec()));
+        }
         let mut before = self;
         before.plain.load(&before.equations.layout, |i| x[i]);
         let (equations, nodes) = (&before.equations, &before.plain.nodes);

@@ -27,8 +27,8 @@ pub(super) struct Equations<P, M> {
     pub positions: Vec<usize>,
 }
 
-/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature weights `w` of
-/// the nodes. Without a reference, it has none yet.
+/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature weights
+/// `w` of the nodes. Without a reference, it has none yet.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Phase {
     /// The reference, as `x = (z, p)`; empty before it is set.

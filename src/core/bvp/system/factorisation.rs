@@ -222,8 +222,8 @@ impl Factorisation {
         }
     }
 
-    /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices (one row after
-    /// the other); false if it is not this assembly that was factored last.
+    /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices (one row
+    /// after the other); false if it is not this assembly that was factored last.
     pub fn pencil(
         &self,
         layout: &Layout,

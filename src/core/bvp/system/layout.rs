@@ -21,8 +21,9 @@ pub(super) struct Segment {
 
 /// The places of all unknowns and equations.
 ///
-/// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras. Equations: those
-/// of the intervals, segment by segment; boundary conditions; integral conditions; the phase condition.
+/// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras. Equations:
+/// those of the intervals, segment by segment; boundary conditions; integral conditions; the phase
+/// condition.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     /// The number `m` of nodes beyond the first in each interval.

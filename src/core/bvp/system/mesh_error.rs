@@ -1,19 +1,20 @@
 //! The error that a mesh causes, estimated.
 //!
 //! A method that replaces the trajectory by polynomials of degree `m` errs by `C h^{m+1} |x^{(m+1)}|` in an
-//! interval of length `h`. The polynomials have constant `m`-th derivatives; their differences from one interval
-//! to the next tell the derivative beyond (C. de Boor, *Good approximation by splines with variable knots II*,
-//! 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary
-//! Differential Equations*, 1988, section 9.1):
+//! interval of length `h`. The polynomials have constant `m`-th derivatives; their differences from one
+//! interval to the next tell the derivative beyond (C. de Boor, *Good approximation by splines with
+//! variable knots II*, 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value
+//! Problems for Ordinary Differential Equations*, 1988, section 9.1):
 //!
 //! ```text
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
 //! Twice that is reported, since the derivative varies within an interval. Where not even the last term
-//! of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`, is small compared with the state, the expansion has
-//! no meaning: in a layer that is missed the neighbouring polynomials may be alike, and as wrong. The square
-//! of the last term is therefore added; where the mesh resolves the solution, it is negligible.
+//! of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`, is small compared with the state, the
+//! expansion has no meaning: in a layer that is missed the neighbouring polynomials may be alike, and as
+//! wrong. The square of the last term is therefore added; where the mesh resolves the solution, it is
+//! negligible.
 
 use super::equations::{Equations, Work};
 use super::local::{Dependence, Passes};
@@ -136,9 +137,9 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         outcome
     }
 
-    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a mesh of evenly
-    /// spread error makes equal, once multiplied by the intervals' lengths. Where the derivative happens to
-    /// vanish, a tenth of the mean keeps intervals from growing without bound.
+    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a mesh of
+    /// evenly spread error makes equal, once multiplied by the intervals' lengths. Where the derivative
+    /// happens to vanish, a tenth of the mean keeps intervals from growing without bound.
     pub fn density(&self, segment: usize, nodes: &[f64]) -> Vec<f64> {
         let s = &self.layout.segments[segment];
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
@@ -169,8 +170,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 }
 
-/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of the polynomial
-/// through them.
+/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of the
+/// polynomial through them.
 pub(super) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
     let product = |j: usize| -> f64 {

@@ -101,22 +101,21 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let extras = &solution.state[extras..];
         let mut outcome = Ok(());
         let mut sample =
-            |system: &mut dyn FnMut(usize, f64, &mut [f64]) -> Result<(), EvaluationError>| {
-                self.sampled(extras, |segment, tau, out| {
-                    if outcome.is_ok() {
-                        outcome = system(segment, tau, out);
-                    }
+            |states: &mut dyn FnMut(usize, f64) -> Result<Vec<f64>, EvaluationError>| {
+                self.sampled(extras, |segment, tau, out| match states(segment, tau) {
+                    Ok(states) => out.copy_from_slice(&states),
+                    Err(cause) => outcome = Err(cause),
                 })
             };
         let z = if degree == 1 {
             let mut from =
                 BoundarySystem::new(problem, crate::core::bvp::Shooting::default(), meshes)?;
-            sample(&mut |segment, tau, out| Ok(from.states(&x, segment, tau, out)?))
+            sample(&mut |segment, tau| Ok(from.states(&x, segment, tau)?))
         } else {
             let method =
                 Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
             let mut from = BoundarySystem::new(problem, method, meshes)?;
-            sample(&mut |segment, tau, out| Ok(from.states(&x, segment, tau, out)?))
+            sample(&mut |segment, tau| Ok(from.states(&x, segment, tau)?))
         };
         outcome.map(|()| z)
     }

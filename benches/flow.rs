@@ -1,0 +1,90 @@
+//! How long a flow takes: one period of Mita's stick field to 5e-12, in each scheme and scalar type.
+#![allow(missing_docs)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use num_dual::{Dual, DualSVec64};
+use std::f64::consts::PI;
+use std::hint::black_box;
+use tangency::core::field::VectorField;
+use tangency::core::flow::{Flow, Scheme, Settings};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::Names;
+
+/// The block of Mita's impact actuator between impacts.
+struct Stick;
+
+impl VectorField for Stick {
+    fn names(&self) -> Names {
+        Names::new(["q", "u"], ["omega", "V"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let (force, gap) = (p[1] * (p[0] * t).sin(), T::one() - x[0]);
+        f[0] = x[1];
+        f[1] = force * force / (gap * gap) - x[0] - x[1] * 0.04;
+    }
+}
+
+/// On the nonimpacting periodic orbit.
+const START: [f64; 2] = [-0.1193425866519154, -0.03360474279494714];
+const PARAMETERS: [f64; 2] = [0.45, 0.2];
+
+/// A number that carries a derivative in one of four directions.
+trait Seed: Scalar {
+    fn seed(value: f64, direction: usize) -> Self;
+}
+
+impl Seed for f64 {
+    fn seed(value: f64, _direction: usize) -> Self {
+        value
+    }
+}
+
+impl Seed for DualSVec64<4> {
+    fn seed(value: f64, direction: usize) -> Self {
+        Self::from(value).derivative(direction)
+    }
+}
+
+impl Seed for Dual<DualSVec64<4>> {
+    fn seed(value: f64, direction: usize) -> Self {
+        Dual::new(DualSVec64::seed(value, direction), DualSVec64::from(1.0))
+    }
+}
+
+fn period<T: Seed>(c: &mut Criterion, name: &str, scheme: Scheme, tolerance: f64) {
+    let mut flow = Flow::<T>::new(Settings::new(scheme, tolerance)).unwrap();
+    c.bench_function(&format!("flow/{scheme:?}/{name}"), |b| {
+        b.iter(|| {
+            let p = black_box([T::seed(PARAMETERS[0], 2), T::seed(PARAMETERS[1], 3)]);
+            let mut x = [T::seed(START[0], 0), T::seed(START[1], 1)];
+            flow.advance(&Stick, T::zero(), p[0].recip() * PI, &mut x, &p).unwrap();
+            x
+        });
+    });
+}
+
+/// The field alone, as often as the method of order 8 evaluates it.
+fn field(c: &mut Criterion) {
+    c.bench_function("flow/277 fields", |b| {
+        b.iter(|| {
+            let mut f = [0.0; 2];
+            for k in 0..277 {
+                Stick.field(black_box(f64::from(k) * 0.025), &START, &PARAMETERS, &mut f);
+                black_box(&f);
+            }
+        });
+    });
+}
+
+fn flows(c: &mut Criterion) {
+    for (scheme, tolerance) in
+        [(Scheme::DormandPrince8, 1e-11), (Scheme::DormandPrince5, 3e-12), (Scheme::Rodas5P, 5e-11)]
+    {
+        period::<f64>(c, "f64", scheme, tolerance);
+        period::<DualSVec64<4>>(c, "four derivatives", scheme, tolerance);
+        period::<Dual<DualSVec64<4>>>(c, "nested", scheme, tolerance);
+    }
+}
+
+criterion_group!(benches, field, flows);
+criterion_main!(benches);

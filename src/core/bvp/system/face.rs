@@ -1,0 +1,237 @@
+//! What the stepper sees of a discretised boundary-value problem.
+
+use super::carry::Onto;
+use super::equations::Equations;
+use super::factorisation::Form;
+use super::local::Weighted;
+use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
+use crate::core::bvp::chunk::Chunk;
+use crate::core::bvp::{BoundaryProblem, Mesh, Method};
+use crate::core::condition::EvaluationError;
+use crate::core::motion::Oscillation;
+use crate::core::solution::{Adopted, Solution};
+use crate::core::zero::{
+    Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
+};
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+
+impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+    /// The first point at which the equations are evaluated is the reference of the phase condition, where
+    /// none is given.
+    fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
+            self.set_reference(x)?;
+        }
+        Ok(())
+    }
+
+    /// Prepares a gradient by the unknowns and the released parameters.
+    fn release(&mut self, released: &[usize], out: &mut [f64]) {
+        let layout = &self.equations.layout;
+        self.numbers.clear();
+        self.numbers.extend(layout.parameters..layout.numbers());
+        self.numbers.extend_from_slice(released);
+        out[..layout.dimension].fill(0.0);
+        released.iter().for_each(|p| out[layout.dimension + p] = 0.0);
+    }
+
+    /// The parameter along whose unit direction `d` is.
+    fn parameter_of(&self, d: &[f64]) -> Option<usize> {
+        let (z, p) = d.split_at(self.equations.layout.dimension);
+        let k = p.iter().position(|p| *p != 0.0)?;
+        let alone = p[k] == 1.0 && p[k + 1..].iter().chain(z).all(|d| *d == 0.0);
+        alone.then_some(k)
+    }
+}
+
+impl<P, M> System for BoundarySystem<P, M>
+where
+    P: BoundaryProblem + Clone + 'static,
+    M: Method + Clone + 'static,
+{
+    fn names(&self) -> &Names {
+        &self.names
+    }
+
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+        self.refer(x)?;
+        if self.linearisation.at == x {
+            r.copy_from_slice(&self.linearisation.residual);
+            return Ok(());
+        }
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.equations.residual(&mut self.plain)?;
+        r.copy_from_slice(&self.plain.r);
+        self.equations.check(r, &self.plain.q)
+    }
+
+    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        if self.linearisation.at == x {
+            return Ok(());
+        }
+        self.refer(x)?;
+        self.linearisation.at.clear();
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.linearisation.assemble(&mut self.equations, x, &self.plain, &mut self.chunk)?;
+        self.linearisation.at.extend_from_slice(x);
+        Ok(())
+    }
+
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+        let (boundary, form) = (&assembled.boundary, Form::Jacobian);
+        self.factors[slot as usize].factor(layout, assembled, boundary, form, border)
+    }
+
+    fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        self.factor_flipped(slot, border)
+    }
+
+    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
+        match self.equations.problem.periodic() {
+            true => Some(self),
+            false => None,
+        }
+    }
+
+    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
+        self.factors[slot as usize].solve(&self.equations.layout, right);
+    }
+
+    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
+        self.factors[slot as usize].solve_transposed(&self.equations.layout, right);
+    }
+
+    fn jacobian(&mut self, out: &mut [f64]) {
+        self.linearisation.dense(&self.equations.layout, out);
+    }
+
+    fn determinant_sign(&self, slot: Slot) -> f64 {
+        self.factors[slot as usize].determinant_sign()
+    }
+
+    /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which provides it
+    /// from then on.
+    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
+        if let Some(parameter) = self.parameter_of(d) {
+            if !self.linearisation.active.contains(&parameter) {
+                self.linearisation.active.push(parameter);
+                self.linearisation.at.clear();
+            }
+            if self.assemble(x).is_ok() {
+                return self.linearisation.column(&self.equations.layout, parameter, out);
+            }
+        }
+        self.first.load(&self.equations.layout, |i| Dual64::new(x[i], d[i]));
+        let outcome = self.equations.residual(&mut self.first);
+        write(outcome, self.first.r.iter().map(|r| r.eps), out);
+    }
+
+    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
+        let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
+        self.second.load(&self.equations.layout, argument);
+        let outcome = self.equations.residual(&mut self.second);
+        write(outcome, self.second.r.iter().map(|r| r.eps1eps2), out);
+    }
+
+    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
+        let argument = |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+        self.third.load(&self.equations.layout, argument);
+        let outcome = self.equations.residual(&mut self.third);
+        write(outcome, self.third.r.iter().map(|r| r.eps1eps2eps3), out);
+    }
+
+    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
+        self.release(released, out);
+        let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
+        let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.eps };
+        let outcome = self.equations.add_gradient(&weighted, &mut self.nested, out);
+        not_a_number(outcome, out);
+    }
+
+    fn second_gradient(
+        &mut self,
+        x: &[f64],
+        w: &[f64],
+        v: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) {
+        self.release(released, out);
+        let make =
+            |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), Chunk::from(0.0));
+        let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.v2 };
+        let outcome = self.equations.add_gradient(&weighted, &mut self.nested_twice, out);
+        not_a_number(outcome, out);
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        if self.equations.problem.periodic() { Dynamics::Periodic } else { Dynamics::Static }
+    }
+
+    fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
+        self.equations.problem.periodic().then(|| self.deciding_multipliers()).flatten()
+    }
+
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.equations.evaluate_monitors(&mut self.plain, values)
+    }
+
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        let Self { equations, plain, chunk, .. } = self;
+        let outcome = equations.add_monitor_gradient(monitor, x, plain, chunk, out);
+        not_a_number(outcome, out);
+    }
+
+    fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.equations.profiles(&self.names.unknowns, &mut self.plain).unwrap_or_default()
+    }
+
+    fn exact(&self) -> bool {
+        false
+    }
+
+    fn mesh(&self) -> Vec<f64> {
+        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
+    }
+
+    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+        self.take_over(solution)
+    }
+
+    fn follow(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
+        self.follow_to(x, directions);
+    }
+
+    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+        let (method, parts) = self.equations.method.finer()?;
+        let meshes: Vec<Mesh> = self.meshes().iter().map(|mesh| mesh.divided(parts)).collect();
+        let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
+        if too_fine || self.refinements >= MOST_REFINEMENTS {
+            return None;
+        }
+        let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
+        system.refinements = self.refinements + 1;
+        let Equations { method, meshes, layout, .. } = &system.equations;
+        let x =
+            self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
+        Some(Refinement { system: Box::new(system), x })
+    }
+}
+
+/// Writes derivatives, or that there are none.
+fn write(outcome: Result<(), LeftDomain>, values: impl Iterator<Item = f64>, out: &mut [f64]) {
+    out.iter_mut().zip(values).for_each(|(out, value)| *out = value);
+    not_a_number(outcome, out);
+}
+
+/// Derivatives outside the domain are no numbers: whoever uses them refuses the point.
+fn not_a_number(outcome: Result<(), LeftDomain>, out: &mut [f64]) {
+    if outcome.is_err() {
+        out.fill(f64::NAN);
+    }
+}
