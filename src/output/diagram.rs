@@ -173,7 +173,8 @@ impl Pieces<'_> {
     }
 }
 
-fn style(unstable: Option<usize>) -> Style {
+/// The style of what has this number of unstable eigenvalues.
+pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,
         Some(0) | None => Style::Solid,
