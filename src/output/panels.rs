@@ -10,9 +10,9 @@ use super::profiles::profiles;
 /// one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
 /// carry. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles and points;
 /// without them every kind of profile is drawn, for up to eight points: of orbits the folds, period
-/// doublings, torus and branch points, grazings, user's points and the last end of each branch (ends are
-/// the first to be left out), of other solutions the user's points and, to compare, the first end. Where
-/// `x` or `y` is given, the diagram in these columns alone.
+/// doublings, torus and branch points, grazings and user's points and, where that makes no more than five
+/// curves, the last end of each branch; of other solutions the user's points and, to compare, the first
+/// end. Where `x` or `y` is given, the diagram in these columns alone.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points

@@ -11,6 +11,8 @@ use crate::core::zero::Profile;
 
 /// A figure does not show more curves than this unless their points are named one by one.
 const MOST_CURVES: usize = 8;
+/// Nor ends of branches, if there are more curves than this.
+const MOST_WITH_ENDS: usize = 5;
 
 /// A special point, and the name of its curve.
 struct Shown<'a> {
@@ -21,9 +23,9 @@ struct Shown<'a> {
 /// One figure for each kind of profile, of those that the first document names, or of all.
 ///
 /// It shows the points that the first document names, or else these: of solutions on a mesh (orbits) the
-/// folds, period doublings, torus and branch points, grazings and user's points, and the last end of each
-/// branch, up to eight, the ends being left out first; of other solutions the user's points and, to compare,
-/// the first end.
+/// folds, period doublings, torus and branch points, grazings and user's points, up to eight, and where these
+/// make no more than five curves, the last end of each branch; of other solutions the user's points and, to
+/// compare, the first end.
 ///
 /// # Errors
 /// [`FigureError::UnknownPoint`] and [`FigureError::UnknownProfile`] for names that do not exist.
@@ -98,10 +100,11 @@ fn usual<'a>(documents: &[(&str, &'a Document)]) -> Vec<Shown<'a>> {
             }));
         }
     }
-    while shown.len() > MOST_CURVES {
-        let end = shown.iter().rposition(|shown| shown.point.kind == Kind::EP);
-        shown.remove(end.unwrap_or(shown.len() - 1));
+    let ends = |shown: &Shown| matches!(shown.point.kind, Kind::EP | Kind::MX);
+    if shown.len() > MOST_WITH_ENDS && !shown.iter().all(ends) {
+        shown.retain(|shown| !ends(shown));
     }
+    shown.truncate(MOST_CURVES);
     shown
 }
 
