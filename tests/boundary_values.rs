@@ -99,8 +99,7 @@ fn two_segments_are_glued() {
     assert_eq!(names, [("x[0]", 41), ("x[1]", 41), ("w", 41), ("d", 1), ("area", 1)]);
 }
 
-/// Van der Pol's period and amplitude at μ = 1, to the digits of A. Urabe and others: 6.663_286_859_323_13,
-/// 2.008619860874843.
+/// Van der Pol's period and amplitude at μ = 1, known to many digits: 6.66328685932313, 2.008619860874843.
 #[test]
 fn periods_are_unknowns() {
     let mut system = collocated(VanDerPol, 7, 40);
@@ -356,6 +355,45 @@ fn factors_agree<P: BoundaryProblem + Clone + 'static>(
     system.solve_transposed(Slot::Condition, &mut left);
     agree(&right, &solution, 1e-9);
     agree(&left, &solution, 1e-9);
+}
+
+/// A ring of as many states as wanted: `x_i' = a sin x_{i+1} − x_i² + cos t`.
+#[derive(Clone)]
+struct Ring(usize);
+
+impl BoundaryProblem for Ring {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![(0..self.0).map(|i| format!("x{i}")).collect()]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["a", "length"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        for i in 0..x.len() {
+            f[i] = q[0] * x[(i + 1) % x.len()].sin() - x[i] * x[i] + t.cos();
+        }
+    }
+    fn duration<T: Scalar>(&self, _s: usize, q: &[T]) -> T {
+        q[1]
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        (0..b.len()).for_each(|i| b[i] = ends.start[i] + ends.end[(i + 1) % b.len()].powi(2));
+    }
+}
+
+/// Any number of states, in one pass of directions or in several.
+#[test]
+fn derivatives_of_any_number_of_states() {
+    for n in [1, 3, 4, 6, 10] {
+        let mut system = collocated(Ring(n), 2, 2);
+        let wave = |_, tau: f64, x: &mut [f64]| {
+            (0..n).for_each(|i| x[i] = (3.0 * tau + i as f64).sin());
+        };
+        let mut x = system.sampled(&[], wave);
+        x.extend([0.7, 1.3]);
+        derivatives_agree(&mut system, &x, 5);
+        factors_agree(&mut system, &x, 1);
+    }
 }
 
 proptest! {

@@ -144,12 +144,16 @@ pub struct Newton {
     correction: Vec<f64>,
     next: Vec<f64>,
     trial: Vec<f64>,
+    /// The curvature of the equations met last, `ω` in `‖Δ̄‖ ≈ ω‖Δ‖²/2`; 0 while it is not known.
+    curvature: f64,
 }
 
 /// Damping factors below this are hopeless.
 const LEAST_DAMPING: f64 = 1.0 / 256.0;
 /// Corrections that contract better than this converge quadratically.
 const GOOD_CONTRACTION: f64 = 0.25;
+/// A correction is expected to be the last if the matrix changes by less than this over it.
+const NEARLY_LINEAR: f64 = 1e-4;
 /// Scaled corrections this small that shrink no more have met rounding: the point is as good as
 /// arithmetic allows, and its error estimate says how good that is.
 const ROUNDING: f64 = 1e-9;
@@ -215,16 +219,25 @@ impl Newton {
                 return Ok(report);
             }
             // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
-            if iteration > 1 && contracts && size * ratio * ratio <= 0.01 * tolerance {
+            if iteration > 1 && contracts && size * ratio * ratio <= 0.1 * tolerance {
                 unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
                 report.matrix_error = 2.0 * ratio * ratio;
                 return Ok(report);
             }
             previous = size;
+            if iteration == 1 && self.curvature > 0.0 && self.curvature * size <= NEARLY_LINEAR {
+                report.matrix_error = self.curvature * size;
+                if self.simplified_step(&mut problem, unknowns) {
+                    return Ok(report);
+                }
+            }
             let contraction = self.damped_step(&mut problem, unknowns, iteration)?;
             if iteration == 1 {
                 // The ratio of two numbers near rounding says nothing.
                 report.contraction = if size > tolerance { contraction } else { 0.0 };
+                if size > ROUNDING.sqrt() * 1e-2 {
+                    self.curvature = 2.0 * contraction / size;
+                }
             }
         }
         Err(NewtonError::IterationLimit {
@@ -253,6 +266,23 @@ impl Newton {
             .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
         problem.equations.solve(&mut self.correction);
         Ok(&self.correction)
+    }
+
+    /// Where the equations are so nearly linear that the first correction should be the last, the
+    /// residual at the new point decides: true if it is converged.
+    fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
+        for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.correction) {
+            *trial = x - d;
+        }
+        let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
+        if evaluated.is_ok() {
+            problem.equations.solve(&mut self.next);
+            if problem.size(&self.next) <= problem.tolerance {
+                unknowns.copy_from_slice(&self.trial);
+                return true;
+            }
+        }
+        false
     }
 
     /// Applies the correction, damped as far as needed, leaves the residual at the new point, and

@@ -198,15 +198,19 @@ impl Method for Collocation {
         _span: Span,
         nodes: &[f64],
         _q: &[f64],
-        state: usize,
-        visit: &mut dyn FnMut(f64, f64),
+        states: &[usize],
+        visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         let basis = &self.basis;
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
-        let at = |j: usize| nodes[j * n + state];
-        visit(0.0, at(0));
-        basis.stationary(at, |s| visit(s, (0..=m).map(|j| basis.lagrange(j, s) * at(j)).sum()));
-        visit(1.0, at(m));
+        for &state in states {
+            let at = |j: usize| nodes[j * n + state];
+            visit(state, 0.0, at(0));
+            basis.stationary(at, |s| {
+                visit(state, s, (0..=m).map(|j| basis.lagrange(j, s) * at(j)).sum());
+            });
+            visit(state, 1.0, at(m));
+        }
         Ok(())
     }
 
@@ -311,13 +315,22 @@ impl<const W: usize> Passes<W> {
         let rows = block.nodes[c * n * n * places..].chunks_exact_mut(n * places);
         for (i, (row, f)) in rows.zip(&self.f).enumerate() {
             let parts = parts(f);
-            for ((entries, value), slope) in row.chunks_exact_mut(n).zip(values).zip(slopes) {
-                for (entry, part) in entries[start..].iter_mut().zip(&parts) {
-                    *entry = -value * part;
+            match n {
+                1 => outer_product::<1>(row, values, &parts),
+                2 => outer_product::<2>(row, values, &parts),
+                3 => outer_product::<3>(row, values, &parts),
+                4 => outer_product::<4>(row, values, &parts),
+                _ => {
+                    for (entries, value) in row.chunks_exact_mut(n).zip(values) {
+                        let entries = entries[start..].iter_mut();
+                        entries.zip(&parts).for_each(|(entry, part)| *entry = -value * part);
+                    }
                 }
-                if (start..start + W).contains(&i) {
-                    entries[i] += slope;
-                }
+            }
+            if (start..start + W).contains(&i) {
+                row.chunks_exact_mut(n)
+                    .zip(slopes)
+                    .for_each(|(entries, slope)| entries[i] += slope);
             }
         }
     }
@@ -333,5 +346,13 @@ impl<const W: usize> Passes<W> {
                 }
             }
         }
+    }
+}
+
+/// `−ℓ_j f_k` for the few states that most fields have: lengths known beforehand make short loops fast.
+fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
+    let Some(parts) = parts.first_chunk::<N>() else { return };
+    for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {
+        *entries = parts.map(|part| -value * part);
     }
 }

@@ -69,6 +69,33 @@ pub trait Method {
         x: &mut [T],
     ) -> Result<(), LeftDomain>;
 
+    /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start on, for
+    /// drawing.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval's data, places, buffers and a visitor"
+    )]
+    fn trajectory<P: BoundaryProblem>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        count: usize,
+        work: &mut Self::Work<f64>,
+        visit: &mut dyn FnMut(f64, &[f64]),
+    ) -> Result<(), LeftDomain> {
+        let mut x = vec![0.0; nodes.len() / self.places().len()];
+        for place in (0..count).map(|k| k as f64 / count as f64) {
+            self.value(problem, span, nodes, q, place, work, &mut x)?;
+            visit(place, &x);
+        }
+        Ok(())
+    }
+
     /// The residual of an interval with its derivatives by the nodes and by the active components
     /// of `q`.
     ///
@@ -84,8 +111,8 @@ pub trait Method {
         block: Block,
     ) -> Result<(), LeftDomain>;
 
-    /// Calls `visit` with place (from 0 to 1) and value of every local extremum of a state inside an
-    /// interval, its ends included.
+    /// Calls `visit` with number, place (from 0 to 1) and value of some states at every local extremum inside
+    /// an interval, and at its ends.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
@@ -95,8 +122,8 @@ pub trait Method {
         span: Span,
         nodes: &[f64],
         q: &[f64],
-        state: usize,
-        visit: &mut dyn FnMut(f64, f64),
+        states: &[usize],
+        visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain>;
 
     /// How many Gauss points an interval needs for integrals to be as accurate as the trajectory.
@@ -108,6 +135,28 @@ pub trait Method {
     /// error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh causes no error.
     fn error_constant(&self) -> Option<f64> {
         None
+    }
+
+    /// The residual of an interval together with what [`extrema`](Self::extrema) visits, where both come
+    /// from the same work; false, and nothing done, where they do not.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval's data, states, a target and a visitor"
+    )]
+    fn residual_with_extrema<P: BoundaryProblem>(
+        &mut self,
+        _problem: &P,
+        _span: Span,
+        _nodes: &[f64],
+        _q: &[f64],
+        _states: &[usize],
+        _r: &mut [f64],
+        _visit: &mut dyn FnMut(usize, f64, f64),
+    ) -> Result<bool, LeftDomain> {
+        Ok(false)
     }
 
     /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`

@@ -32,7 +32,8 @@ pub struct Shooting {
     six: Variation<6>,
     eight: Variation<8>,
     plain: Flow<f64>,
-    extrema: Extrema<f64>,
+    /// One search for each state whose extrema are wanted.
+    extrema: Vec<Extrema<f64>>,
     x: Vec<f64>,
 }
 
@@ -71,7 +72,7 @@ impl Default for Shooting {
             six: Variation::default(),
             eight: Variation::default(),
             plain: Flow::default(),
-            extrema: Extrema::of(0),
+            extrema: Vec::new(),
             x: Vec::new(),
         }
     }
@@ -201,6 +202,36 @@ impl Method for Shooting {
         if place == 0.0 { Ok(()) } else { flow_to(work, problem, span, place, q, x) }
     }
 
+    /// From the dense output of one flow.
+    fn trajectory<P: BoundaryProblem>(
+        &self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        count: usize,
+        work: &mut Flow<f64>,
+        visit: &mut dyn FnMut(f64, &[f64]),
+    ) -> Result<(), LeftDomain> {
+        let mut x = nodes[..nodes.len() / 2].to_vec();
+        let (mut next, mut between) = (0, x.clone());
+        work.settings = self.settings;
+        let field = OnSegment { problem, segment: span.segment };
+        let duration = problem.duration(span.segment, q);
+        let length = duration * (span.end - span.start);
+        work.observe(&field, duration * span.start, length, &mut x, q, |step| {
+            let (start, end) = step.span();
+            while next < count && (next as f64) < end * count as f64 {
+                let place = next as f64 / count as f64;
+                step.interpolate((place - start) / (end - start), &mut between);
+                visit(place, &between);
+                next += 1;
+            }
+            ControlFlow::Continue(())
+        })?;
+        Ok(())
+    }
+
     fn linearise<P: BoundaryProblem>(
         &mut self,
         problem: &P,
@@ -234,24 +265,44 @@ impl Method for Shooting {
         span: Span,
         nodes: &[f64],
         q: &[f64],
-        state: usize,
-        visit: &mut dyn FnMut(f64, f64),
+        states: &[usize],
+        visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
+        let mut r = vec![0.0; nodes.len() / 2];
+        self.residual_with_extrema(problem, span, nodes, q, states, &mut r, visit)?;
+        Ok(())
+    }
+
+    fn residual_with_extrema<P: BoundaryProblem>(
+        &mut self,
+        problem: &P,
+        span: Span,
+        nodes: &[f64],
+        q: &[f64],
+        states: &[usize],
+        r: &mut [f64],
+        visit: &mut dyn FnMut(usize, f64, f64),
+    ) -> Result<bool, LeftDomain> {
         let Shooting { plain, extrema, x, .. } = self;
         plain.settings = self.settings;
-        extrema.restart(state);
+        extrema.resize_with(states.len(), || Extrema::of(0));
+        extrema.iter_mut().zip(states).for_each(|(extrema, state)| extrema.restart(*state));
         x.clear();
         x.extend_from_slice(&nodes[..nodes.len() / 2]);
-        visit(0.0, x[state]);
+        states.iter().for_each(|&state| visit(state, 0.0, x[state]));
         let field = OnSegment { problem, segment: span.segment };
         let duration = problem.duration(span.segment, q);
         let length = duration * (span.end - span.start);
         plain.observe(&field, duration * span.start, length, x, q, |step| {
-            extrema.search(step, |extremum| visit(extremum.place, extremum.value));
+            for (extrema, &state) in extrema.iter_mut().zip(states) {
+                extrema.search(step, |extremum| visit(state, extremum.place, extremum.value));
+            }
             ControlFlow::Continue(())
         })?;
-        visit(1.0, x[state]);
-        Ok(())
+        states.iter().for_each(|&state| visit(state, 1.0, x[state]));
+        let right = &nodes[nodes.len() / 2..];
+        r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
+        Ok(true)
     }
 
     fn finer(&self) -> Option<(Self, usize)> {
@@ -350,8 +401,8 @@ mod tests {
             assert!((x[0] - t.cos()).abs() < 2e-12 && (x[1] + t.sin()).abs() < 2e-12);
         }
         let mut found = Vec::new();
-        let mut visit = |place, value| found.push((2.0 + 5.0 * place, value));
-        shooting.extrema(&problem, span, &nodes, &q, 0, &mut visit).unwrap();
+        let mut visit = |_, place, value| found.push((2.0 + 5.0 * place, value));
+        shooting.extrema(&problem, span, &nodes, &q, &[0], &mut visit).unwrap();
         let exact = [2.0, std::f64::consts::PI, std::f64::consts::TAU, 7.0];
         assert_eq!(found.len(), exact.len(), "{found:?}");
         for ((t, x), exact) in found.iter().zip(exact) {

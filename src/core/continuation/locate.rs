@@ -1,6 +1,7 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
 use super::event::{Event, MakeCondition, Test};
+use super::hermite::{Knot, hermite};
 use super::stepper::{Matrix, Place, Stepper};
 use super::{Kind, Point, SpecialPoint};
 use crate::core::extended::{Closing, Extended};
@@ -23,6 +24,7 @@ struct Bracket {
     low: f64,
     high: f64,
     ends: [Vec<f64>; 2],
+    tangents: [Vec<f64>; 2],
     tests: [f64; 2],
 }
 
@@ -36,9 +38,17 @@ impl Bracket {
         self.between(fraction)
     }
 
+    /// A place between the ends, on the cubic that has their tangents.
     fn between(&self, fraction: f64) -> Vec<f64> {
         let [a, b] = &self.ends;
-        a.iter().zip(b).map(|(a, b)| a + fraction * (b - a)).collect()
+        let [s, t] = &self.tangents;
+        let length = self.high - self.low;
+        // The tangents' lengths are those of scaled arclength, of which the bracket is a part.
+        let knots = [
+            Knot { u: 0.0, x: a, tangent: s, speed: 1.0 },
+            Knot { u: length, x: b, tangent: t, speed: 1.0 },
+        ];
+        hermite(&knots, fraction * length)
     }
 }
 
@@ -58,6 +68,7 @@ impl Stepper<'_> {
             low: 0.0,
             high: length,
             ends: [from.unknowns.clone(), to.unknowns.clone()],
+            tangents: [from.tangent.clone(), to.tangent.clone()],
             tests: [from.tests[index], to.tests[index]],
         };
         let mut applicable = true;
@@ -105,6 +116,7 @@ impl Stepper<'_> {
         let test = place.tests[index];
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
         bracket.ends[side] = place.unknowns;
+        bracket.tangents[side] = place.tangent;
         bracket.tests[side] = test;
         *(if side == 0 { &mut bracket.low } else { &mut bracket.high }) = length;
         bracket.high - bracket.low > 1e-12 * bracket.high

@@ -3,6 +3,7 @@
 mod branch;
 mod error;
 mod event;
+mod hermite;
 mod hidden;
 mod locate;
 mod metric;

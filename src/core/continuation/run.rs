@@ -1,6 +1,7 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
 use super::event::Test;
+use super::hermite::MOST_KNOTS;
 use super::locate::Located;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
 use super::{Branch, End, Kind, Observer, Point, SpecialPoint, TraceError};
@@ -158,13 +159,13 @@ impl Tracer<'_> {
         let settings = &self.stepper.settings;
         let (max_points, max_step) = (settings.max_points, settings.max_step);
         let mut length = settings.initial_step.min(max_step);
-        let mut before: Option<Before> = None;
+        let mut before: Vec<Before> = Vec::new();
         loop {
             let points = half.points.len();
             if points >= max_points {
                 return End::PointLimit { points };
             }
-            let mut step = match self.stepper.step(before.as_ref(), place, length) {
+            let mut step = match self.stepper.step(&before, place, length) {
                 Ok(step) => step,
                 Err((step, cause)) => {
                     return End::StepTooSmall { step, cause: cause.to_string() };
@@ -176,7 +177,7 @@ impl Tracer<'_> {
                 return end;
             }
             if let Some(shorter) =
-                before.as_ref().and_then(|before| self.stepper.hidden(before, place, &step))
+                before.first().and_then(|before| self.stepper.hidden(before, place, &step))
             {
                 step = shorter;
             }
@@ -194,15 +195,13 @@ impl Tracer<'_> {
             let Some(Ending { end, at }) = ending else {
                 let length = step.length;
                 let Place { unknowns, tangent, tests, .. } = std::mem::replace(place, step.place);
-                let mut last = Before { unknowns, tangent, tests, length };
-                let others = [
-                    &mut last.unknowns[..],
-                    &mut last.tangent[..],
-                    &mut start.unknowns[..],
-                    &mut start.tangent[..],
-                ];
+                before.insert(0, Before { unknowns, tangent, tests, length });
+                before.truncate(MOST_KNOTS - 1);
+                let mut others = vec![&mut start.unknowns[..], &mut start.tangent[..]];
+                for Before { unknowns, tangent, .. } in &mut before {
+                    others.extend([&mut unknowns[..], &mut tangent[..]]);
+                }
                 self.stepper.settle(place, others);
-                before = Some(last);
                 half.points.push(place.point.clone());
                 if observer.point(&place.point).is_break() {
                     return End::Interrupted;

@@ -1,6 +1,7 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
 use super::event::{Event, MakeCondition, Test};
+use super::hermite::{Knot, hermite};
 use super::metric::Metric;
 use super::{Point, Settings};
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
@@ -51,13 +52,16 @@ impl Matrix {
 }
 
 /// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
-const MATRIX_ERROR: f64 = 1e-5;
+const MATRIX_ERROR: f64 = 1e-4;
 
 /// A prediction that leaves the tangent by more than this share of the step, in any group of unknowns, is
 /// not trusted.
 const MOST_CURVED: f64 = 0.5;
 
-/// The place before a step's, for the predictor and for pairs of events.
+/// A place with a tangent that is this far from the present one is of no use to the predictor.
+const LEAST_SPEED: f64 = 0.5;
+
+/// A place before a step's, for the predictor and for pairs of events.
 pub(super) struct Before {
     pub unknowns: Vec<f64>,
     pub tangent: Vec<f64>,
@@ -206,7 +210,7 @@ impl Stepper<'_> {
     /// One step of at most this length; shorter ones are tried down to `min_step`.
     pub fn step(
         &mut self,
-        before: Option<&Before>,
+        before: &[Before],
         from: &Place,
         length: f64,
     ) -> Result<Step, (f64, NewtonError)> {
@@ -226,12 +230,12 @@ impl Stepper<'_> {
 
     fn try_step(
         &mut self,
-        before: Option<&Before>,
+        before: &[Before],
         from: &Place,
         row: &[f64],
         length: f64,
     ) -> Result<Step, NewtonError> {
-        let curved = before.and_then(|before| self.curved(before, from, row, length));
+        let curved = self.curved(before, from, row, length);
         let order = if curved.is_some() { 4 } else { 2 };
         let mut unknowns = curved.unwrap_or_else(|| {
             from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect()
@@ -249,33 +253,37 @@ impl Stepper<'_> {
         Ok(Step { place, length, next: self.next_length(length, report.contraction, angle, order) })
     }
 
-    /// The cubic through the last two places with their tangents, extrapolated. Its parameter is the
-    /// coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the
-    /// hyperplane of the step.
-    fn curved(&self, before: &Before, from: &Place, row: &[f64], length: f64) -> Option<Vec<f64>> {
-        if before.unknowns.len() != from.unknowns.len() {
-            return None;
-        }
+    /// The polynomial through the last places with their tangents, extrapolated. Its parameter is the
+    /// coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane
+    /// of the step.
+    fn curved(
+        &self,
+        before: &[Before],
+        from: &Place,
+        row: &[f64],
+        length: f64,
+    ) -> Option<Vec<f64>> {
         let dot = |v: &[f64]| row.iter().zip(v).map(|(r, v)| r * v).sum::<f64>();
-        let offset: Vec<f64> =
-            before.unknowns.iter().zip(&from.unknowns).map(|(b, x)| b - x).collect();
-        let (u, slope) = (dot(&offset), dot(&before.tangent));
-        if !(u < 0.0 && slope > 0.0) {
-            return None;
+        let origin = dot(&from.unknowns);
+        let mut knots =
+            vec![Knot { u: 0.0, x: &from.unknowns, tangent: &from.tangent, speed: 1.0 }];
+        for Before { unknowns, tangent, .. } in before {
+            let (u, speed) = (dot(unknowns) - origin, dot(tangent));
+            if u >= knots[knots.len() - 1].u || speed <= LEAST_SPEED {
+                break;
+            }
+            knots.push(Knot { u, x: unknowns, tangent, speed });
         }
-        // X = x + u t + u² (a + b u), with value and slope given at the place before.
-        let mut bend = vec![0.0; offset.len()];
-        for i in 0..bend.len() {
-            let t = from.tangent[i];
-            let value = (offset[i] - u * t) / (u * u);
-            let rate = (before.tangent[i] / slope - t) / u;
-            let b = (rate - 2.0 * value) / u;
-            bend[i] = length * length * (value + b * (length - u));
+        let line = from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t);
+        while knots.len() > 1 {
+            let curved = hermite(&knots, length);
+            let bend: Vec<f64> = curved.iter().zip(line.clone()).map(|(x, l)| x - l).collect();
+            if self.is_trusted(&bend, &from.tangent, length) {
+                return Some(curved);
+            }
+            knots.pop();
         }
-        self.is_trusted(&bend, &from.tangent, length).then(|| {
-            let line = from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t);
-            line.zip(&bend).map(|(x, bend)| x + bend).collect()
-        })
+        None
     }
 
     /// Whether a prediction's `bend` is small against the step along the tangent, in each group by itself:
@@ -303,11 +311,11 @@ impl Stepper<'_> {
 
     /// Lets the mesh, scales and borders follow the branch after a step was accepted. What else is to
     /// stay comparable is carried over to a new mesh.
-    pub fn settle(&mut self, place: &mut Place, others: [&mut [f64]; 4]) {
+    pub fn settle(&mut self, place: &mut Place, mut others: Vec<&mut [f64]>) {
         let n = self.equations.dimension();
-        let [a, b, c, d] = others;
-        let directions = &mut [&mut place.tangent[..], a, b, c, d];
-        self.equations.follow(&mut place.unknowns, directions);
+        let mut directions: Vec<&mut [f64]> =
+            others.iter_mut().map(|other| &mut **other).chain([&mut place.tangent[..]]).collect();
+        self.equations.follow(&mut place.unknowns, &mut directions);
         let p = &place.unknowns[self.equations.parameters_at()..];
         self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
         self.weights = self.metric.weights(self.equations.names());

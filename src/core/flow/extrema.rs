@@ -18,8 +18,8 @@ pub struct Extremum<T> {
 const PARTS: usize = 8;
 /// How many times an extremum is improved at most.
 const ROUNDS: usize = 12;
-/// A change of place by this part of a step is none.
-const SETTLED: f64 = 1e-14;
+/// After a change of place by this part of a step, the parabola through it is the solution to rounding.
+const SETTLED: f64 = 1e-5;
 
 /// The search for all local extrema of one state, step by step: to be called by the observer of a flow.
 ///
@@ -77,7 +77,20 @@ impl<T: Scalar> Extrema<T> {
         step: &mut Step<F, T>,
         mut visit: impl FnMut(Extremum<T>),
     ) {
+        let slopes = step.slopes(self.state);
+        if let Some([_, _, last]) = slopes.filter(keep_clear_of_zero)
+            && self.slope * last >= 0.0
+        {
+            self.slope = last;
+            return;
+        }
         step.prepare();
+        if slopes.is_some_and(|slopes| crosses_once(&slopes)) {
+            let [left, right] = [0.0, 1.0].map(|place| Sample::of(step, self.state, place));
+            self.pass(step, left, left, &mut visit);
+            self.pass(step, left, right, &mut visit);
+            return;
+        }
         let mut left = Sample::of(step, self.state, 0.0);
         self.pass(step, left, left, &mut visit);
         for part in 1..=PARTS {
@@ -120,19 +133,41 @@ impl<T: Scalar> Extrema<T> {
         let place = Dual2::new(start, T::one(), T::zero());
         let curvature = step.interpolated(i, place, Dual2::from_re).v2;
         let mut theta = start;
+        let mut value = T::zero();
         for round in 0..ROUNDS {
             step.state(theta, &mut self.x);
             step.slope(theta, &self.x, &mut self.slopes);
-            let change = self.slopes[i] * step.length() / curvature;
-            let settled = change.real().abs() < SETTLED;
+            let slope = self.slopes[i] * step.length();
+            let change = slope / curvature;
+            value = self.x[i];
             let strayed = (theta - change - guess).real().abs() > 1.0 / PARTS as f64;
-            if strayed || !change.real().is_finite() || (settled && round > T::NDERIV) {
+            if strayed || !change.real().is_finite() {
                 break;
             }
             theta -= change;
+            // On the parabola, the rest of the way changes the value by half the slope times it.
+            value -= slope * change * 0.5;
+            if change.real().abs() < SETTLED && round >= T::NDERIV {
+                break;
+            }
         }
-        Extremum { place: step.place(theta), value: self.x[i] }
+        Extremum { place: step.place(theta), value }
     }
+}
+
+/// Whether slopes in three places of a step have one sign and sizes that differ by less than five times.
+fn keep_clear_of_zero(slopes: &[f64; 3]) -> bool {
+    let least = slopes.iter().fold(f64::INFINITY, |least, s| least.min(s.abs()));
+    let most = slopes.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+    slopes.iter().all(|s| s * slopes[2] > 0.0) && 5.0 * least > most
+}
+
+/// Whether slopes in three places of a step change their sign once, at a rate that changes by less than
+/// three times.
+fn crosses_once(slopes: &[f64; 3]) -> bool {
+    let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
+    let [a, b] = rates.map(f64::abs);
+    slopes[0] * slopes[2] < 0.0 && rates[0] * rates[1] > 0.0 && a < 3.0 * b && b < 3.0 * a
 }
 
 /// Slope and curvature of dense output of a state at a fraction of the step.
@@ -155,7 +190,8 @@ impl Sample {
         self.slope * self.curvature < 0.0
     }
 
-    /// Where a quantity changes its sign between two samples, by bisection; `right` if it does not.
+    /// Where a quantity changes its sign between two samples, by false position (of the Illinois kind, which
+    /// does not stall at one end); `right` if it does not.
     fn root<F: VectorField, T: Scalar>(
         step: &Step<F, T>,
         state: usize,
@@ -163,15 +199,28 @@ impl Sample {
         right: Sample,
         quantity: impl Fn(&Sample) -> f64,
     ) -> Self {
-        let (mut low, mut high) = (left, right);
-        while high.fraction - low.fraction > 1e-10 {
-            let middle = Sample::of(step, state, 0.5 * (low.fraction + high.fraction));
-            if quantity(&middle) * quantity(&right) > 0.0 {
-                high = middle;
-            } else {
-                low = middle;
-            }
+        let (mut low, mut high) =
+            ((left.fraction, quantity(&left)), (right.fraction, quantity(&right)));
+        if low.1 * high.1 >= 0.0 {
+            return right;
         }
-        high
+        let mut middle = right;
+        for _ in 0..ROUNDS {
+            let fraction = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let change = fraction - middle.fraction;
+            middle = Sample::of(step, state, fraction);
+            let value = quantity(&middle);
+            // Good enough for Newton's method on shorter steps.
+            if change.abs() < 1e-6 || value == 0.0 {
+                break;
+            }
+            if value * high.1 < 0.0 {
+                low = high;
+            } else {
+                low.1 *= 0.5;
+            }
+            high = (fraction, value);
+        }
+        middle
     }
 }

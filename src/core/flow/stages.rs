@@ -77,7 +77,34 @@ pub(super) fn combine<T: Scalar>(
     slopes: &[T],
     out: &mut [T],
 ) {
-    each_sum(x.len(), h, row, slopes, |k| *k, |i, sum| out[i] = x[i] + sum);
+    match x.len() {
+        1 => combine_all::<T, 1>(x, h, row, slopes, out),
+        2 => combine_all::<T, 2>(x, h, row, slopes, out),
+        3 => combine_all::<T, 3>(x, h, row, slopes, out),
+        4 => combine_all::<T, 4>(x, h, row, slopes, out),
+        n => each_sum(n, h, row, slopes, |k| *k, |i, sum| out[i] = x[i] + sum),
+    }
+}
+
+/// The same for `N` states, whose sums stay in registers.
+#[inline(always)]
+fn combine_all<T: Scalar, const N: usize>(
+    x: &[T],
+    h: f64,
+    row: &[(usize, f64)],
+    slopes: &[T],
+    out: &mut [T],
+) {
+    let (slopes, _) = slopes.as_chunks::<N>();
+    let mut sums = [T::zero(); N];
+    for (j, a) in row {
+        for (sum, k) in sums.iter_mut().zip(&slopes[*j]) {
+            *sum += *k * *a;
+        }
+    }
+    for (out, (x, sum)) in out.iter_mut().zip(x.iter().zip(sums)) {
+        *out = *x + sum * h;
+    }
 }
 
 /// Calls `take` with every component `i` of `h Σ_j a_j k_j`, two at a time so that sums stay in registers.

@@ -2,6 +2,7 @@
 
 use super::layout::{Layout, span};
 use super::mesh_error::highest_derivative;
+use super::monitors::Extremes;
 use crate::core::bvp::method::left_domain;
 use crate::core::bvp::{
     BoundaryError, BoundaryProblem, Ends, Mesh, Method, Monitor, OnSegment, Span,
@@ -21,6 +22,7 @@ pub(super) struct Equations<P, M> {
     pub quadrature: Vec<[f64; 2]>,
     pub phase: Phase,
     pub monitors: Vec<Monitor>,
+    pub extremes: Extremes,
     /// The weights of the values at the nodes in the `m`-th derivative.
     pub highest: Vec<f64>,
     /// Positions in `z`, kept so that nothing is allocated twice.
@@ -87,13 +89,16 @@ impl<T: Scalar, M: Method> Work<T, M> {
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     pub fn new(problem: P, method: M, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
         let layout = Layout::new(&problem, &method, &meshes)?;
+        let monitors: Vec<Monitor> =
+            problem.monitors().into_iter().map(|(_, monitor)| monitor).collect();
         let (points, weights) = gauss_legendre(method.quadrature());
         let quadrature =
             points.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect();
         Ok(Equations {
             quadrature,
             phase: Phase::default(),
-            monitors: problem.monitors().into_iter().map(|(_, monitor)| monitor).collect(),
+            extremes: Extremes::of(&monitors, &layout),
+            monitors,
             highest: highest_derivative(method.places()),
             positions: Vec::new(),
             problem,
@@ -109,6 +114,20 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
 
     /// All left sides at the arguments of `work`, into its `r`.
     pub fn residual<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+        self.residual_inside(work)?;
+        self.residual_beside(work)
+    }
+
+    /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
+    pub fn residual_watching(&mut self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+        if !self.residual_with_extremes(work)? {
+            self.residual_inside(work)?;
+        }
+        self.residual_beside(work)
+    }
+
+    /// Left sides of the equations of all intervals.
+    fn residual_inside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
         let layout = &self.layout;
         for (s, j) in layout.intervals() {
             let (nodes, r) =
@@ -122,6 +141,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 r,
             )?;
         }
+        Ok(())
+    }
+
+    /// Left sides of boundary, integral and phase conditions.
+    fn residual_beside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+        let layout = &self.layout;
         let conditions = &mut work.r[layout.conditions()..];
         let (boundary, closing) = conditions.split_at_mut(layout.boundary);
         gather_ends(layout, &work.nodes, &mut work.ends);

@@ -60,7 +60,7 @@ where
             return Ok(());
         }
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.residual(&mut self.plain)?;
+        self.equations.residual_watching(&mut self.plain)?;
         r.copy_from_slice(&self.plain.r);
         self.equations.check(r, &self.plain.q)
     }

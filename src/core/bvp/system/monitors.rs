@@ -1,6 +1,7 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
 use super::equations::{Equations, Work};
+use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
 use crate::core::bvp::chunk::{CHUNK, Chunk, parts};
 use crate::core::bvp::{BoundaryProblem, Method, Monitor};
@@ -10,10 +11,74 @@ use crate::core::zero::LeftDomain;
 pub(super) const MESH_ERROR: &str = "mesh_error";
 
 /// Where a state on a segment is extremal.
+#[derive(Clone, Copy, Default)]
 struct Extremum {
     interval: usize,
     place: f64,
     value: f64,
+}
+
+/// The extremes of the states that monitors ask for.
+#[derive(Default)]
+pub(super) struct Extremes {
+    /// The states asked for, for each segment.
+    states: Vec<Vec<usize>>,
+    /// The largest and the smallest value of each state of all segments.
+    found: Vec<[Extremum; 2]>,
+    /// The values at the nodes and the numbers for which they were found.
+    at: Vec<f64>,
+}
+
+impl Extremes {
+    /// What these monitors ask for.
+    pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
+        let mut states = vec![Vec::new(); layout.segments.len()];
+        for monitor in monitors {
+            if let Monitor::Maximum { segment, state } | Monitor::Minimum { segment, state } =
+                *monitor
+                && !states[segment].contains(&state)
+            {
+                states[segment].push(state);
+            }
+        }
+        Extremes { states, found: vec![Default::default(); layout.states], at: Vec::new() }
+    }
+
+    /// Whether they are known at the arguments of `work`.
+    fn known<M: Method>(&self, work: &Work<f64, M>) -> bool {
+        self.at.iter().eq(work.nodes.iter().chain(&work.q))
+    }
+
+    fn begin(&mut self) {
+        let none = Extremum { value: f64::NAN, ..Extremum::default() };
+        self.found.fill([none; 2]);
+        self.at.clear();
+    }
+
+    fn end<M: Method>(&mut self, work: &Work<f64, M>) {
+        self.at.extend(work.nodes.iter().chain(&work.q));
+    }
+
+    /// The states asked for on a segment, and what takes in the extrema of an interval.
+    fn visitor(
+        &mut self,
+        layout: &Layout,
+        segment: usize,
+        interval: usize,
+    ) -> (&[usize], impl FnMut(usize, f64, f64)) {
+        let (ends, found) = (layout.segments[segment].ends, &mut self.found);
+        let visit = move |state: usize, place: f64, value: f64| {
+            let here = Extremum { interval, place, value };
+            let [largest, smallest] = &mut found[ends + state];
+            if value > largest.value || largest.value.is_nan() {
+                *largest = here;
+            }
+            if value < smallest.value || smallest.value.is_nan() {
+                *smallest = here;
+            }
+        };
+        (&self.states[segment], visit)
+    }
 }
 
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
@@ -24,15 +89,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         values: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let count = self.monitors.len();
+        self.find_extremes(work)?;
         for k in 0..count {
             values[k] = match self.monitors[k] {
                 Monitor::Duration => self.duration(&work.q),
-                Monitor::Maximum { segment, state } => {
-                    self.extremum(work, segment, state, 1.0)?.value
-                }
-                Monitor::Minimum { segment, state } => {
-                    self.extremum(work, segment, state, -1.0)?.value
-                }
+                Monitor::Maximum { segment, state } => self.extremum(segment, state, 0).value,
+                Monitor::Minimum { segment, state } => self.extremum(segment, state, 1).value,
             };
         }
         if let Some(error) = values.get_mut(count) {
@@ -56,11 +118,13 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 self.add_slopes(dependence, x, passes, out, |passes| Ok(self.duration(&passes.q)))
             }
             Some(&Monitor::Maximum { segment, state }) => {
-                let extremum = self.extremum(work, segment, state, 1.0)?;
+                self.find_extremes(work)?;
+                let extremum = self.extremum(segment, state, 0);
                 self.add_extremum(segment, state, &extremum, x, passes, out)
             }
             Some(&Monitor::Minimum { segment, state }) => {
-                let extremum = self.extremum(work, segment, state, -1.0)?;
+                self.find_extremes(work)?;
+                let extremum = self.extremum(segment, state, 1);
                 self.add_extremum(segment, state, &extremum, x, passes, out)
             }
             None => self.add_error_gradient(x, work, passes, out),
@@ -73,26 +137,46 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         each.fold(T::zero(), |sum, (s, mesh)| sum + self.problem.duration(s, q) * mesh.end())
     }
 
-    /// The largest value of a state times `sign` on a segment.
-    fn extremum(
-        &mut self,
-        work: &Work<f64, M>,
-        segment: usize,
-        state: usize,
-        sign: f64,
-    ) -> Result<Extremum, LeftDomain> {
-        let mut found = Extremum { interval: 0, place: 0.0, value: -sign * f64::INFINITY };
-        for interval in 0..self.layout.segments[segment].intervals {
-            let span = self.span(segment, interval);
-            let nodes = &work.nodes[self.layout.interval(segment, interval)];
-            let mut visit = |place: f64, value: f64| {
-                if sign * value > sign * found.value {
-                    found = Extremum { interval, place, value };
-                }
-            };
-            self.method.extrema(&self.problem, span, nodes, &work.q, state, &mut visit)?;
+    /// The largest (0) or smallest (1) value of a state, found last.
+    fn extremum(&self, segment: usize, state: usize, which: usize) -> Extremum {
+        self.extremes.found[self.layout.segments[segment].ends + state][which]
+    }
+
+    /// Finds the extremes of all states that monitors ask for, in one pass over the intervals.
+    fn find_extremes(&mut self, work: &Work<f64, M>) -> Result<(), LeftDomain> {
+        let Equations { problem, method, meshes, layout, extremes, .. } = self;
+        if extremes.known(work) {
+            return Ok(());
         }
-        Ok(found)
+        extremes.begin();
+        for (s, j) in layout.intervals() {
+            let nodes = &work.nodes[layout.interval(s, j)];
+            let (states, mut visit) = extremes.visitor(layout, s, j);
+            method.extrema(problem, span(meshes, s, j), nodes, &work.q, states, &mut visit)?;
+        }
+        extremes.end(work);
+        Ok(())
+    }
+
+    /// The residuals of all intervals at the arguments of `work`, with the extremes of all states that
+    /// monitors ask for, where both come from the same work; false where they do not.
+    pub(super) fn residual_with_extremes(
+        &mut self,
+        work: &mut Work<f64, M>,
+    ) -> Result<bool, LeftDomain> {
+        let Equations { problem, method, meshes, layout, extremes, .. } = self;
+        extremes.begin();
+        for (s, j) in layout.intervals() {
+            let nodes = &work.nodes[layout.interval(s, j)];
+            let (states, mut visit) = extremes.visitor(layout, s, j);
+            let (span, r) = (span(meshes, s, j), &mut work.r[layout.equations(s, j)]);
+            let visit = &mut visit;
+            if !method.residual_with_extrema(problem, span, nodes, &work.q, states, r, visit)? {
+                return Ok(false);
+            }
+        }
+        extremes.end(work);
+        Ok(true)
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the

@@ -44,13 +44,13 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         let mut history = Vec::with_capacity(s.intervals * each + 1);
         for interval in 0..s.intervals {
             let span = self.span(segment, interval);
-            let last = usize::from(interval + 1 == s.intervals);
-            for k in 0..each + last {
-                let place = k as f64 / each as f64;
-                let mut point = vec![duration * (span.start + (span.end - span.start) * place)];
-                point.resize(1 + s.states, 0.0);
-                self.value(work, (segment, interval), place, &mut point[1..])?;
-                history.push(point);
+            let nodes = &work.nodes[self.layout.interval(segment, interval)];
+            let time = |place: f64| duration * (span.start + (span.end - span.start) * place);
+            let mut visit = |place: f64, x: &[f64]| history.push([&[time(place)], x].concat());
+            let (problem, local) = (&self.problem, &mut work.local.method);
+            self.method.trajectory(problem, span, nodes, &work.q, each, local, &mut visit)?;
+            if interval + 1 == s.intervals {
+                visit(1.0, &nodes[nodes.len() - s.states..]);
             }
         }
         Ok(history)

@@ -1,0 +1,62 @@
+//! Curves through known places with their tangents.
+
+/// A place that a curve is to pass, in a given direction.
+pub(super) struct Knot<'a> {
+    /// The curve's parameter there.
+    pub u: f64,
+    /// The place.
+    pub x: &'a [f64],
+    /// A tangent.
+    pub tangent: &'a [f64],
+    /// How fast `u` grows along it, `du/ds > 0`.
+    pub speed: f64,
+}
+
+/// The most knots that a curve is put through.
+pub(super) const MOST_KNOTS: usize = 3;
+
+/// The polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`: Newton's divided
+/// differences with each knot twice.
+pub(super) fn hermite(knots: &[Knot], u: f64) -> Vec<f64> {
+    let count = 2 * knots.len().min(MOST_KNOTS);
+    let place = |k: usize| knots[k / 2].u;
+    let length = knots.first().map_or(0, |knot| knot.x.len());
+    (0..length)
+        .map(|i| {
+            let mut differences = [0.0; 2 * MOST_KNOTS];
+            for (k, difference) in differences[..count].iter_mut().enumerate() {
+                *difference = knots[k / 2].x[i];
+            }
+            for order in 1..count {
+                for k in (order..count).rev() {
+                    differences[k] = if order == 1 && k % 2 == 1 {
+                        knots[k / 2].tangent[i] / knots[k / 2].speed
+                    } else {
+                        (differences[k] - differences[k - 1]) / (place(k) - place(k - order))
+                    };
+                }
+            }
+            (0..count).rev().fold(0.0, |sum, k| sum * (u - place(k)) + differences[k])
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quintic is its own interpolation through three knots, at any speed along it.
+    #[test]
+    fn quintics_are_reproduced() {
+        let value = |u: f64| [u, 1.0 - u + 2.0 * u.powi(3) - 0.5 * u.powi(5)];
+        let slope = |u: f64| [1.0, -1.0 + 6.0 * u.powi(2) - 2.5 * u.powi(4)];
+        let at = [0.0, -0.3, -0.7];
+        let (values, slopes) = (at.map(value), at.map(|u| slope(u).map(|s| 3.0 * s)));
+        let knots: Vec<Knot> = (0..3)
+            .map(|k| Knot { u: at[k], x: &values[k], tangent: &slopes[k], speed: 3.0 })
+            .collect();
+        let found = hermite(&knots, 0.4);
+        let exact = value(0.4);
+        assert!((found[0] - exact[0]).abs() < 1e-14 && (found[1] - exact[1]).abs() < 1e-13);
+    }
+}
