@@ -36,8 +36,8 @@ fn points_prints_the_table() {
     let output = tangency(folder.path(), &["points", "a.ron"]);
     assert!(output.status.success());
     let lines: Vec<&str> = stdout(&output).lines().collect();
-    assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error");
-    assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15");
+    assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable");
+    assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0");
     assert_eq!(lines.len(), 5);
 }
 
@@ -171,13 +171,22 @@ fn a_trace_prints_its_special_points_and_writes_two_files() {
     let header: Vec<&str> = lines[1].split_whitespace().collect();
     assert_eq!(
         header,
-        ["label", "kind", "load", "deflection", "max_deflection", "frequency", "frequency_ratio"]
+        [
+            "label",
+            "kind",
+            "unstable",
+            "load",
+            "deflection",
+            "max_deflection",
+            "frequency",
+            "frequency_ratio"
+        ]
     );
     let fold: Vec<&str> =
         lines.iter().find(|line| line.contains("LP")).unwrap().split_whitespace().collect();
-    let load: f64 = fold[2].parse().unwrap();
+    let load: f64 = fold[3].parse().unwrap();
     assert!((load / 191.915137112 - 1.0).abs() < 1e-8, "{load}");
-    assert_eq!(fold.len(), 7);
+    assert_eq!(fold.len(), 8);
     let [document, picture] = ["out/plate-clamped.ron", "out/plate-clamped.svg"];
     assert_eq!(lines[lines.len() - 2..], [document, picture]);
     assert!(lines[lines.len() - 3].contains("max_deflection reached its bound 0.9"));
@@ -214,6 +223,56 @@ fn a_trace_is_changed_by_name_and_restarted_from_a_label() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let second = Document::load(folder.path().join("c/plate-supported.ron")).unwrap();
     assert!((fold(&second) / fold(&first) - 1.0).abs() < 1e-9);
+}
+
+/// A grazing stands in the table with its kind, the branch being unstable there, and on the screen.
+#[test]
+fn a_grazing_is_printed_with_its_kind() {
+    let folder = empty();
+    let output = tangency(folder.path(), &["trace", "mita-nonimpacting"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let line = stdout(&output).lines().find(|line| line.contains("  G  ")).unwrap();
+    assert_eq!(line.split_whitespace().nth(2), Some("1"), "{line}");
+    let points = tangency(folder.path(), &["points", "out/mita-nonimpacting.ron"]);
+    let rows: Vec<&str> = stdout(&points).lines().collect();
+    assert!(
+        rows[0].starts_with("branch,label,kind,voltage,frequency,damping,period"),
+        "{}",
+        rows[0]
+    );
+    assert!(rows[0].ends_with(",error,unstable"));
+    let row = rows.iter().find(|row| row.contains(",G,")).unwrap();
+    let cells: Vec<&str> = row.split(',').collect();
+    let voltage: f64 = cells[3].parse().unwrap();
+    assert!((voltage - 0.228618817738).abs() < 1e-11, "{voltage}");
+    assert_eq!(cells.last(), Some(&"1"));
+}
+
+/// A point of an orbit is restarted from its file, by its branch; profiles are drawn of the points asked for.
+#[test]
+fn orbits_are_restarted_and_drawn_from_their_labels() {
+    let folder = empty();
+    assert!(tangency(folder.path(), &["trace", "lure"]).status.success());
+    let again = ["trace", "lure", "--start", "out/lure.ron:orbits/3", "--out", "again"];
+    let output = tangency(folder.path(), &again);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert_eq!(stdout(&output).lines().next(), Some("orbits"));
+    assert!(stdout(&output).contains("0.63030200616"));
+    let plot = ["plot", "out/lure.ron", "--points", "orbits/2,doubled/3", "--out", "two.svg"];
+    assert!(tangency(folder.path(), &plot).status.success());
+    let svg = std::fs::read_to_string(folder.path().join("two.svg")).unwrap();
+    assert!(svg.contains("orbits/2 PD, alpha = 0.630302") && svg.contains("doubled/3 EP"));
+    assert!(!svg.contains("doubled/2"));
+    for (points, said) in [
+        ("orbits/9", "no special point has the label 9"),
+        ("2", "several branches have the label 2"),
+        ("orbit/2", "did you mean `orbits`"),
+        ("orbits", "not of the form LABEL or BRANCH/LABEL"),
+    ] {
+        let output = tangency(folder.path(), &["plot", "out/lure.ron", "--points", points]);
+        let message = failure(&output, 1);
+        assert!(message.contains(said), "{message}");
+    }
 }
 
 /// What is asked of a trace and cannot be had is answered with the place, the value and the remedy; no file

@@ -3,7 +3,7 @@
 use tangency::core::continuation::{Kind, Point};
 use tangency::output::{
     Document, Figure, FigureError, Screen, Series, Style, Symbol, csv, diagram, draw,
-    example_branch,
+    example_branch, figures,
 };
 
 fn document() -> Document {
@@ -18,12 +18,12 @@ fn a_table_has_the_columns_of_all_branches_and_empty_cells() {
     second.special.truncate(1);
     second.special[0].monitors.push(-1e-7 / 3.0);
     insta::assert_snapshot!(csv(&[example_branch(), second]), @r#"
-    branch,label,kind,load,aspect_ratio,deflection,"width ""b""",error
-    plate,1,EP,0,1.2,0,,0
-    plate,2,UZ,0.108375,1.2,0.15,,2.5e-15
-    plate,3,LP,0.148148148148148,1.2,0.333333333333333,,2.5e-15
-    plate,4,EP,0.032,1.2,0.8,,0
-    "with, comma",1,EP,0,1.2,0,-3.33333333333333e-8,0
+    branch,label,kind,load,aspect_ratio,deflection,"width ""b""",error,unstable
+    plate,1,EP,0,1.2,0,,0,0
+    plate,2,UZ,0.108375,1.2,0.15,,2.5e-15,0
+    plate,3,LP,0.148148148148148,1.2,0.333333333333333,,2.5e-15,0
+    plate,4,EP,0.032,1.2,0.8,,0,1
+    "with, comma",1,EP,0,1.2,0,-3.33333333333333e-8,0,0
     "#);
 }
 
@@ -34,11 +34,11 @@ fn screen_lines_are_aligned() {
     let lines =
         std::iter::once(screen.header()).chain(branch.special.iter().map(|p| screen.line(p)));
     insta::assert_snapshot!(lines.collect::<Vec<_>>().join("\n"), @r"
-     label  kind                load          deflection
-         1  EP                     0                   0
-         2  UZ              0.108375                0.15
-         3  LP        0.148148148148      0.333333333333
-         4  EP                 0.032                 0.8
+     label  kind  unstable                load          deflection
+         1  EP           0                   0                   0
+         2  UZ           0            0.108375                0.15
+         3  LP           0      0.148148148148      0.333333333333
+         4  EP           1               0.032                 0.8
     ");
 }
 
@@ -166,4 +166,81 @@ fn a_drawing_names_axes_styles_and_kinds_and_escapes_what_it_must() {
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     let grid = draw(&vec![figure; 5]).unwrap();
     assert!(grid.starts_with("<svg width=\"2160\""), "{}", &grid[..60]);
+}
+
+/// An orbit of a mesh with two profiles, at a period doubling and at the end.
+fn orbits() -> Document {
+    let mut document = document();
+    let circle: Vec<[f64; 2]> =
+        (0..=20).map(|k| f64::from(k) * 0.314).map(|t| [t.cos(), t.sin()]).collect();
+    let profile = |along: &str, name: &str| tangency::core::zero::Profile {
+        name: name.into(),
+        along: along.into(),
+        points: circle.clone(),
+    };
+    for point in &mut document.branches[0].special {
+        point.mesh = vec![0.0, 1.0];
+        point.profiles = vec![profile("time", "x"), profile("x", "y")];
+    }
+    document.branches[0].special[1].kind = Kind::PD;
+    document
+}
+
+#[test]
+fn profiles_of_orbits_are_those_of_special_points_and_of_the_end() {
+    let document = orbits();
+    let drawn = figures(&[("a", &document)], None, None).unwrap();
+    assert_eq!(drawn.len(), 3, "the diagram, a time history, a phase portrait");
+    assert_eq!([&*drawn[2].x_label, &*drawn[2].y_label], ["x", "y"]);
+    let names =
+        ["plate/2 PD, load = 0.108375", "plate/3 LP, load = 0.148148", "plate/4 EP, load = 0.032"];
+    assert_eq!(drawn[2].names(), names);
+    let styles: Vec<Style> = drawn[2].series.iter().map(|series| series.style).collect();
+    assert_eq!(styles, [Style::Solid, Style::Solid, Style::Dashed]);
+}
+
+#[test]
+fn profiles_and_points_are_chosen_by_name() {
+    let mut document = orbits();
+    document.plot.profiles = vec![("x".into(), "y".into())];
+    document.plot.points = vec!["plate/1".into(), "4".into()];
+    let drawn = figures(&[("a", &document)], None, None).unwrap();
+    assert_eq!(drawn.len(), 2);
+    assert_eq!(drawn[1].names(), ["plate/1 EP, load = 0", "plate/4 EP, load = 0.032"]);
+    document.plot.profiles = vec![("x".into(), "z".into())];
+    let error = figures(&[("a", &document)], None, None).unwrap_err();
+    assert!(matches!(error, FigureError::UnknownProfile(_)), "{error:?}");
+    assert!(error.to_string().contains("`z along x`"), "{error}");
+    document.plot.points = vec!["9".into()];
+    let error = figures(&[("a", &document)], None, None).unwrap_err();
+    assert!(matches!(error, FigureError::UnknownPoint(_)), "{error:?}");
+}
+
+#[test]
+fn more_profiles_than_can_be_read_are_left_out_ends_first() {
+    let mut document = orbits();
+    let branch = &mut document.branches[0];
+    let middle = branch.special[2].clone();
+    for label in 5..=12 {
+        let mut point = middle.clone();
+        point.label = label;
+        branch.special.insert(3, point);
+    }
+    let drawn = figures(&[("a", &document)], None, None).unwrap();
+    assert_eq!(drawn[2].series.len(), 8);
+    assert!(drawn[2].names().iter().all(|name| !name.contains("EP")));
+}
+
+#[test]
+fn a_start_on_a_special_point_of_another_branch_has_no_mark() {
+    let mut document = document();
+    let mut second = document.branches[0].clone();
+    second.name = "second".into();
+    let fold = second.special.remove(2);
+    second.special.truncate(1);
+    second.special[0].parameters = fold.parameters;
+    second.special[0].monitors = fold.monitors;
+    document.branches.push(second);
+    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    assert_eq!(figure.marks.len(), 4);
 }

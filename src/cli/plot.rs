@@ -18,6 +18,9 @@ pub struct Plot {
     /// The parameter or monitor on the vertical axis [default: as the first document says]
     #[arg(long, value_name = "NAME")]
     y: Option<String>,
+    /// The special points whose profiles are drawn, such as 2,5 or orbits/2 [default: those of interest]
+    #[arg(long, value_name = "LABEL or BRANCH/LABEL", value_delimiter = ',')]
+    points: Vec<String>,
     /// Where the diagram goes [default: beside the first document, with the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -27,8 +30,11 @@ impl Plot {
     /// Draws the diagram and says where it is.
     pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
         let target = self.target()?;
-        let documents =
+        let mut documents =
             self.files.iter().map(Document::load).collect::<Result<Vec<Document>, _>>()?;
+        if let (Some(first), false) = (documents.first_mut(), self.points.is_empty()) {
+            first.plot.points = self.points.clone();
+        }
         let names: Vec<String> = self.files.iter().map(|file| stem(file)).collect();
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();

@@ -49,11 +49,29 @@ pub fn diagram(
         let (x, y) = (column(branch, x)?, column(branch, y)?);
         Curve { name, branch, columns: [x, y], shift }.add_to(&mut figure);
     }
+    hide_starts(&mut figure);
     let stability = branches.iter().flat_map(|(_, branch)| &branch.points);
     if stability.into_iter().any(|point| point.unstable.is_some()) {
         figure.styles = vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())];
     }
     Ok(figure)
+}
+
+/// A branch that starts at a special point of another one needs no mark of its own there.
+fn hide_starts(figure: &mut Figure) {
+    // A figure that cannot be drawn is refused when it is.
+    let Ok([x, y]) = figure.extent() else { return };
+    let others: Vec<[f64; 2]> = figure
+        .marks
+        .iter()
+        .filter(|mark| mark.symbol != Symbol::Ring)
+        .map(|mark| mark.at)
+        .collect();
+    let near = |a: f64, b: f64, range: [f64; 2]| (a - b).abs() <= 1e-4 * (range[1] - range[0]);
+    figure.marks.retain(|mark| {
+        let same = |at: &[f64; 2]| near(at[0], mark.at[0], x) && near(at[1], mark.at[1], y);
+        mark.symbol != Symbol::Ring || !others.iter().any(same)
+    });
 }
 
 /// The branches with names that are unique, and that say what a curve of events is made of.
@@ -173,7 +191,8 @@ impl Pieces<'_> {
     }
 }
 
-fn style(unstable: Option<usize>) -> Style {
+/// The style of what has this number of unstable eigenvalues.
+pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,
         Some(0) | None => Style::Solid,

@@ -48,6 +48,12 @@ pub struct Plot {
     pub labels: Vec<(String, String)>,
     /// Further panels, as pairs of columns for the horizontal and the vertical axis.
     pub panels: Vec<(String, String)>,
+    /// The kinds of profiles that are drawn, as pairs (abscissa, ordinate): `("displacement", "velocity")` is
+    /// the phase portrait, `("time", "velocity")` a time history. If none is given, all.
+    pub profiles: Vec<(String, String)>,
+    /// The special points whose profiles are drawn, as `LABEL` or `BRANCH/LABEL`; if none is given, those of
+    /// interest.
+    pub points: Vec<String>,
     /// The branches that diagrams show, by name; if none is given, all.
     pub curves: Vec<String>,
     /// What is added to a column of a branch in diagrams, to compare curves of different height: branch,

@@ -123,6 +123,9 @@ pub enum UnknownPoint {
         /// The candidates, as `BRANCH/LABEL`.
         candidates: Vec<String>,
     },
+    /// A name that is not of the right form.
+    #[error("`{0}` is not of the form LABEL or BRANCH/LABEL, for example 2 or orbits/2")]
+    Form(String),
 }
 
 /// A figure that cannot be drawn.
@@ -144,6 +147,12 @@ pub enum FigureError {
         /// The names of its columns.
         available: Vec<String>,
     },
+    /// A point whose profiles are to be drawn does not exist.
+    #[error(transparent)]
+    UnknownPoint(#[from] UnknownPoint),
+    /// No point has a profile that is to be drawn.
+    #[error(transparent)]
+    UnknownProfile(UnknownName),
     /// A coordinate is NaN or infinite.
     #[error("`{series}` cannot be drawn: its point {index} is ({}, {})", at[0], at[1])]
     NotFinite {

@@ -20,6 +20,7 @@ mod example;
 mod figure;
 mod number;
 mod panels;
+mod profiles;
 mod suggest;
 mod svg;
 mod table;

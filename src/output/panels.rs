@@ -4,15 +4,22 @@ use super::diagram::diagram;
 use super::document::{Against, Document};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
-use crate::core::continuation::{Kind, SpecialPoint};
-use crate::core::zero::Profile;
+use super::profiles::profiles;
 
 /// The figures of some documents: the diagram, the further panels that the first document names, and
-/// one figure for each kind of profile (mode shapes, fields) that special points carry. Where `x` or
-/// `y` is given, the diagram in these columns alone.
+/// one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
+/// carry. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles and points;
+/// without them every kind of profile is drawn, for up to eight points: of orbits the folds, period
+/// doublings, torus and branch points, grazings and user's points and, where that makes no more than five
+/// curves, the last end of each branch; of other solutions the user's points and, to compare, the first
+/// end. Where `x` or `y` is given, the diagram in these columns alone.
+///
+/// [`Plot::profiles`]: super::Plot::profiles
+/// [`Plot::points`]: super::Plot::points
 ///
 /// # Errors
-/// As [`diagram`].
+/// As [`diagram`]; [`FigureError::UnknownPoint`] and [`FigureError::UnknownProfile`] for points and
+/// profiles that do not exist.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, figures};
@@ -40,7 +47,7 @@ pub fn figures(
             figures.push(special_points_against(document, against));
         }
     }
-    figures.extend(profiles(documents));
+    figures.extend(profiles(documents)?);
     Ok(figures)
 }
 
@@ -66,39 +73,4 @@ fn special_points_against(document: &Document, against: &Against) -> Figure {
         }
     }
     figure
-}
-
-/// The profiles of solutions at the user's own points and, to compare, at the first end of their
-/// branch: one figure for each kind of profile.
-fn profiles(documents: &[(&str, &Document)]) -> Vec<Figure> {
-    let mut figures: Vec<Figure> = Vec::new();
-    let branches = documents.iter().flat_map(|(_, document)| &document.branches);
-    for branch in branches {
-        let first = branch.special.iter().find(|point| point.kind == Kind::EP);
-        let own = branch.special.iter().filter(|point| point.kind == Kind::UZ);
-        if branch.condition.is_some() || own.clone().next().is_none() {
-            continue;
-        }
-        for point in first.into_iter().chain(own) {
-            for profile in &point.profiles {
-                add(&mut figures, &branch.name, point, profile);
-            }
-        }
-    }
-    figures
-}
-
-fn add(figures: &mut Vec<Figure>, branch: &str, point: &SpecialPoint, profile: &Profile) {
-    let index = figures.iter().position(|figure| figure.y_label == profile.name);
-    let index = index.unwrap_or_else(|| {
-        figures.push(Figure::new("", &profile.along, &profile.name));
-        figures.len() - 1
-    });
-    let style = if point.kind == Kind::EP { Style::Solid } else { Style::Dashed };
-    let name = match point.kind {
-        Kind::EP => format!("{branch}, {}", point.kind.meaning()),
-        _ => format!("{branch}, {}", point.event),
-    };
-    let series = Series::new(name, style, profile.points.clone());
-    figures[index].series.push(series);
 }

@@ -5,14 +5,15 @@ use crate::core::continuation::{Branch, SpecialPoint};
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
 /// parameter and then every monitor by name, in the order in which the branches first mention them,
-/// then `error`, the estimated absolute error of the continued parameter. Numbers have 15
-/// significant digits. A cell is empty where a branch lacks the column.
+/// then `error`, the estimated absolute error of the continued parameter, and `unstable`, the number of
+/// unstable eigenvalues or multipliers. Numbers have 15 significant digits. A cell is empty where a branch
+/// lacks the column, and `unstable` where stability is not meant.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
 /// let lines: Vec<&str> = table.lines().collect();
-/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error");
-/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15");
+/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable");
+/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0");
 /// ```
 pub fn csv(branches: &[Branch]) -> String {
     let parameters = union(branches.iter().map(|branch| &branch.parameters));
@@ -22,7 +23,7 @@ pub fn csv(branches: &[Branch]) -> String {
         .into_iter()
         .map(String::from)
         .chain(columns)
-        .chain(["error".into()])
+        .chain(["error".into(), "unstable".into()])
         .collect::<Vec<_>>()
         .join(",");
     table.push('\n');
@@ -38,6 +39,7 @@ pub fn csv(branches: &[Branch]) -> String {
                 cells.extend(columns.iter().map(|column| cell(column, names, values)));
             }
             cells.push(significant(point.error, 15));
+            cells.push(count(point.unstable));
             table.push_str(&cells.join(","));
             table.push('\n');
         }
@@ -61,6 +63,11 @@ fn cell(column: &str, names: &[String], values: &[f64]) -> String {
     value.map_or(String::new(), |value| significant(*value, 15))
 }
 
+/// A number of unstable eigenvalues; nothing where stability is not meant.
+fn count(unstable: Option<usize>) -> String {
+    unstable.map_or(String::new(), |count| count.to_string())
+}
+
 /// A name in quotes if it would otherwise break the table (RFC 4180).
 fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
@@ -70,17 +77,17 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// Aligned lines for a screen, one for each special point: its label, its kind, the parameters that
-/// vary, the monitors.
+/// Aligned lines for a screen, one for each special point: its label, its kind, the number of unstable
+/// eigenvalues or multipliers, the parameters that vary, the monitors.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
 /// let branch = example_branch();
 /// let screen = Screen::of(&branch);
-/// assert_eq!(screen.header(), " label  kind                load          deflection");
+/// assert_eq!(screen.header(), " label  kind  unstable                load          deflection");
 /// assert_eq!(
 ///     screen.line(&branch.special[2]),
-///     "     3  LP        0.148148148148      0.333333333333"
+///     "     3  LP           0      0.148148148148      0.333333333333"
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -118,13 +125,15 @@ impl Screen {
 
     /// The names above the columns.
     pub fn header(&self) -> String {
-        self.assemble(" label", "kind", |(_, _, name)| name.clone())
+        self.assemble([" label", "kind", "unstable"], |(_, _, name)| name.clone())
     }
 
     /// The line of one special point; one that has not converged says so.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
-        let mut line = self.assemble(&label, &point.kind.to_string(), |(list, index, _)| {
+        let unstable = count(point.unstable);
+        let first = [&label, &point.kind.to_string(), &unstable];
+        let mut line = self.assemble(first.map(String::as_str), |(list, index, _)| {
             let values = match list {
                 List::Parameters => &point.parameters,
                 List::Monitors => &point.monitors,
@@ -139,11 +148,10 @@ impl Screen {
 
     fn assemble(
         &self,
-        label: &str,
-        kind: &str,
+        [label, kind, unstable]: [&str; 3],
         cell: impl Fn(&(List, usize, String)) -> String,
     ) -> String {
-        let mut line = format!("{label}  {kind:<4}");
+        let mut line = format!("{label}  {kind:<4}  {unstable:>8}");
         for column in &self.columns {
             let width = column.2.chars().count().max(WIDTH);
             line.push_str(&format!("  {:>width$}", cell(column)));

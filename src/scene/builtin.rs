@@ -34,4 +34,9 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "plate-modes-clamped": "few modes of a clamped plate against the full model (3.17)",
     "plate-buckling": "a plate compressed at its edges: a branch point, and the buckled branches",
     "plate-device": "a plate in SI units: volts to pull-in, frequency in hertz",
+    "mita-nonimpacting": "Mita's actuator below its impacts: voltage against amplitude, folds and grazing",
+    "mita-nonimpacting-folds": "the curve of these folds in frequency and voltage, and its cusp",
+    "lure": "Lur'e's control system: a Hopf point, periodic orbits, and their period doublings",
+    "isothermal": "Seydel's isothermal reaction: a Hopf point and a cascade of period doublings",
+    "bratu": "Bratu's boundary-value problem through its fold",
 ];

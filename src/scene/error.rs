@@ -1,6 +1,8 @@
 //! What can be wrong with a scene.
 
+use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
+use crate::core::flow::SettingsError as FlowSettingsError;
 use crate::output::UnknownName;
 use crate::problems::plate::SettingsError;
 
@@ -55,6 +57,15 @@ pub enum SceneError {
     /// The problem cannot be built.
     #[error(transparent)]
     Problem(#[from] SettingsError),
+    /// The number of Gauss points has no meaning.
+    #[error(transparent)]
+    Points(#[from] PointsError),
+    /// The flow has settings without a meaning.
+    #[error(transparent)]
+    Flow(#[from] FlowSettingsError),
+    /// The boundary-value problem cannot be discretised.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
     /// A run starts from a point that an earlier run did not find.
     #[error(
         "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"

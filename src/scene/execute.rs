@@ -2,7 +2,8 @@
 
 use super::{Run, Scene, SceneError, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Observer};
-use crate::output::Document;
+use crate::core::zero::{Group, System};
+use crate::output::{Document, UnknownName};
 
 /// A special point of an earlier result, from which a scene's first shown run is to start.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +31,9 @@ pub struct Outcome {
     pub error: Option<SceneError>,
 }
 
-/// Traces a scene's runs. With a start point, only the first shown run that holds the same kind of
-/// curve is traced, from there.
+/// Traces a scene's runs. With a start point, only one shown run is traced, from there: the one named as
+/// the point's branch; else the first one that makes the same kind of curve of the same unknowns; else the
+/// first one.
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -56,7 +58,7 @@ pub fn execute(
     let mut error = None;
     let runs: Vec<&Run> = match start {
         None => scene.runs.iter().collect(),
-        Some(_) => scene.runs.iter().filter(|run| run.shown).take(1).collect(),
+        Some(start) => continuing(scene, &start.branch).into_iter().collect(),
     };
     for (index, run) in runs.iter().enumerate() {
         observer.run(run, index, runs.len());
@@ -79,6 +81,28 @@ pub fn execute(
     Outcome { document, error }
 }
 
+/// The shown run that goes on with a branch.
+fn continuing<'a>(scene: &'a Scene, branch: &Branch) -> Option<&'a Run> {
+    let shown = || scene.runs.iter().filter(|run| run.shown);
+    let alike = |run: &&Run| {
+        let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
+        held == branch.condition
+            && scene.as_seen_by(run).and_then(|seen| seen.system(scene)).is_ok_and(|system| {
+                let groups = &system.names().unknowns;
+                groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
+            })
+    };
+    shown().find(|run| run.name == branch.name).or(shown().find(alike)).or(shown().next())
+}
+
+impl Scene {
+    /// The system of a scene as one run sees it; `whole` is the scene with all its runs.
+    fn system(&self, whole: &Scene) -> Result<Box<dyn System>, SceneError> {
+        let values = self.values();
+        self.problem.system(&values, &reach(self, &whole.runs, &values))
+    }
+}
+
 fn trace(
     scene: &Scene,
     run: &Run,
@@ -87,38 +111,53 @@ fn trace(
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
     let seen = scene.as_seen_by(run)?;
-    let values = seen.values();
-    let mut system = seen.problem.system(&values, &reach(&seen, &scene.runs, &values))?;
-    let failed = |cause| SceneError::Trace { run: run.name.clone(), cause: Box::new(cause) };
-    let mut curve = Continuation::of(&mut *system).named(&run.name).settings(seen.settings.clone());
-    for ((name, _), value) in seen.problem.parameters().iter().zip(&values) {
-        curve = curve.at(name, *value);
+    let mut system = seen.system(scene)?;
+    let guess = match (start, &run.start) {
+        (None, Start::Guess(values)) => guess(&*system, values)?,
+        _ => vec![0.0; system.names().dimension()],
+    };
+    let mut curve = Continuation::of(&mut *system)
+        .named(&run.name)
+        .settings(seen.settings.clone())
+        .from(&guess);
+    for ((name, _), value) in seen.problem.parameters().iter().zip(seen.values()) {
+        curve = curve.at(name, value);
     }
-    match (start, &run.start) {
-        (Some(StartPoint { branch, label }), _) => {
-            curve = curve.restart(branch, *label);
-            for (name, value) in &scene.parameters {
-                if !run.along.iter().any(|range| range.name == *name) {
-                    curve = curve.at(name, *value);
-                }
-            }
-        }
-        (None, Start::Rest) => {}
+    curve = match (start, &run.start) {
+        (Some(start), _) => start.begin(curve, scene, run),
+        (None, Start::Rest | Start::Guess(_)) => curve,
         (None, Start::From { run: from, kind, nth, switch }) => {
             let (branch, label) = point_of(run, done, from, *kind, *nth)?;
-            curve = curve.restart(branch, label);
-            for (name, value) in &run.set {
-                if let Ok(value) = value.parse::<f64>()
-                    && seen.value(name).is_some()
-                {
-                    curve = curve.at(name, value);
-                }
-            }
-            if *switch {
-                curve = curve.switch();
-            }
+            let curve = begin_from(curve.restart(branch, label), &seen, run);
+            if *switch { curve.switch() } else { curve }
         }
+    };
+    let failed = |cause| SceneError::Trace { run: run.name.clone(), cause: Box::new(cause) };
+    conditions(curve, run).trace_with(observer).map_err(failed)
+}
+
+impl StartPoint {
+    /// Starts at this point, with the scene's own parameters where they do not vary.
+    fn begin<'a>(&self, curve: Continuation<'a>, scene: &Scene, run: &Run) -> Continuation<'a> {
+        let varies = |name: &str| run.along.iter().any(|range| range.name == *name);
+        let own = scene.parameters.iter().filter(|(name, _)| !varies(name));
+        own.fold(curve.restart(&self.branch, self.label), |curve, (name, value)| {
+            curve.at(name, *value)
+        })
     }
+}
+
+/// What a run sets by itself holds at the point it starts from, too.
+fn begin_from<'a>(curve: Continuation<'a>, seen: &Scene, run: &Run) -> Continuation<'a> {
+    let number = |(name, value): &'_ (String, String)| {
+        let value = value.parse::<f64>().ok()?;
+        seen.value(name).map(|_| (name.clone(), value))
+    };
+    run.set.iter().filter_map(number).fold(curve, |curve, (name, value)| curve.at(&name, value))
+}
+
+/// What a run releases, bounds, marks and holds, and the way it takes.
+fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());
     }
@@ -128,18 +167,32 @@ fn trace(
     for (name, level) in &run.marks {
         curve = curve.mark(name, *level);
     }
+    for (name, level) in &run.grazings {
+        curve = curve.graze(name, *level);
+    }
     if let Some(kind) = run.hold {
         curve = curve.hold(kind);
     }
     if let Some((name, level)) = &run.hold_level {
         curve = curve.hold_level(name, *level);
     }
-    curve = match run.direction {
+    match run.direction {
         Way::Both => curve,
         Way::Forward => curve.forward(),
         Way::Backward => curve.backward(),
-    };
-    curve.trace_with(observer).map_err(failed)
+    }
+}
+
+/// The unknowns of a guess: the same value all over a group.
+fn guess(system: &dyn System, values: &[(String, f64)]) -> Result<Vec<f64>, SceneError> {
+    let groups = &system.names().unknowns;
+    let known = || groups.iter().map(|group| group.name.as_str());
+    if let Some((name, _)) = values.iter().find(|(name, _)| !known().any(|known| known == name)) {
+        return Err(UnknownName::new("unknown", name.clone(), known()).into());
+    }
+    let value = |group: &Group| values.iter().find(|(name, _)| *name == group.name);
+    let all = |group: &Group| vec![value(group).map_or(0.0, |(_, value)| *value); group.length];
+    Ok(groups.iter().flat_map(all).collect())
 }
 
 /// The special point of an earlier run that a run starts from.

@@ -15,12 +15,15 @@
 //! ```
 
 mod builtin;
+mod discretisation;
 mod error;
 mod execute;
 mod problem;
 mod set;
+mod slot;
 
 pub use builtin::{BUILT_IN, BuiltIn};
+pub use discretisation::{Discretisation, Discretised, Solution};
 pub use error::SceneError;
 pub use execute::{Outcome, SceneObserver, StartPoint, execute};
 pub use problem::Problem;
@@ -76,6 +79,10 @@ pub struct Run {
     /// Values of parameters and monitors that are marked.
     #[serde(default)]
     pub marks: Vec<(String, f64)>,
+    /// Values of monitors at which a solution touches something, marked as grazings (`G`). The branch goes
+    /// on behind them, as if nothing were touched.
+    #[serde(default)]
+    pub grazings: Vec<(String, f64)>,
     /// Which way it is traced.
     #[serde(default)]
     pub direction: Way,
@@ -116,6 +123,8 @@ pub enum Start {
     /// At rest: all unknowns zero.
     #[default]
     Rest,
+    /// Near a guess: values of unknowns by name, the others zero.
+    Guess(Vec<(String, f64)>),
     /// At a special point of an earlier run.
     From {
         /// The run.

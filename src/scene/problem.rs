@@ -1,9 +1,15 @@
 //! The problems that a scene can name.
 
-use super::SceneError;
-use super::set::assign;
+use super::discretisation::Discretisation;
+use super::slot::{Letters, Plain, Slots, Usual};
+use super::{SceneError, slot};
+use crate::core::bvp::BoundaryProblem;
+use crate::core::continuation::SettingError;
+use crate::core::field::VectorField;
 use crate::core::zero::System;
-use crate::problems::plate::{PlateSettings, Units};
+use crate::problems::classic::{Bratu, Isothermal, Lure};
+use crate::problems::mita::Block;
+use crate::problems::plate::PlateSettings;
 use serde::{Deserialize, Serialize};
 
 /// A problem with its terms.
@@ -11,57 +17,65 @@ use serde::{Deserialize, Serialize};
 pub enum Problem {
     /// An electrically actuated microplate.
     Plate(PlateSettings),
+    /// The block of Mita's impact microactuator, its frame at rest, without impacts.
+    Mita(Discretisation),
+    /// A feedback control system of Lur'e type.
+    Lure(Discretisation),
+    /// Seydel's isothermal reaction.
+    Isothermal(Discretisation),
+    /// Bratu's boundary-value problem.
+    Bratu(Discretisation),
 }
 
 impl Problem {
     /// Names of the parameters and their default values.
-    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
-        match self {
+    pub fn parameters(&self) -> Vec<(String, f64)> {
+        let (names, defaults) = match self {
             Problem::Plate(plate) => {
-                let units: Units = plate.units;
-                units.names().iter().copied().zip(units.defaults().iter().copied()).collect()
+                let names = plate.units.names().iter().map(|name| name.to_string());
+                (names.collect(), plate.units.defaults())
             }
-        }
+            Problem::Mita(_) => (Block.names().parameters, &Block::DEFAULTS[..]),
+            Problem::Lure(_) => (Lure.names().parameters, &Lure::DEFAULTS[..]),
+            Problem::Isothermal(_) => (Isothermal.names().parameters, &Isothermal::DEFAULTS[..]),
+            Problem::Bratu(_) => (Bratu.parameters(), &Bratu::DEFAULTS[..]),
+        };
+        names.into_iter().zip(defaults.iter().copied()).collect()
     }
 
     /// Names of the settings, and their values as they are written.
     pub fn settings(&self) -> Vec<(&'static str, String)> {
-        match self {
-            Problem::Plate(plate) => {
-                let written = |value: &dyn erased::Written| value.written();
-                vec![
-                    ("supports", plate.supports.clone()),
-                    ("in_plane", plate.in_plane.as_ref().map_or("usual".into(), |v| written(v))),
-                    ("theory", written(&plate.theory)),
-                    ("model", written(&plate.model)),
-                    ("modes", plate.modes.to_string()),
-                    ("projection", written(&plate.projection)),
-                    ("orders", plate.orders.as_ref().map_or("usual".into(), |v| written(v))),
-                    ("units", written(&plate.units)),
-                    ("symmetric", plate.symmetric.map_or("usual".into(), |v| v.to_string())),
-                ]
-            }
-        }
+        let mut copy = self.clone();
+        copy.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
     }
 
     /// Sets one setting by name; false if there is none of this name.
     pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
+        slot::assign(self.slots(), name, value)
+    }
+
+    fn slots(&mut self) -> Slots<'_> {
         match self {
-            Problem::Plate(plate) => {
-                match name {
-                    "supports" => plate.supports = value.to_uppercase(),
-                    "in_plane" => plate.in_plane = usual_or(name, value)?,
-                    "theory" => assign(&mut plate.theory, name, value)?,
-                    "model" => assign(&mut plate.model, name, value)?,
-                    "modes" => assign(&mut plate.modes, name, value)?,
-                    "projection" => assign(&mut plate.projection, name, value)?,
-                    "orders" => plate.orders = usual_or(name, value)?,
-                    "units" => assign(&mut plate.units, name, value)?,
-                    "symmetric" => plate.symmetric = usual_or(name, value)?,
-                    _ => return Ok(false),
-                }
-                Ok(true)
+            Problem::Plate(plate) => plate_slots(plate),
+            Problem::Mita(settings) | Problem::Lure(settings) | Problem::Isothermal(settings) => {
+                settings.slots()
             }
+            Problem::Bratu(settings) => {
+                let mut slots = settings.slots();
+                slots.retain(|(name, _)| *name != "solution");
+                slots
+            }
+        }
+    }
+
+    /// Checks the ranges of settings that do not depend on parameters.
+    pub(super) fn check(&self) -> Result<(), SettingError> {
+        match self {
+            Problem::Plate(_) => Ok(()),
+            Problem::Mita(settings)
+            | Problem::Lure(settings)
+            | Problem::Isothermal(settings)
+            | Problem::Bratu(settings) => settings.check(),
         }
     }
 
@@ -70,28 +84,24 @@ impl Problem {
     pub(super) fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self {
             Problem::Plate(plate) => Ok(plate.system(p, reach)?),
+            Problem::Mita(settings) => settings.of_field(Block),
+            Problem::Lure(settings) => settings.of_field(Lure),
+            Problem::Isothermal(settings) => settings.of_field(Isothermal),
+            Problem::Bratu(settings) => settings.of_problem(Bratu),
         }
     }
 }
 
-/// `usual` stands for what the problem chooses by itself.
-fn usual_or<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Result<Option<T>, SceneError> {
-    match value {
-        "usual" => Ok(None),
-        _ => super::set::read(name, value).map(Some),
-    }
-}
-
-mod erased {
-    /// A value as RON writes it.
-    pub trait Written {
-        fn written(&self) -> String;
-    }
-
-    impl<T: serde::Serialize> Written for T {
-        fn written(&self) -> String {
-            // Settings are plain enums, numbers and lists: they can always be written.
-            ron::to_string(self).unwrap_or_default()
-        }
-    }
+fn plate_slots(plate: &mut PlateSettings) -> Slots<'_> {
+    vec![
+        ("supports", Box::new(Letters(&mut plate.supports))),
+        ("in_plane", Box::new(Usual(&mut plate.in_plane))),
+        ("theory", Box::new(Plain(&mut plate.theory))),
+        ("model", Box::new(Plain(&mut plate.model))),
+        ("modes", Box::new(Plain(&mut plate.modes))),
+        ("projection", Box::new(Plain(&mut plate.projection))),
+        ("orders", Box::new(Usual(&mut plate.orders))),
+        ("units", Box::new(Plain(&mut plate.units))),
+        ("symmetric", Box::new(Usual(&mut plate.symmetric))),
+    ]
 }

@@ -1,47 +1,23 @@
 //! Changing a scene by name, reading it, and checking it.
 
+use super::slot::{Plain, Slots, assign, options, read};
 use super::{Problem, Run, Scene, SceneError, Start};
-use crate::core::continuation::Settings;
+use crate::core::continuation::{SettingError, Settings};
 use crate::output::UnknownName;
-use ron::extensions::Extensions;
-use serde::Deserialize;
 
-/// The settings of the continuation that can be set by name.
-const SETTINGS: [&str; 9] = [
-    "initial_step",
-    "min_step",
-    "max_step",
-    "max_points",
-    "max_angle",
-    "tolerance",
-    "event_tolerance",
-    "max_iterations",
-    "accuracy",
-];
-
-fn options() -> ron::Options {
-    ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME)
-        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
-}
-
-/// Reads a value as RON would.
-pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Result<T, SceneError> {
-    options().from_str(value).map_err(|error| SceneError::Value {
-        name: name.into(),
-        value: value.into(),
-        reason: error.code.to_string(),
-    })
-}
-
-/// Reads a value into a slot.
-pub(super) fn assign<T: for<'a> Deserialize<'a>>(
-    slot: &mut T,
-    name: &str,
-    value: &str,
-) -> Result<(), SceneError> {
-    *slot = read(name, value)?;
-    Ok(())
+/// The settings of the continuation by name.
+fn continuation_slots(s: &mut Settings) -> Slots<'_> {
+    vec![
+        ("initial_step", Box::new(Plain(&mut s.initial_step))),
+        ("min_step", Box::new(Plain(&mut s.min_step))),
+        ("max_step", Box::new(Plain(&mut s.max_step))),
+        ("max_points", Box::new(Plain(&mut s.max_points))),
+        ("max_angle", Box::new(Plain(&mut s.max_angle))),
+        ("tolerance", Box::new(Plain(&mut s.tolerance))),
+        ("event_tolerance", Box::new(Plain(&mut s.event_tolerance))),
+        ("max_iterations", Box::new(Plain(&mut s.max_iterations))),
+        ("accuracy", Box::new(Plain(&mut s.accuracy))),
+    ]
 }
 
 impl Scene {
@@ -103,7 +79,7 @@ impl Scene {
     /// All parameters at the start, in the problem's order.
     pub fn values(&self) -> Vec<f64> {
         let defaults = self.problem.parameters();
-        defaults.into_iter().map(|(name, default)| self.value(name).unwrap_or(default)).collect()
+        defaults.into_iter().map(|(name, default)| self.value(&name).unwrap_or(default)).collect()
     }
 
     /// The scene as one of its runs sees it.
@@ -115,13 +91,27 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Changes one value, or nothing at all.
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        if self.problem.set(name, value)? {
-            return self.check_parameters();
+        let mut changed = self.clone();
+        let out_of_range = |error: SettingError| SceneError::Value {
+            name: name.into(),
+            value: value.into(),
+            reason: error.to_string(),
+        };
+        if changed.problem.set(name, value)? {
+            changed.problem.check().map_err(out_of_range)?;
+            changed.check_parameters()?;
+        } else if assign(continuation_slots(&mut changed.settings), name, value)? {
+            changed.settings.check().map_err(out_of_range)?;
+        } else {
+            changed.assign_parameter(name, value)?;
         }
-        if SETTINGS.contains(&name) {
-            return self.set_continuation(name, value);
-        }
+        *self = changed;
+        Ok(())
+    }
+
+    fn assign_parameter(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         self.require_parameter(name, true)?;
         let number: f64 = read(name, value)?;
         if !number.is_finite() {
@@ -138,36 +128,17 @@ impl Scene {
         Ok(())
     }
 
-    fn set_continuation(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        let s: &mut Settings = &mut self.settings;
-        match name {
-            "initial_step" => assign(&mut s.initial_step, name, value)?,
-            "min_step" => assign(&mut s.min_step, name, value)?,
-            "max_step" => assign(&mut s.max_step, name, value)?,
-            "max_points" => assign(&mut s.max_points, name, value)?,
-            "max_angle" => assign(&mut s.max_angle, name, value)?,
-            "tolerance" => assign(&mut s.tolerance, name, value)?,
-            "event_tolerance" => assign(&mut s.event_tolerance, name, value)?,
-            "max_iterations" => assign(&mut s.max_iterations, name, value)?,
-            _ => assign(&mut s.accuracy, name, value)?,
-        }
-        s.check().map_err(|error| SceneError::Value {
-            name: name.into(),
-            value: value.into(),
-            reason: error.to_string(),
-        })
-    }
-
     fn require_parameter(&self, name: &str, with_settings: bool) -> Result<(), SceneError> {
         let parameters = self.problem.parameters();
         if parameters.iter().any(|(known, _)| *known == name) {
             return Ok(());
         }
-        let mut known: Vec<&str> = parameters.into_iter().map(|(name, _)| name).collect();
+        let mut known: Vec<String> = parameters.into_iter().map(|(name, _)| name).collect();
         let what = if with_settings { "parameter or setting" } else { "parameter" };
         if with_settings {
-            known.extend(self.problem.settings().iter().map(|(name, _)| *name));
-            known.extend(SETTINGS);
+            let (settings, mut own) = (self.problem.settings(), self.settings.clone());
+            known.extend(settings.iter().map(|(name, _)| name.to_string()));
+            known.extend(continuation_slots(&mut own).iter().map(|(name, _)| name.to_string()));
         }
         Err(UnknownName::new(what, name, known).into())
     }
@@ -190,7 +161,8 @@ impl Scene {
         for (name, value) in &self.parameters {
             finite(&format!("parameter `{name}`"), *value)?;
         }
-        self.settings.check().map_err(|error| SceneError::Invalid {
+        let sound = self.problem.check().and_then(|()| self.settings.check());
+        sound.map_err(|error| SceneError::Invalid {
             place: format!("the setting `{}`", error.name),
             found: error.value.to_string(),
             rule: format!("must be {}", error.range),
@@ -212,8 +184,14 @@ impl Scene {
         run.along.iter().try_for_each(|range| scene.require_parameter(&range.name, false))?;
         unique("range", run.along.iter().map(|range| range.name.as_str()))?;
         unique("setting of a run", run.set.iter().map(|(name, _)| name.as_str()))?;
-        for (name, value) in run.marks.iter().chain(&run.hold_level) {
+        for (name, value) in run.marks.iter().chain(&run.grazings).chain(&run.hold_level) {
             finite(&format!("run `{}`, mark of `{name}`", run.name), *value)?;
+        }
+        if let Start::Guess(values) = &run.start {
+            unique("unknown", values.iter().map(|(name, _)| name.as_str()))?;
+            for (name, value) in values {
+                finite(&format!("run `{}`, start of `{name}`", run.name), *value)?;
+            }
         }
         if let Start::From { run: from, .. } = &run.start
             && !earlier.iter().any(|run| run.name == *from)
@@ -228,7 +206,7 @@ impl Scene {
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
             self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();
-        let names = self.problem.parameters().into_iter().map(|(name, _)| name.to_string());
+        let names = self.problem.parameters().into_iter().map(|(name, _)| name);
         record.extend(names.zip(self.values().iter().map(|value| value.to_string())));
         record
     }
@@ -236,8 +214,8 @@ impl Scene {
 
 impl Problem {
     /// Names of everything that can be set.
-    pub fn names(&self) -> Vec<&'static str> {
-        let settings = self.settings().into_iter().map(|(name, _)| name);
+    pub fn names(&self) -> Vec<String> {
+        let settings = self.settings().into_iter().map(|(name, _)| name.to_string());
         self.parameters().into_iter().map(|(name, _)| name).chain(settings).collect()
     }
 }

@@ -135,8 +135,18 @@ impl Event {
 
     /// A parameter or monitor at a level, marked `UZ`.
     pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
-        let make = move || Level::new(quantity, level, Kind::UZ);
-        Self::with_test(name, Kind::UZ, Test::Level(quantity, level), make)
+        Self::level_of_kind(Kind::UZ, name, quantity, level)
+    }
+
+    /// A parameter or monitor at a level that means a kind of special point.
+    pub(super) fn level_of_kind(
+        kind: Kind,
+        name: impl Into<String>,
+        quantity: Quantity,
+        level: f64,
+    ) -> Self {
+        let make = move || Level::new(quantity, level, kind);
+        Self::with_test(name, kind, Test::Level(quantity, level), make)
     }
 
     /// Counts one direction only.

@@ -119,13 +119,13 @@ impl<'a> Continuation<'a> {
                 }
             }
         }
-        for (name, level) in &self.marks {
+        for (name, level, kind) in &self.marks {
             let quantity = self.quantity(name)?;
             if !level.is_finite() {
                 let (name, value, range) = (name.clone(), *level, "finite");
                 return Err(TraceError::Value { what: "the mark", name, value, range });
             }
-            events.push(Event::level(format!("{name} = {level}"), quantity, *level));
+            events.push(Event::level_of_kind(*kind, format!("{name} = {level}"), quantity, *level));
         }
         let dynamics = self.system.dynamics();
         let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();

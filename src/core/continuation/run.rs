@@ -8,6 +8,7 @@ use super::{Branch, End, Kind, Observer, Point, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::extended::Closing;
 use crate::core::newton::scaled_norm;
+use crate::core::solution::Solution;
 
 /// A trace under way.
 pub(super) struct Tracer<'a> {
@@ -66,6 +67,7 @@ impl Tracer<'_> {
     pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
         observer.begin(&self.branch);
         let start = self.start.clone();
+        let mesh = self.stepper.equations.system().mesh();
         let stopped = observer.point(&start.point).is_break();
         let [backward, forward] = self.directions;
         // A start that is an end is found, and labelled, first.
@@ -79,6 +81,7 @@ impl Tracer<'_> {
             (_, true) => self.half(start.clone(), false, observer),
             (_, false) => self.no_half(End::Start, observer),
         };
+        self.return_to(&start, mesh);
         let behind = match (behind, &ahead.end) {
             (Some(behind), End::Closed { .. }) => Half { end: ahead.end.clone(), ..behind },
             (Some(behind), _) => behind,
@@ -93,6 +96,21 @@ impl Tracer<'_> {
         };
         self.join(behind, start, ahead);
         self.branch
+    }
+
+    /// Gives the system the mesh of the start back, which may have followed the branch.
+    fn return_to(&mut self, start: &Place, mesh: Vec<f64>) {
+        if mesh.is_empty() {
+            return;
+        }
+        let equations = &mut self.stepper.equations;
+        let n = equations.dimension();
+        let (state, parameters) = equations.load(&start.unknowns).split_at(n);
+        let (state, parameters) = (state.to_vec(), parameters.to_vec());
+        let kind = Kind::EP;
+        let solution = Solution { kind, mesh, state, parameters, tangent: None, switch: false };
+        // It was a solution on this mesh; if it is none any more, the first step says so.
+        let _ = equations.system().adopt(&solution);
     }
 
     /// Nothing but the start, as an end of the branch.

@@ -37,7 +37,7 @@ pub struct Continuation<'a> {
     pub(super) tangent: Option<Vec<f64>>,
     pub(super) released: Vec<(String, [f64; 2])>,
     pub(super) bounds: Vec<(String, [f64; 2])>,
-    pub(super) marks: Vec<(String, f64)>,
+    pub(super) marks: Vec<(String, f64, Kind)>,
     pub(super) scales: Vec<(String, f64)>,
     pub(super) events: Vec<Event>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
@@ -222,7 +222,13 @@ impl<'a> Continuation<'a> {
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn mark(mut self, name: &str, level: f64) -> Self {
-        self.marks.push((name.into(), level));
+        self.marks.push((name.into(), level, Kind::UZ));
+        self
+    }
+
+    /// Marks where a monitor takes a value at which the solution touches a surface, as `G`.
+    pub fn graze(mut self, name: &str, level: f64) -> Self {
+        self.marks.push((name.into(), level, Kind::G));
         self
     }
 

@@ -168,7 +168,13 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let zero = vec![0.0; extras.len()];
         let mut direction = self.sampled(&zero, wave.clone()(0.0));
         // A quarter of a period on, the wave is its own derivative.
-        let slope = self.sampled(&zero, wave(0.25));
+        let mut slope = self.sampled(&zero, wave(0.25));
+        // A branch begins towards growth of its direction's largest component; half a period on, the wave
+        // is minus itself, and the phase condition must turn with it.
+        let largest = direction.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        if largest.is_some_and(|largest| *largest < 0.0) {
+            direction.iter_mut().chain(&mut slope).for_each(|value| *value = -*value);
+        }
         let x = [&z[..], &solution.parameters[..]].concat();
         self.linearisation.at.clear();
         self.equations.set_reference_with_slope(&x, &slope);

@@ -1,0 +1,155 @@
+//! How the solutions of a field or of a boundary-value problem are discretised.
+
+use super::SceneError;
+use super::slot::{Plain, Slots};
+use crate::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Mesh, Shooting};
+use crate::core::continuation::SettingError;
+use crate::core::dense::Dense;
+use crate::core::field::{Equilibria, VectorField};
+use crate::core::flow::Scheme;
+use crate::core::orbit::Orbit;
+use crate::core::zero::System;
+use serde::{Deserialize, Serialize};
+
+/// Which solutions of a field are meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solution {
+    /// Periodic orbits.
+    #[default]
+    Orbit,
+    /// Equilibria.
+    Equilibrium,
+}
+
+/// The method that discretises trajectories.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Discretised {
+    /// Collocation at Gauss points, on a mesh that follows the solution.
+    #[default]
+    Collocation,
+    /// Multiple shooting.
+    Shooting,
+}
+
+/// How trajectories are discretised.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Discretisation {
+    /// Which solutions of a field are meant.
+    pub solution: Solution,
+    /// The method.
+    pub method: Discretised,
+    /// The number of intervals of collocation (1 to 4096).
+    pub intervals: usize,
+    /// The number of Gauss points in an interval (2 to 7).
+    pub degree: usize,
+    /// The number of segments of shooting (1 to 4096).
+    pub segments: usize,
+    /// The scheme of the flow by which is shot.
+    pub scheme: Scheme,
+    /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
+    pub flow_tolerance: f64,
+}
+
+impl Default for Discretisation {
+    fn default() -> Self {
+        Discretisation {
+            solution: Solution::Orbit,
+            method: Discretised::Collocation,
+            intervals: 20,
+            degree: 4,
+            segments: 1,
+            scheme: Scheme::DormandPrince8,
+            flow_tolerance: 1e-12,
+        }
+    }
+}
+
+impl Discretisation {
+    /// The settings by name.
+    pub(super) fn slots(&mut self) -> Slots<'_> {
+        vec![
+            ("solution", Box::new(Plain(&mut self.solution))),
+            ("method", Box::new(Plain(&mut self.method))),
+            ("intervals", Box::new(Plain(&mut self.intervals))),
+            ("degree", Box::new(Plain(&mut self.degree))),
+            ("segments", Box::new(Plain(&mut self.segments))),
+            ("scheme", Box::new(Plain(&mut self.scheme))),
+            ("flow_tolerance", Box::new(Plain(&mut self.flow_tolerance))),
+        ]
+    }
+
+    /// Checks every range.
+    pub(super) fn check(&self) -> Result<(), SettingError> {
+        let count = |number: usize| (1..=4096).contains(&number);
+        let tolerance = self.flow_tolerance;
+        let rules = [
+            ("intervals", self.intervals as f64, count(self.intervals), "between 1 and 4096"),
+            ("degree", self.degree as f64, (2..=7).contains(&self.degree), "between 2 and 7"),
+            ("segments", self.segments as f64, count(self.segments), "between 1 and 4096"),
+            (
+                "flow_tolerance",
+                tolerance,
+                (1e-14..=1e-3).contains(&tolerance),
+                "between 1e-14 and 1e-3",
+            ),
+        ];
+        match rules.into_iter().find(|rule| !rule.2) {
+            Some((name, value, _, range)) => Err(SettingError { name, value, range }),
+            None => Ok(()),
+        }
+    }
+
+    /// The equilibria or the periodic orbits of a field.
+    pub(super) fn of_field<F>(&self, field: F) -> Result<Box<dyn System>, SceneError>
+    where
+        F: VectorField + Clone + 'static,
+    {
+        let parameters = vec![1.0; field.names().parameters.len()];
+        match self.solution {
+            Solution::Orbit => self.discretise(Orbit::of(field)),
+            Solution::Equilibrium if field.period(&parameters).is_some() => {
+                Err(self.no_equilibria("a field that is forced in time has none; take `orbit`"))
+            }
+            Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(field)))),
+        }
+    }
+
+    /// The solutions of a boundary-value problem.
+    pub(super) fn of_problem<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>
+    where
+        P: BoundaryProblem + Clone + 'static,
+    {
+        match self.solution {
+            Solution::Orbit => self.discretise(problem),
+            Solution::Equilibrium => {
+                Err(self.no_equilibria("a boundary-value problem has none; leave `solution` out"))
+            }
+        }
+    }
+
+    fn no_equilibria(&self, reason: &str) -> SceneError {
+        let (name, value) = ("solution".into(), "equilibrium".into());
+        SceneError::Value { name, value, reason: reason.into() }
+    }
+
+    fn discretise<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>
+    where
+        P: BoundaryProblem + Clone + 'static,
+    {
+        let meshes = |count: usize| vec![Mesh::uniform(count); problem.segments().len()];
+        Ok(match self.method {
+            Discretised::Collocation => {
+                let (method, meshes) = (Collocation::new(self.degree)?, meshes(self.intervals));
+                Box::new(BoundarySystem::new(problem, method, meshes)?)
+            }
+            Discretised::Shooting => {
+                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
+                let meshes = meshes(self.segments);
+                Box::new(BoundarySystem::new(problem, method, meshes)?)
+            }
+        })
+    }
+}

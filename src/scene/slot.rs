@@ -1,0 +1,91 @@
+//! Settings by name: places in a structure that can be written and read as text.
+
+use super::SceneError;
+use ron::extensions::Extensions;
+use serde::{Deserialize, Serialize};
+
+/// A place for one setting.
+pub(super) trait Slot {
+    /// Its value as RON writes it.
+    fn written(&self) -> String;
+
+    /// Reads a value into it.
+    fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError>;
+}
+
+/// Settings by name.
+pub(super) type Slots<'a> = Vec<(&'static str, Box<dyn Slot + 'a>)>;
+
+/// Reads a value into the setting of a name; false if there is none of this name.
+pub(super) fn assign(slots: Slots, name: &str, value: &str) -> Result<bool, SceneError> {
+    match slots.into_iter().find(|(known, _)| *known == name) {
+        Some((_, mut slot)) => slot.assign(name, value).map(|()| true),
+        None => Ok(false),
+    }
+}
+
+/// A setting that RON writes and reads.
+pub(super) struct Plain<'a, T>(pub &'a mut T);
+
+/// A setting that the problem chooses by itself unless it is given: `usual`.
+pub(super) struct Usual<'a, T>(pub &'a mut Option<T>);
+
+/// Letters without quotes, in either case.
+pub(super) struct Letters<'a>(pub &'a mut String);
+
+impl<T: Serialize + for<'d> Deserialize<'d>> Slot for Plain<'_, T> {
+    fn written(&self) -> String {
+        written(&self.0)
+    }
+
+    fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        *self.0 = read(name, value)?;
+        Ok(())
+    }
+}
+
+impl<T: Serialize + for<'d> Deserialize<'d>> Slot for Usual<'_, T> {
+    fn written(&self) -> String {
+        self.0.as_ref().map_or("usual".into(), written)
+    }
+
+    fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        *self.0 = match value {
+            "usual" => None,
+            _ => Some(read(name, value)?),
+        };
+        Ok(())
+    }
+}
+
+impl Slot for Letters<'_> {
+    fn written(&self) -> String {
+        self.0.clone()
+    }
+
+    fn assign(&mut self, _name: &str, value: &str) -> Result<(), SceneError> {
+        *self.0 = value.to_uppercase();
+        Ok(())
+    }
+}
+
+/// How scenes are written.
+pub(super) fn options() -> ron::Options {
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+}
+
+/// Reads a value as RON would.
+pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Result<T, SceneError> {
+    options().from_str(value).map_err(|error| SceneError::Value {
+        name: name.into(),
+        value: value.into(),
+        reason: error.code.to_string(),
+    })
+}
+
+fn written<T: Serialize>(value: &T) -> String {
+    // Settings are plain enums, numbers and lists: they can always be written.
+    ron::to_string(value).unwrap_or_default()
+}
