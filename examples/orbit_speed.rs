@@ -21,7 +21,7 @@ fn branch(system: &mut dyn System, step: f64, size: f64) -> Result<Branch, Box<d
     let settings = Settings {
         initial_step: step,
         max_step: step,
-        tolerance: 1e-8,
+        tolerance: 1e-6,
         accuracy: 0.0,
         ..Settings::default()
     };

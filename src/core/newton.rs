@@ -219,7 +219,7 @@ impl Newton {
                 return Ok(report);
             }
             // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
-            if iteration > 1 && contracts && size * ratio * ratio <= 0.1 * tolerance {
+            if iteration > 1 && contracts && size * ratio * ratio <= 0.01 * tolerance {
                 unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
                 report.matrix_error = 2.0 * ratio * ratio;
                 return Ok(report);
@@ -277,8 +277,16 @@ impl Newton {
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
         if evaluated.is_ok() {
             problem.equations.solve(&mut self.next);
-            if problem.size(&self.next) <= problem.tolerance {
+            let left = problem.size(&self.next);
+            let contraction = left / problem.size(&self.correction);
+            if left <= 0.001 * problem.tolerance {
+                // What was found with the residual belongs to this very point.
                 unknowns.copy_from_slice(&self.trial);
+                return true;
+            }
+            if contraction <= NEARLY_LINEAR && left * contraction <= 0.001 * problem.tolerance {
+                let last = self.trial.iter().zip(&self.next).map(|(x, d)| x - d);
+                unknowns.iter_mut().zip(last).for_each(|(x, last)| *x = last);
                 return true;
             }
         }

@@ -35,6 +35,7 @@ pub struct Shooting {
     /// One search for each state whose extrema are wanted.
     extrema: Vec<Extrema<f64>>,
     x: Vec<f64>,
+    r: Vec<f64>,
 }
 
 impl Shooting {
@@ -74,6 +75,7 @@ impl Default for Shooting {
             plain: Flow::default(),
             extrema: Vec::new(),
             x: Vec::new(),
+            r: Vec::new(),
         }
     }
 }
@@ -268,9 +270,11 @@ impl Method for Shooting {
         states: &[usize],
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
-        let mut r = vec![0.0; nodes.len() / 2];
-        self.residual_with_extrema(problem, span, nodes, q, states, &mut r, visit)?;
-        Ok(())
+        let mut r = std::mem::take(&mut self.r);
+        r.resize(nodes.len() / 2, 0.0);
+        let outcome = self.residual_with_extrema(problem, span, nodes, q, states, &mut r, visit);
+        self.r = r;
+        outcome.map(|_| ())
     }
 
     fn residual_with_extrema<P: BoundaryProblem>(

@@ -81,14 +81,15 @@ impl Tracer<'_> {
             (_, true) => self.half(start.clone(), false, observer),
             (_, false) => self.no_half(End::Start, observer),
         };
-        self.return_to(&start, mesh);
         let behind = match (behind, &ahead.end) {
             (Some(behind), End::Closed { .. }) => Half { end: ahead.end.clone(), ..behind },
             (Some(behind), _) => behind,
             (None, end @ (End::Closed { .. } | End::Interrupted)) => {
+                self.return_to(&start, mesh);
                 self.no_half(end.clone(), observer)
             }
             (None, _) => {
+                self.return_to(&start, mesh);
                 let mut turned = start.clone();
                 self.stepper.turn(&mut turned);
                 self.half(turned, true, observer)

@@ -38,25 +38,35 @@ pub(super) struct Stepper<'a> {
 pub(super) const AT_START: f64 = 1e-6;
 
 /// Whether the matrix factored last is, nearly, that of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Matrix {
-    Known,
+    /// It is, but for a relative error.
+    Known(f64),
+    /// It is another one.
     Unknown,
 }
 
 impl Matrix {
     /// Whether Newton's last matrix is near enough to that of the solution for its tangent.
     pub fn after(report: &Convergence) -> Self {
-        if report.matrix_error <= MATRIX_ERROR { Matrix::Known } else { Matrix::Unknown }
+        if report.matrix_error <= MATRIX_ERROR {
+            Matrix::Known(report.matrix_error)
+        } else {
+            Matrix::Unknown
+        }
     }
 }
 
 /// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
 const MATRIX_ERROR: f64 = 1e-4;
 
+/// The sign of a tangent's component along the parameter that is smaller than this is not left to a matrix that
+/// is only nearly known.
+const UNCERTAIN: f64 = 0.05;
+
 /// A prediction that leaves the tangent by more than this share of the step, in any group of unknowns, is
 /// not trusted.
-const MOST_CURVED: f64 = 0.5;
+const MOST_CURVED: f64 = 0.2;
 
 /// A place with a tangent that is this far from the present one is of no use to the predictor.
 const LEAST_SPEED: f64 = 0.5;
@@ -137,27 +147,34 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        match matrix {
-            Matrix::Known => {
-                self.equations.load(&unknowns);
+        if let Matrix::Known(error) = matrix {
+            self.equations.load(&unknowns);
+            self.tangent(&mut tangent);
+            let p = self.equations.parameters_at();
+            if tangent[p].abs() * self.weights[p].sqrt() <= UNCERTAIN.max(30.0 * error) {
+                return self.arrive_with(unknowns, row, Matrix::Unknown, stability);
             }
-            Matrix::Unknown => {
-                self.equations.assemble(&unknowns)?;
-                self.equations.residual(&unknowns, None, &mut tangent)?;
-                self.equations.factor(&unknowns, Some(row))?;
-            }
+        } else {
+            self.equations.assemble(&unknowns)?;
+            self.equations.residual(&unknowns, None, &mut tangent)?;
+            self.equations.factor(&unknowns, Some(row))?;
+            self.tangent(&mut tangent);
         }
         let determinant = self.equations.determinant_sign();
+        let (point, stability) = self.record(stability)?;
+        let tests = self.tests(&unknowns, &tangent, determinant, stability, &point)?;
+        Ok(Place { unknowns, tangent, tests, point })
+    }
+
+    /// The tangent, of scaled length 1, from the matrix factored last with the closing equation last.
+    fn tangent(&mut self, tangent: &mut [f64]) {
         tangent.fill(0.0);
         if let Some(last) = tangent.last_mut() {
             *last = 1.0;
         }
-        self.equations.solve(&mut tangent);
-        let size = scaled_norm(&tangent, &self.weights);
+        self.equations.solve(tangent);
+        let size = scaled_norm(tangent, &self.weights);
         tangent.iter_mut().for_each(|t| *t /= size);
-        let (point, stability) = self.record(stability)?;
-        let tests = self.tests(&unknowns, &tangent, determinant, stability, &point)?;
-        Ok(Place { unknowns, tangent, tests, point })
     }
 
     /// Records a branch point that the curve is to leave in this direction: its own tangent is not
