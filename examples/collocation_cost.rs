@@ -117,7 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let intervals = table(title, "intervals", &sizes, 1, |intervals| cost(3, intervals))?;
     println!();
     let title = "One correction: 20 intervals, 4 Gauss points";
-    let sizes = [2, 3, 4, 6, 8, 12, 16, 24];
+    let sizes = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
     let states = table(title, "states", &sizes, 3, |states| cost(states, 20))?;
     Ok(write_atomically("out/collocation-cost.svg", &draw(&[intervals, states])?)?)
 }
