@@ -30,8 +30,7 @@ macro_rules! saddle {
             let mut worst = 0.0_f64;
             for k in 0..=40 {
                 let tau = k as f64 / 40.0;
-                let mut found = [0.0; 2];
-                system.states(&x, 0, tau, &mut found).unwrap();
+                let found = system.states(&x, 0, tau).unwrap();
                 let (sine, cosine) = (TAU * tau).sin_cos();
                 worst = worst.max((found[0] - cosine).abs()).max((found[1] - sine).abs());
             }

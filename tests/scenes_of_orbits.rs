@@ -66,8 +66,9 @@ fn mita_has_its_fold_and_grazings_by_both_methods() {
     }
 }
 
-/// At every frequency from 0.3 to 0.6 the branch reaches the bound of the displacement, through one fold below the
-/// cusp's frequency by much, two just below it, and one beyond, where the period doubles twice, by both methods.
+/// At every frequency from 0.3 to 0.6 and by both methods the branch reaches the bound of the displacement:
+/// through one fold far below the cusp's frequency, through two just below it, and through one beyond it, where
+/// the period doubles twice.
 #[test]
 fn mita_is_followed_through_every_fold() {
     for method in ["collocation", "shooting"] {

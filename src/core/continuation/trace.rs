@@ -227,6 +227,22 @@ impl<'a> Continuation<'a> {
     }
 
     /// Marks where a monitor takes a value at which the solution touches a surface, as `G`.
+    ///
+    /// ```
+    /// # use tangency::core::continuation::{Continuation, Kind};
+    /// # use tangency::core::orbit::by_shooting;
+    /// # use tangency::core::bvp::Shooting;
+    /// # use tangency::problems::mita::Block;
+    /// let mut orbits = by_shooting(Block, 1, Shooting::default()).unwrap();
+    /// let branch = Continuation::of(&mut orbits)
+    ///     .at("voltage", 0.01).at("frequency", 0.5).at("damping", 0.04)
+    ///     .along("voltage", 0.01..=0.3)
+    ///     .graze("max_displacement", 0.5)
+    ///     .trace()?;
+    /// let grazing = branch.of_kind(Kind::G).next().unwrap();
+    /// assert!((grazing.parameters[0] - 0.227177583102).abs() < 1e-11);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
     pub fn graze(mut self, name: &str, level: f64) -> Self {
         self.marks.push((name.into(), level, Kind::G));
         self

@@ -91,8 +91,9 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
         let onto = Onto { meshes: &meshes, layout, places };
         let carried = equations.carried(&onto, x)?;
+        // Values between the nodes of a method with a mesh error are linear in those at the nodes.
         let turned: Result<Vec<Vec<f64>>, LeftDomain> =
-            directions.iter().map(|d| equations.carried_direction(&onto, x, d)).collect();
+            directions.iter().map(|d| equations.carried(&onto, d)).collect();
         let turned = turned?;
         let reference = equations.carried_reference(&onto)?;
         let before = std::mem::replace(&mut self.equations.meshes, meshes);

@@ -5,7 +5,6 @@ use super::layout::{Layout, span};
 use crate::core::bvp::{BoundaryProblem, Mesh, Method};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
-use num_dual::Dual64;
 
 /// The nodes on which a solution is wanted.
 pub(super) struct Onto<'a> {
@@ -41,20 +40,6 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     pub fn carried_reference(&self, onto: &Onto) -> Result<Option<Vec<f64>>, LeftDomain> {
         let reference = &self.phase.reference;
         (!reference.is_empty()).then(|| self.carried(onto, reference)).transpose()
-    }
-
-    /// A direction at `x` on other nodes: how the values there change with those here.
-    pub fn carried_direction(
-        &self,
-        onto: &Onto,
-        x: &[f64],
-        direction: &[f64],
-    ) -> Result<Vec<f64>, LeftDomain> {
-        let mut out = vec![0.0; onto.layout.values()];
-        out.extend_from_slice(&direction[self.layout.values()..]);
-        let argument = |i: usize| Dual64::new(x[i], direction[i]);
-        self.carry(onto, argument, |z, value: Dual64| out[z] = value.eps)?;
-        Ok(out)
     }
 
     /// Hands the values at other nodes to `put`, with their positions.
