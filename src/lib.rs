@@ -32,6 +32,10 @@
 //! like any other, with special points of its own (cusps, Bogdanov–Takens points). Branch points, Hopf
 //! points and conditions of the user's own work in the same way.
 //!
+//! A **boundary-value problem**, trajectories of vector fields with conditions at their ends, becomes a zero
+//! problem by collocation or by shooting. **Periodic orbits** are the case `x(1) = x(0)`; their multipliers
+//! decide stability, and period doublings and torus points are conditions like the others.
+//!
 //! # The shortest example
 //!
 //! The parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`, `load = 4/27`. The residual is
@@ -68,14 +72,18 @@
 //! | [`core::dense`], [`core::linear`] | a system from any residual, by dual numbers and a bordered LU |
 //! | [`core::condition`], [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points |
 //! | [`core::extended`], [`core::newton`] | the problem with the conditions held, and Newton's iteration on it |
+//! | [`core::motion`] | stability, from eigenvalues and from multipliers |
 //! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): stepping, events, switching; [`Branch`](core::continuation::Branch)es as data |
-//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate |
+//! | [`core::field`], [`core::flow`] | [`VectorField`](core::field::VectorField)s, and their flow in any scalar |
+//! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting, as systems |
+//! | [`core::orbit`] | periodic orbits of a field, and simulations that find them |
+//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and the binary adds the command
-//! line. How the core is put together, with pictures, is told in `docs/core.md`; the way in for users is
-//! the README.
+//! line. How the core is put together, with pictures, is told in `docs/core.md`, and what periodic orbits and
+//! boundary-value problems add to it in `docs/orbits.md`; the way in for users is the README.
 
 pub mod core;
 pub mod output;
@@ -91,3 +99,8 @@ pub struct Readme;
 #[cfg(doctest)]
 #[doc = include_str!("../docs/core.md")]
 pub struct CoreNotes;
+
+/// The code of `docs/orbits.md`, as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/orbits.md")]
+pub struct OrbitNotes;
