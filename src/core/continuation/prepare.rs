@@ -306,6 +306,9 @@ impl<'a> Continuation<'a> {
             stepper.arrive_at_branch_point(unknowns, tangent)
         };
         let mut start = start.map_err(evaluation)?;
+        if how != Leaving::Along {
+            stepper.forget_stability_at(&mut start);
+        }
         let slopes = stepper.forget_levels_at(&mut start).map_err(evaluation)?;
         if correct {
             stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);

@@ -192,6 +192,17 @@ impl Stepper<'_> {
         Ok(Place { unknowns, tangent, tests, point })
     }
 
+    /// Where a branch of periodic orbits is born a multiplier is 1 but for rounding: its stability there is
+    /// not reported, nor is a change of it in the first step.
+    pub fn forget_stability_at(&self, start: &mut Place) {
+        start.point.unstable = None;
+        for (test, event) in start.tests.iter_mut().zip(&self.events) {
+            if matches!(event.test, Test::Hopf | Test::PeriodDoubling) {
+                *test = 0.0;
+            }
+        }
+    }
+
     /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
     /// how fast each level's test function grows along the curve at the start.
     pub fn forget_levels_at(&mut self, start: &mut Place) -> Result<Vec<f64>, EvaluationError> {
