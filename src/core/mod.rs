@@ -8,6 +8,7 @@ pub mod dense;
 pub mod extended;
 pub mod field;
 pub mod flow;
+pub mod hybrid;
 pub mod kind;
 pub mod linear;
 pub mod motion;

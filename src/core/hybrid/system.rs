@@ -1,0 +1,131 @@
+//! Hybrid systems as a user states them.
+
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// A mode of motion: a name and the names of its states, which need not be those of other modes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mode {
+    /// The mode's name.
+    pub name: String,
+    /// The names of its states. Those that modes share are one quantity to a reader of their diagrams.
+    pub states: Vec<String>,
+}
+
+impl Mode {
+    /// A mode with states.
+    pub fn new<S: Into<String>>(
+        name: impl Into<String>,
+        states: impl IntoIterator<Item = S>,
+    ) -> Self {
+        Mode { name: name.into(), states: states.into_iter().map(Into::into).collect() }
+    }
+}
+
+/// A surface at which a mode ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Guard {
+    /// The event's name. Guards of several modes may share it: an impact is one event in whichever mode.
+    pub name: String,
+    /// The mode that ends there.
+    pub mode: usize,
+    /// The mode in which motion goes on where events of this guard accumulate, so that infinitely many come
+    /// to pass in a finite time (complete chatter); `None` if they are not expected to.
+    pub contact: Option<usize>,
+}
+
+impl Guard {
+    /// A guard of a mode.
+    pub fn new(name: impl Into<String>, mode: usize) -> Self {
+        Guard { name: name.into(), mode, contact: None }
+    }
+
+    /// Where events accumulate, motion goes on in this mode.
+    pub fn accumulating_to(mut self, contact: usize) -> Self {
+        self.contact = Some(contact);
+        self
+    }
+}
+
+/// A hybrid system: modes, guards and resets, stated once, differentiated nowhere.
+///
+/// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the event; of
+/// several that vanish together the one stated first counts. The state just before it is `x`; motion goes on in
+/// the mode [`next`](Self::next), from the state that [`reset`](Self::reset) gives.
+///
+/// ```
+/// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+/// use tangency::core::scalar::Scalar;
+/// /// A ball above the ground, `y'' = −g`, thrown back with the part `e` of its speed.
+/// struct Ball;
+/// impl HybridSystem for Ball {
+///     fn modes(&self) -> Vec<Mode> {
+///         vec![Mode::new("flight", ["height", "velocity"])]
+///     }
+///     fn guards(&self) -> Vec<Guard> {
+///         vec![Guard::new("bounce", 0)]
+///     }
+///     fn parameters(&self) -> Vec<String> {
+///         vec!["gravity".into(), "restitution".into()]
+///     }
+///     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+///         f[0] = x[1];
+///         f[1] = -p[0];
+///     }
+///     fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+///         x[0]
+///     }
+///     fn reset<T: Scalar>(&self, _g: usize, _next: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+///         after[0] = x[0];
+///         after[1] = -p[1] * x[1];
+///     }
+///     fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+///         0
+///     }
+/// }
+/// let mut after = [0.0; 2];
+/// Ball.reset(0, 0, 0.0, &[0.0, -2.0], &[9.81, 0.8], &mut after);
+/// assert_eq!(after, [0.0, 1.6]);
+/// ```
+pub trait HybridSystem {
+    /// The modes, with the names of their states.
+    fn modes(&self) -> Vec<Mode>;
+
+    /// The guards of all modes. Of those that vanish together the first one listed is the event.
+    fn guards(&self) -> Vec<Guard>;
+
+    /// The names of the parameters.
+    fn parameters(&self) -> Vec<String>;
+
+    /// The field of a mode, written into `f` (as long as `x`).
+    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
+
+    /// A guard, positive while its mode lasts.
+    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T;
+
+    /// The state just after an event, written into `after` (as long as the states of the mode `next`).
+    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]);
+
+    /// The mode that follows an event, given the state just before it; where events accumulate, it is asked
+    /// again with [`settled`](Self::settled).
+    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+
+    /// The mode in which motion goes on where the events of a guard accumulate, given the state there: by
+    /// default the one that the guard names.
+    fn settled(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> Option<usize> {
+        self.guards()[guard].contact
+    }
+
+    /// The period of the forcing; `None` if the system is autonomous.
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        None
+    }
+
+    /// Refuses states at which a mode's field has no meaning.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the quantity, its value and the domain.
+    fn domain(&self, _mode: usize, _x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+        Ok(())
+    }
+}
