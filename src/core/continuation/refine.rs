@@ -23,6 +23,7 @@ impl Stepper<'_> {
             parameters: start.parameters.clone(),
             monitors: start.monitors.clone(),
             unstable: start.unstable,
+            admissible: true,
         };
         if let Some((refined, error)) = self.refine(&event, &point, &point, usize::MAX) {
             (start.parameters, start.monitors) = (refined.parameters, refined.monitors);
@@ -102,7 +103,8 @@ impl Stepper<'_> {
         at.system.assemble(at.x).ok()?;
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
-        Some((Point { parameters: x[n..].to_vec(), monitors, unstable: None }, x))
+        let parameters = x[n..].to_vec();
+        Some((Point { parameters, monitors, unstable: None, admissible: true }, x))
     }
 }
 

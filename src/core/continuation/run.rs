@@ -191,7 +191,12 @@ impl Tracer<'_> {
             }
             let at_bound = matches!(
                 &ending,
-                Some(Ending { end: End::ParameterBound { .. } | End::MonitorBound { .. }, .. })
+                Some(Ending {
+                    end: End::ParameterBound { .. }
+                        | End::MonitorBound { .. }
+                        | End::Grazing { .. },
+                    ..
+                })
             );
             let Some(Ending { end, at }) = ending else {
                 let length = step.length;
@@ -245,6 +250,7 @@ impl Tracer<'_> {
         let event = &self.stepper.events[index];
         let name = event.name.clone();
         match event.test {
+            Test::Level(..) if event.kind == Kind::G => Some(End::Grazing { name }),
             Test::Level(Quantity::Parameter(_), value) => Some(End::ParameterBound { name, value }),
             Test::Level(Quantity::Monitor(_), value) => Some(End::MonitorBound { name, value }),
             _ => None,
@@ -411,5 +417,6 @@ fn point_of(special: &SpecialPoint) -> Point {
         parameters: special.parameters.clone(),
         monitors: special.monitors.clone(),
         unstable: special.unstable,
+        admissible: true,
     }
 }

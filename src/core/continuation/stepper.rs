@@ -34,6 +34,9 @@ pub(super) struct Stepper<'a> {
     pub tested: Vec<Option<Box<dyn Condition>>>,
 }
 
+/// A solution passes a surface if it is farther beyond: less is rounding.
+const BEYOND: f64 = 1e-9;
+
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
 pub(super) const AT_START: f64 = 1e-6;
 
@@ -367,7 +370,10 @@ impl Stepper<'_> {
         let stability =
             spectrum.map(|spectrum| Stability::of(dynamics, &spectrum).oriented(orientation));
         let unstable = stability.map(|stability| stability.unstable);
-        Ok((Point { parameters: at.x[n..].to_vec(), monitors, unstable }, stability))
+        let beyond = |&m: &usize| monitors[m] < -BEYOND;
+        let admissible = !at.system.grazings().iter().any(beyond);
+        let parameters = at.x[n..].to_vec();
+        Ok((Point { parameters, monitors, unstable, admissible }, stability))
     }
 
     fn tests(
