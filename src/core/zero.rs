@@ -377,6 +377,11 @@ pub trait System {
         None
     }
 
+    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
+    fn itinerary(&self) -> String {
+        String::new()
+    }
+
     /// The mesh that the unknowns are values on, to be saved with special points; empty without one.
     fn mesh(&self) -> Vec<f64> {
         Vec::new()

@@ -21,6 +21,7 @@ pub fn example_branch() -> Branch {
     Branch {
         name: "plate".into(),
         condition: None,
+        itinerary: String::new(),
         unknowns: vec!["u".into()],
         parameters: vec!["load".into(), "aspect_ratio".into()],
         released: vec!["load".into()],

@@ -290,8 +290,8 @@ impl Method for Shooting {
     ) -> Result<bool, LeftDomain> {
         let Shooting { plain, extrema, x, .. } = self;
         plain.settings = self.settings;
-        extrema.resize_with(states.len(), || Extrema::of(State(0)));
-        extrema.iter_mut().zip(states).for_each(|(extrema, state)| extrema.restart(State(*state)));
+        extrema.resize_with(states.len(), Extrema::default);
+        extrema.iter_mut().for_each(Extrema::restart);
         x.clear();
         x.extend_from_slice(&nodes[..nodes.len() / 2]);
         states.iter().for_each(|&state| visit(state, 0.0, x[state]));
@@ -300,7 +300,9 @@ impl Method for Shooting {
         let length = duration * (span.end - span.start);
         plain.observe(&field, duration * span.start, length, x, q, |step| {
             for (extrema, &state) in extrema.iter_mut().zip(states) {
-                extrema.search(step, |extremum| visit(state, extremum.place, extremum.value));
+                extrema.search(&State(state), step, |extremum| {
+                    visit(state, extremum.place, extremum.value)
+                });
             }
             ControlFlow::Continue(())
         })?;

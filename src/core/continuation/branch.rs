@@ -137,6 +137,10 @@ pub struct Branch {
     pub name: String,
     /// What the curve is made of: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
     pub condition: Option<Kind>,
+    /// What solutions go through, in words, where that is not the same for all solutions of the problem: the
+    /// itinerary of hybrid orbits.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub itinerary: String,
     /// Groups of unknowns, in the order of the states.
     pub unknowns: Vec<Group>,
     /// Names of all parameters.

@@ -387,6 +387,7 @@ impl<'a> Continuation<'a> {
         Branch {
             name: self.name.clone(),
             condition: self.held.first().map(|(kind, _)| *kind),
+            itinerary: self.system.itinerary(),
             unknowns: names.unknowns.clone(),
             parameters: names.parameters.clone(),
             released: self.released.iter().map(|r| r.0.clone()).collect(),

@@ -108,8 +108,9 @@ impl Tracer<'_> {
         let n = equations.dimension();
         let (state, parameters) = equations.load(&start.unknowns).split_at(n);
         let (state, parameters) = (state.to_vec(), parameters.to_vec());
-        let kind = Kind::EP;
-        let solution = Solution { kind, mesh, state, parameters, tangent: None, switch: false };
+        let (kind, itinerary) = (Kind::EP, equations.system().itinerary());
+        let solution =
+            Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: false };
         // It was a solution on this mesh; if it is none any more, the first step says so.
         let _ = equations.system().adopt(&solution);
     }

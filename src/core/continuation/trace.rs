@@ -180,6 +180,7 @@ impl<'a> Continuation<'a> {
         }
         self.solution = Some(Solution {
             kind: special.kind,
+            itinerary: branch.itinerary.clone(),
             mesh: special.mesh.clone(),
             state: special.state.clone(),
             parameters: Vec::new(),

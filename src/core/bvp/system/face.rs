@@ -205,6 +205,10 @@ where
         false
     }
 
+    fn itinerary(&self) -> String {
+        self.problem().itinerary()
+    }
+
     fn mesh(&self) -> Vec<f64> {
         self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
     }
