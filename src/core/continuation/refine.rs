@@ -6,7 +6,6 @@ use super::stepper::Stepper;
 use super::{Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::Extended;
-use crate::core::newton::Newton;
 use crate::core::zero::{Refinement, System};
 
 impl Stepper<'_> {
@@ -94,9 +93,8 @@ impl Stepper<'_> {
         for condition in conditions {
             unknowns = equations.hold(condition, &unknowns).ok()?;
         }
-        let mut newton = Newton::default();
         let tolerances = event_tolerances(&self.settings);
-        converge(&mut newton, &mut equations, &mut unknowns, &weights, tolerances).ok()?;
+        converge(&mut equations, &mut unknowns, &weights, tolerances).ok()?;
         let x = equations.load(&unknowns).to_vec();
         let at = equations.at();
         let n = at.system.names().dimension();

@@ -206,7 +206,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         x: &[f64],
     ) -> Result<Vec<f64>, EvaluationError> {
         let layout = &from.equations.layout;
-        let extras = &x[layout.values()..layout.dimension].to_vec();
+        let extras = &x[layout.values()..layout.dimension];
         let mut outcome = Ok(());
         let z = self.sampled(extras, |segment, tau, out| {
             if outcome.is_ok() {
@@ -260,16 +260,15 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let zero = vec![0.0; extras.len()];
         let mut direction = self.sampled(&zero, wave.clone()(0.0));
         // A quarter of a period on, the wave is its own derivative.
-        let mut slope = self.sampled(&zero, wave(0.25));
-        // A branch begins towards growth of its direction's largest component; half a period on, the wave
-        // is minus itself, and the phase condition must turn with it.
+        let motion = self.sampled(&zero, wave(0.25));
+        // A branch begins towards growth of its direction's largest component.
         let largest = direction.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
         if largest.is_some_and(|largest| *largest < 0.0) {
-            direction.iter_mut().chain(&mut slope).for_each(|value| *value = -*value);
+            direction.iter_mut().for_each(|value| *value = -*value);
         }
         let x = [&z[..], &solution.parameters[..]].concat();
         self.linearisation.at.clear();
-        self.equations.set_reference_with_slope(&x, &slope);
+        self.equations.set_reference_with_motion(&x, &motion);
         direction.resize(x.len(), 0.0);
         Ok(Adopted { z, tangent: Some(direction), leaving: Leaving::Direction })
     }
@@ -278,32 +277,12 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
     pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
-        if self.equations.method.error_constant().is_some()
-            && self.followed.is_multiple_of(ADAPT_EVERY)
-        {
-            let mut whole = x.to_vec();
-            let mut turned: Vec<Vec<f64>> = directions.iter().map(|d| self.padded(d)).collect();
-            let mut borrowed: Vec<&mut Vec<f64>> = turned.iter_mut().collect();
-            if self.adapt(&mut whole, &mut borrowed).is_ok() {
-                let n = self.equations.layout.dimension;
-                x.copy_from_slice(&whole);
-                directions
-                    .iter_mut()
-                    .zip(&turned)
-                    .for_each(|(d, t)| d[..n].copy_from_slice(&t[..n]));
-            }
+        if self.followed.is_multiple_of(ADAPT_EVERY) {
+            let _ = self.adapt(x, directions);
         }
         if self.equations.layout.phase {
             let _ = self.set_reference(x);
         }
-    }
-
-    /// The unknowns' part of a direction, with zeros for the parameters.
-    fn padded(&self, direction: &[f64]) -> Vec<f64> {
-        let n = self.equations.layout.dimension;
-        let mut padded = direction[..n].to_vec();
-        padded.resize(n + self.equations.layout.parameters, 0.0);
-        padded
     }
 }
 
