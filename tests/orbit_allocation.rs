@@ -1,45 +1,16 @@
 //! Promise: after a warm-up, no Newton iteration on periodic orbits allocates.
 
+mod allocations;
 mod common;
 mod cycles;
 
+use allocations::allocations;
 use cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{Fold, Hopf};
-use tangency::core::condition::Condition;
 use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, Tolerances};
 use tangency::core::zero::System;
 use tangency::problems::classic::Lure;
-
-const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
-
-/// Solves twice from the same start, and counts what the second solve allocates.
-fn allocations(
-    system: &mut dyn System,
-    x: &[f64],
-    released: Vec<usize>,
-    condition: Option<Box<dyn Condition>>,
-) -> u64 {
-    let mut equations = Extended::new(system, x, released);
-    let mut start = equations.unload(x);
-    if let Some(condition) = condition {
-        start = equations.hold(condition, &start).unwrap();
-    }
-    let weights = vec![1.0; start.len()];
-    let mut newton = Newton::default();
-    let mut unknowns = start.clone();
-    // The second time, what was learned about the equations' curvature may change the way.
-    for _ in 0..2 {
-        newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
-        unknowns.copy_from_slice(&start);
-    }
-    let counted = allocation_counter::measure(|| {
-        newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
-    });
-    counted.count_total
-}
 
 fn circle(size: f64) -> impl Fn(usize, f64, &mut [f64]) {
     move |_, tau, x| {
