@@ -5,6 +5,7 @@ mod common;
 mod cycles;
 
 use allocations::allocations;
+use common::ellipse;
 use cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{Fold, Hopf};
@@ -12,17 +13,13 @@ use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::zero::System;
 use tangency::problems::classic::Lure;
 
-fn circle(size: f64) -> impl Fn(usize, f64, &mut [f64]) {
-    move |_, tau, x| {
-        let (sine, cosine) = (TAU * tau).sin_cos();
-        (x[0], x[1]) = (size * cosine, size * sine);
-    }
-}
-
 #[test]
 fn newton_on_orbits_allocates_nothing() {
     let (mut collocation, mut shooting) = (collocated(Bautin, 10), shot(Bautin, 2));
-    let starts = [collocation.sampled(&[6.2], circle(1.4)), shooting.sampled(&[6.2], circle(1.4))];
+    let starts = [
+        collocation.sampled(&[6.2], ellipse(1.4, 1.4)),
+        shooting.sampled(&[6.2], ellipse(1.4, 1.4)),
+    ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[0.1, 1.0]].concat();
@@ -33,15 +30,18 @@ fn newton_on_orbits_allocates_nothing() {
 #[test]
 fn newton_on_folds_and_torus_points_allocates_nothing() {
     let (mut collocation, mut shooting) = (collocated(Bautin, 10), shot(Bautin, 2));
-    let starts =
-        [collocation.sampled(&[TAU], circle(1.01)), shooting.sampled(&[TAU], circle(1.01))];
+    let starts = [
+        collocation.sampled(&[TAU], ellipse(1.01, 1.01)),
+        shooting.sampled(&[TAU], ellipse(1.01, 1.01)),
+    ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[-0.99, 1.0]].concat();
         assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Fold::default()))), 0);
     }
     let (mut collocation, mut shooting) = (collocated(ForcedSpiral, 10), shot(ForcedSpiral, 2));
-    let starts = [collocation.sampled(&[], circle(1.0)), shooting.sampled(&[], circle(1.0))];
+    let starts =
+        [collocation.sampled(&[], ellipse(1.0, 1.0)), shooting.sampled(&[], ellipse(1.0, 1.0))];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[0.01, 0.0]].concat();
