@@ -9,6 +9,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use tangency::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, MeshError, Monitor,
+    Return,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::scalar::Scalar;
@@ -192,8 +193,8 @@ impl BoundaryProblem for Wrong {
     fn phase(&self) -> bool {
         self.phase
     }
-    fn periodic(&self) -> bool {
-        true
+    fn returns(&self) -> Vec<Return> {
+        Return::of_states(1)
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
         vec![("max".into(), Monitor::Maximum { segment: 0, state: self.monitor })]
@@ -214,7 +215,9 @@ fn sizes_are_checked() {
     };
     let many = "2 integral and phase conditions, but only 1 states and extras";
     assert!(refused(wrong(true, 1, 1, 0)).contains(many));
-    assert!(refused(wrong(false, 0, 2, 0)).contains("has 2 segments"));
+    assert!(
+        refused(wrong(true, 0, 2, 0)).contains("return 0 (of 1, counted from 0) has no meaning")
+    );
     assert!(refused(wrong(false, 0, 1, 3)).contains("state 3 on segment 0, which does not exist"));
     assert_eq!(points(&[0.0]), Err(MeshError::Empty { points: 1 }));
     assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start { start: 0.5 }));

@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 use tangency::core::field::VectorField;
 use tangency::core::flow::{Extrema, Extremum, Flow, Scheme, Settings, Statistics};
 use tangency::core::scalar::Scalar;
+use tangency::core::watch::State;
 use tangency::core::zero::Names;
 use tangency::problems::mita::Block;
 
@@ -306,7 +307,7 @@ impl VectorField for TwoTones {
 }
 
 fn extrema<T: Scalar>(scheme: Scheme, tolerance: f64, a: T) -> Vec<Extremum<T>> {
-    let (mut search, mut found) = (Extrema::of(0), Vec::new());
+    let (mut search, mut found) = (Extrema::of(State(0)), Vec::new());
     flow(scheme, tolerance)
         .observe(&TwoTones, T::zero(), T::constant(TAU), &mut [T::zero()], &[a], |step| {
             search.search(step, |extremum| found.push(extremum));
@@ -386,9 +387,9 @@ fn stiff_flows_have_derivatives_too() {
 fn nothing_is_allocated_after_the_first_call() {
     for scheme in ALL {
         let mut flow = flow(scheme, 1e-9);
-        let mut search = Extrema::of(0);
+        let mut search = Extrema::of(State(0));
         let mut run = || {
-            search.restart(0);
+            search.restart(State(0));
             let p = MITA.map(Four::from);
             let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
             flow.observe(&Block, Four::from(0.0), Four::from(7.0), &mut x, &p, |step| {

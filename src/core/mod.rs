@@ -17,4 +17,5 @@ pub mod orbit;
 pub mod quadrature;
 pub mod scalar;
 pub mod solution;
+pub mod watch;
 pub mod zero;

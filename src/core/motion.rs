@@ -74,6 +74,16 @@ impl Stability {
             },
         }
     }
+
+    /// The same with test functions that keep their signs where a multiplier passes through infinity.
+    pub fn oriented(self, orientation: f64) -> Self {
+        let Stability { unstable, oscillation, doubling } = self;
+        Stability {
+            unstable,
+            oscillation: oscillation * orientation,
+            doubling: doubling * orientation,
+        }
+    }
 }
 
 /// `(1 + μ)/(1 + |μ|)`, or the square root of its square for one of a complex pair.

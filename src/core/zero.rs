@@ -338,6 +338,13 @@ pub trait System {
     /// no motion is meant. At least all unstable ones are returned, and the rightmost stable one.
     fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum>;
 
+    /// The sign of the leading coefficient of the polynomial whose zeros are the multipliers that
+    /// [`spectrum`](System::spectrum) has given last. Where a multiplier passes through infinity, as at a
+    /// grazing, it changes with the multiplier's sign, so that test functions keep theirs.
+    fn orientation(&self) -> f64 {
+        1.0
+    }
+
     /// The values of the monitors at a solution, in the order of their names.
     ///
     /// # Errors

@@ -1,7 +1,9 @@
 //! Boundary-value problems with known answers, shared by tests.
 #![allow(dead_code, missing_docs)]
 
-use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor};
+use tangency::core::bvp::{
+    BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Return,
+};
 use tangency::core::scalar::Scalar;
 
 pub fn strings(names: &[&str]) -> Vec<String> {
@@ -160,8 +162,8 @@ impl BoundaryProblem for VanDerPol {
     fn phase(&self) -> bool {
         true
     }
-    fn periodic(&self) -> bool {
-        true
+    fn returns(&self) -> Vec<Return> {
+        Return::of_states(2)
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
         vec![

@@ -38,18 +38,21 @@ pub enum BoundaryError {
         /// Integral conditions, and the phase condition.
         closing: usize,
     },
-    /// A periodic problem with more than one segment or with conditions of its own.
+    /// Returns of a periodic problem that refer to nothing, or do not go with integral or phase conditions.
     #[error(
-        "a periodic problem is one segment with as many boundary conditions as states, but this one has \
-         {segments} segments, {boundary} boundary and {integrals} integral conditions"
+        "return {position} (of {count}, counted from 0) has no meaning: it names one of {boundary} boundary \
+         conditions and an unknown of a start, and with {closing} integral and phase conditions all returns \
+         must be those of one segment, x(0) = x(1)"
     )]
-    Periodic {
-        /// The number of segments.
-        segments: usize,
+    Return {
+        /// Which return.
+        position: usize,
+        /// The number of returns.
+        count: usize,
         /// The number of boundary conditions.
         boundary: usize,
-        /// The number of integral conditions.
-        integrals: usize,
+        /// The number of integral and phase conditions.
+        closing: usize,
     },
     /// A monitor of a state that there is not.
     #[error(

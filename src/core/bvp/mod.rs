@@ -24,6 +24,6 @@ pub use collocation::{Collocation, CollocationWork, PointsError};
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
 pub use method::{Block, Method, Span};
-pub use problem::{BoundaryProblem, Ends, Monitor, OnSegment};
+pub use problem::{BoundaryProblem, Ends, Monitor, OnSegment, Return, Unknown};
 pub use shooting::Shooting;
 pub use system::BoundarySystem;

@@ -34,6 +34,32 @@ pub enum Monitor {
     },
 }
 
+/// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's start must be
+/// what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong to the multiplier `μ`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Return {
+    /// Which boundary condition it is.
+    pub condition: usize,
+    /// The unknown `y`, which the condition contains with the coefficient 1 (less what is in `Y`).
+    pub unknown: Unknown,
+}
+
+impl Return {
+    /// Those of one segment of `n` states with the conditions `x(0) − x(1) = 0`.
+    pub fn of_states(n: usize) -> Vec<Return> {
+        (0..n).map(|i| Return { condition: i, unknown: Unknown::Start(i) }).collect()
+    }
+}
+
+/// An unknown of a boundary-value problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// A state where its segment begins, counted over all segments as in [`Ends::start`].
+    Start(usize),
+    /// A further unknown number, as in [`BoundaryProblem::extras`].
+    Extra(usize),
+}
+
 /// A boundary-value problem: trajectories of vector fields on segments,
 ///
 /// ```text
@@ -118,10 +144,10 @@ pub trait BoundaryProblem {
         false
     }
 
-    /// Whether the problem is one segment with `b = x(0) − x(1)` and nothing else: its solutions are
-    /// periodic and have multipliers.
-    fn periodic(&self) -> bool {
-        false
+    /// The conditions by which a period leads to the next, if solutions are periodic: they have multipliers
+    /// then. Empty by default.
+    fn returns(&self) -> Vec<Return> {
+        Vec::new()
     }
 
     /// What is recorded along a branch, by name.

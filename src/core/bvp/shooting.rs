@@ -4,6 +4,7 @@ use super::method::{Block, Method, Span};
 use super::problem::{BoundaryProblem, OnSegment};
 use crate::core::flow::{Extrema, Flow, Scheme, Settings, SettingsError};
 use crate::core::scalar::Scalar;
+use crate::core::watch::State;
 use crate::core::zero::LeftDomain;
 use num_dual::DualSVec64;
 use std::ops::ControlFlow;
@@ -289,8 +290,8 @@ impl Method for Shooting {
     ) -> Result<bool, LeftDomain> {
         let Shooting { plain, extrema, x, .. } = self;
         plain.settings = self.settings;
-        extrema.resize_with(states.len(), || Extrema::of(0));
-        extrema.iter_mut().zip(states).for_each(|(extrema, state)| extrema.restart(*state));
+        extrema.resize_with(states.len(), || Extrema::of(State(0)));
+        extrema.iter_mut().zip(states).for_each(|(extrema, state)| extrema.restart(State(*state)));
         x.clear();
         x.extend_from_slice(&nodes[..nodes.len() / 2]);
         states.iter().for_each(|&state| visit(state, 0.0, x[state]));

@@ -89,6 +89,15 @@ pub struct BoundarySystem<P, M: Method> {
     /// For complex multipliers.
     rotating: Rotating,
     pencil: [Vec<f64>; 2],
+    /// Rows of the boundary conditions for a multiplier.
+    twisted: Vec<f64>,
+    /// How the returns depend on each other, one row after the other, and the right side of a solution.
+    returned: Vec<f64>,
+    right: Vec<f64>,
+    /// The trial multiplier, and the sign of its determinant.
+    trial: (f64, f64),
+    /// The sign of the leading coefficient of the multipliers' polynomial.
+    orientation: f64,
     plain: Work<f64, M>,
     first: Work<Dual64, M>,
     second: Work<HyperDual64, M>,
@@ -121,6 +130,11 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             condensed: Factorisation::new(layout),
             rotating: Rotating::new(layout),
             pencil: Default::default(),
+            twisted: Vec::new(),
+            returned: Vec::new(),
+            right: Vec::new(),
+            trial: (0.0, 1.0),
+            orientation: 1.0,
             plain: Work::new(layout),
             first: Work::new(layout),
             second: Work::new(layout),

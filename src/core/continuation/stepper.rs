@@ -363,7 +363,9 @@ impl Stepper<'_> {
         at.system.monitors(at.x, &mut monitors)?;
         let spectrum = if stability { at.system.spectrum(at.x) } else { None };
         let dynamics = at.system.dynamics();
-        let stability = spectrum.map(|spectrum| Stability::of(dynamics, &spectrum));
+        let orientation = at.system.orientation();
+        let stability =
+            spectrum.map(|spectrum| Stability::of(dynamics, &spectrum).oriented(orientation));
         let unstable = stability.map(|stability| stability.unstable);
         Ok((Point { parameters: at.x[n..].to_vec(), monitors, unstable }, stability))
     }

@@ -123,15 +123,6 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
         self.motion.slope_at(self.time(fraction), x, slope);
     }
 
-    /// The slopes of state `i` at the start, in the middle of the cubic through the ends, and at the end of the
-    /// step. Costs no evaluation; of a Rosenbrock method they are not known.
-    pub(super) fn slopes(&self, i: usize) -> Option<[f64; 3]> {
-        let (end, stages) = (self.scheme.tableau()?.end(), &self.buffers.stages);
-        let [first, last] = [0, end].map(|stage| stages.slope(stage)[i].real() * self.h);
-        let rise = (stages.end[i] - self.buffers.x[i]).real();
-        Some([first, 1.5 * rise - 0.25 * (first + last), last])
-    }
-
     /// State `i` at a fraction of the step by dense output, in any scalar type that the coefficients can be
     /// lifted to. [`prepare`](Self::prepare) comes first.
     pub(super) fn interpolated<S: Scalar>(&self, i: usize, theta: S, lift: impl Fn(T) -> S) -> S {

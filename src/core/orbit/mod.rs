@@ -12,8 +12,12 @@
 //!
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
 
+mod hybrid;
+mod itinerary;
 mod periodic;
 mod simulation;
 
+pub use hybrid::HybridOrbit;
+pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub use periodic::{Orbit, by_collocation, by_shooting};
 pub use simulation::{PeriodicMotion, Simulation, SimulationError};

@@ -2,7 +2,7 @@
 
 use crate::core::bvp::{
     BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Monitor,
-    Shooting,
+    Return, Shooting,
 };
 use crate::core::field::{VectorField, extremes};
 use crate::core::scalar::Scalar;
@@ -77,8 +77,8 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
         !self.forced
     }
 
-    fn periodic(&self) -> bool {
-        true
+    fn returns(&self) -> Vec<Return> {
+        Return::of_states(self.states.len())
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {

@@ -88,9 +88,9 @@ where
     }
 
     fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        match self.equations.problem.periodic() {
-            true => Some(self),
-            false => None,
+        match self.equations.layout.returns.is_empty() {
+            true => None,
+            false => Some(self),
         }
     }
 
@@ -166,11 +166,21 @@ where
     }
 
     fn dynamics(&self) -> Dynamics {
-        if self.equations.problem.periodic() { Dynamics::Periodic } else { Dynamics::Static }
+        match self.equations.layout.returns.is_empty() {
+            true => Dynamics::Static,
+            false => Dynamics::Periodic,
+        }
     }
 
     fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
-        self.equations.problem.periodic().then(|| self.deciding_multipliers()).flatten()
+        match self.equations.layout.returns.is_empty() {
+            true => None,
+            false => self.deciding_multipliers(),
+        }
+    }
+
+    fn orientation(&self) -> f64 {
+        self.orientation
     }
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {

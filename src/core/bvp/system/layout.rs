@@ -1,6 +1,8 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
-use crate::core::bvp::{BoundaryError, BoundaryProblem, Mesh, Method, Monitor, Span};
+use crate::core::bvp::{
+    BoundaryError, BoundaryProblem, Mesh, Method, Monitor, Return, Span, Unknown,
+};
 
 /// The places of one segment's unknowns and equations.
 #[derive(Clone, Debug)]
@@ -37,6 +39,8 @@ pub(super) struct Layout {
     pub boundary: usize,
     pub integrals: usize,
     pub phase: bool,
+    /// The conditions by which a period leads to the next.
+    pub returns: Vec<Return>,
     /// The number of unknowns, and of equations.
     pub dimension: usize,
     /// The position in `z` of each value, node by node.
@@ -84,6 +88,7 @@ impl Layout {
                 .ok_or(BoundaryError::Conditions { unknowns: ends + extras, closing })?,
             integrals,
             phase,
+            returns: problem.returns(),
             dimension: values + extras,
             order: Vec::new(),
             ends: Vec::new(),
@@ -95,12 +100,7 @@ impl Layout {
     }
 
     fn check<P: BoundaryProblem>(&self, problem: &P) -> Result<(), BoundaryError> {
-        let alone = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
-        if problem.periodic() && !alone {
-            let segments = self.segments.len();
-            let (boundary, integrals) = (self.boundary, self.integrals);
-            return Err(BoundaryError::Periodic { segments, boundary, integrals });
-        }
+        self.check_returns()?;
         for (name, monitor) in problem.monitors() {
             if let Monitor::Maximum { segment, state } | Monitor::Minimum { segment, state } =
                 monitor
@@ -112,6 +112,40 @@ impl Layout {
             }
         }
         Ok(())
+    }
+
+    /// Whether every return names a condition and an unknown.
+    fn check_returns(&self) -> Result<(), BoundaryError> {
+        let exists = |r: &Return| {
+            let unknown = match r.unknown {
+                Unknown::Start(i) => i < self.states,
+                Unknown::Extra(e) => e < self.extras,
+            };
+            unknown && r.condition < self.boundary
+        };
+        let alone = self.closing() == 0 || self.closes();
+        let bad = |r: &Return| !(alone && exists(r));
+        match self.returns.iter().position(bad) {
+            Some(position) => {
+                let (count, boundary) = (self.returns.len(), self.boundary);
+                Err(BoundaryError::Return { position, count, boundary, closing: self.closing() })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the problem is one segment with the boundary conditions `x(0) − x(1) = 0` and no others.
+    pub fn closes(&self) -> bool {
+        let alone = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
+        alone && self.returns == Return::of_states(self.states)
+    }
+
+    /// The position in `z` of an unknown.
+    pub fn position(&self, unknown: Unknown) -> usize {
+        match unknown {
+            Unknown::Start(i) => self.ends[i],
+            Unknown::Extra(e) => self.values() + e,
+        }
     }
 
     fn tabulate(&mut self) {

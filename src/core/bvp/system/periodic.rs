@@ -1,13 +1,21 @@
 //! Periodic solutions: multipliers, and the linearisations of period doublings and torus points.
 //!
-//! With `x(1) = μ x(0)` in place of the boundary conditions, and the extras (the period) zero, the
-//! linearisation is singular exactly where `μ` is a multiplier. The chains of intervals are condensed in
-//! real arithmetic as they are; only what is left of them, a small dense matrix, is complex for `μ = e^{iω}`.
+//! A period leads to the next by returns `y − Y = 0`. With `μ y − Y` in their place,
+//!
+//! ```text
+//!     F_z + (μ − 1) E,    E = Σ e_condition e_yᵀ,
+//! ```
+//!
+//! the linearisation is singular exactly where `μ` is a multiplier. (Where the returns are `x(0) = x(1)` on a
+//! single segment, extras, which are the period, are zero and integral and phase conditions fall away.) The
+//! chains of intervals are condensed in real arithmetic as they are; only what is left of them, a small
+//! dense matrix, is complex for `μ = e^{iω}`.
 
 use super::factorisation::{Factorisation, Form};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use super::{BoundaryProblem, BoundarySystem, Method};
+use crate::core::bvp::Unknown;
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::motion::Oscillation;
 use crate::core::zero::{Border, Singular, Slot, Spectrum};
@@ -26,8 +34,6 @@ pub(super) struct Rotating {
     /// Real and imaginary parts of a right side, and what the chains leave of them.
     parts: [Vec<f64>; 2],
     left: [Vec<f64>; 2],
-    /// Boundary conditions that stand in place of the orbit's own.
-    boundary: Vec<f64>,
 }
 
 impl Rotating {
@@ -44,30 +50,32 @@ impl Rotating {
         row: &[f64],
     ) -> Result<(), Singular> {
         let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
-        self.factors.condense(layout, assembled, Form::Twisted, border)?;
-        self.boundary.clear();
-        self.boundary.resize(assembled.boundary.len(), 0.0);
-        self.factors.place(layout, assembled, &self.boundary, Form::Twisted, border);
-        let n = layout.states;
+        let form = form_of(layout);
+        self.factors.condense(layout, assembled, form, border)?;
+        self.factors.place(layout, assembled, &assembled.boundary, form, border);
         let last = self.factors.dense().len() - 2;
         let size = last + 1;
         self.matrix.clear();
         self.matrix.resize(4 * size * size, 0.0);
         for i in 0..size {
             for j in 0..size {
-                let (re, im) = match i {
-                    // e^{iω} x(0) − x(1).
-                    _ if (n..2 * n).contains(&i) && j == i - n => (omega.cos(), omega.sin()),
-                    _ if (n..2 * n).contains(&i) && j == i => (-1.0, 0.0),
-                    _ => self.complex_entry(i, j, last),
-                };
-                self.matrix[2 * size * j + i] = re;
-                self.matrix[2 * size * (size + j) + size + i] = re;
-                self.matrix[2 * size * j + size + i] = im;
-                self.matrix[2 * size * (size + j) + i] = -im;
+                let entry = self.complex_entry(i, j, last);
+                self.add(size, (i, j), entry);
             }
         }
+        for r in &layout.returns {
+            let place = (layout.states + r.condition, column_of(layout, r.unknown));
+            self.add(size, place, (omega.cos() - 1.0, omega.sin()));
+        }
         self.lu.factor(&self.matrix, Border::NONE)
+    }
+
+    /// Adds to an entry of the complex matrix.
+    fn add(&mut self, size: usize, (i, j): (usize, usize), (re, im): (f64, f64)) {
+        self.matrix[2 * size * j + i] += re;
+        self.matrix[2 * size * (size + j) + size + i] += re;
+        self.matrix[2 * size * j + size + i] += im;
+        self.matrix[2 * size * (size + j) + i] -= im;
     }
 
     /// An entry of the complex matrix: its last column is `b_r + i b_i`, its last row `c_r − i c_i`.
@@ -173,6 +181,10 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// [`Singular`] if nothing is assembled, or the equations of some interval do not determine what is
     /// inside it.
     pub fn multipliers(&mut self) -> Result<Spectrum, Singular> {
+        if !self.equations.layout.closes() {
+            let none = Singular { pivot: 0.0, largest: 0.0 };
+            return self.returning_multipliers().ok_or(none);
+        }
         let n = self.equations.layout.states;
         let (p, q) = self.reduced_pencil()?;
         Ok(multipliers(p, q, n))
@@ -183,6 +195,9 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// could not be told from the one that is about to become 1.
     pub(super) fn deciding_multipliers(&mut self) -> Option<Spectrum> {
         let n = self.equations.layout.states;
+        if !self.equations.layout.closes() {
+            return self.returning_multipliers();
+        }
         if !self.equations.layout.phase {
             return self.multipliers().ok();
         }
@@ -214,18 +229,95 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         [motion, self.equations.phase.row.iter().take(n).copied().collect()]
     }
 
-    /// Factors the linearisation with antiperiodic boundary conditions.
+    /// Factors `F_z + (μ − 1) E` for `μ = −1`.
     pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        self.twist(-1.0);
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let n = layout.states;
-        let width = 2 * n + assembled.active.len();
-        let boundary = &mut self.rotating.boundary;
-        boundary.clear();
-        boundary.resize(n * width, 0.0);
-        for i in 0..n {
-            (boundary[i * width + i], boundary[i * width + n + i]) = (-1.0, -1.0);
+        let form = form_of(layout);
+        self.factors[slot as usize].factor(layout, assembled, &self.twisted, form, border)
+    }
+
+    /// The rows of the boundary conditions for a multiplier.
+    fn twist(&mut self, mu: f64) {
+        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+        let width = 2 * layout.states + assembled.active.len();
+        self.twisted.clone_from(&assembled.boundary);
+        for r in &layout.returns {
+            self.twisted[r.condition * width + column_of(layout, r.unknown)] += mu - 1.0;
         }
-        self.factors[slot as usize].factor(layout, assembled, boundary, Form::Twisted, border)
+    }
+
+    /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns' size they
+    /// are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros of `Q`, and nothing
+    /// in it grows.
+    fn returning_multipliers(&mut self) -> Option<Spectrum> {
+        let k = self.equations.layout.returns.len();
+        let mut best = f64::INFINITY;
+        for mu in TRIAL_MULTIPLIERS {
+            let Ok(size) = self.return_matrix(mu) else { continue };
+            if size < best {
+                best = size;
+                let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
+                let [p, q] = &mut self.pencil;
+                p.clear();
+                p.extend(self.returned.iter().enumerate().map(|(i, q)| identity(i) - mu * q));
+                q.clone_from(&self.returned);
+                self.trial = (mu, self.condensed.determinant_sign());
+            }
+            if best < MODERATE {
+                break;
+            }
+        }
+        if best.is_infinite() {
+            return None;
+        }
+        let [p, q] = &self.pencil;
+        let found = multipliers(p, q, k);
+        // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
+        let (mu, determinant) = self.trial;
+        let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (mu - re).signum() } else { 1.0 };
+        self.orientation = determinant * found.iter().map(factor).product::<f64>();
+        Some(found)
+    }
+
+    /// Computes `Q` for a trial multiplier, and its size.
+    fn return_matrix(&mut self, mu: f64) -> Result<f64, Singular> {
+        self.twist(mu);
+        let Self { equations, linearisation, condensed, twisted, returned, right, .. } = self;
+        let layout = &equations.layout;
+        condensed.factor(layout, linearisation, twisted, form_of(layout), Border::NONE)?;
+        let k = layout.returns.len();
+        returned.clear();
+        returned.resize(k * k, 0.0);
+        for (column, r) in layout.returns.iter().enumerate() {
+            right.clear();
+            right.resize(layout.dimension, 0.0);
+            right[layout.conditions() + r.condition] = 1.0;
+            condensed.solve(layout, right);
+            for (row, r) in layout.returns.iter().enumerate() {
+                returned[row * k + column] = right[layout.position(r.unknown)];
+            }
+        }
+        Ok(returned.iter().fold(0.0, |size: f64, q| size.max(q.abs())))
+    }
+}
+
+/// Trial multipliers: the first one that is far enough from all true ones is taken.
+const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
+
+/// A trial multiplier is far enough from all true ones if no entry of `Q` is larger.
+const MODERATE: f64 = 1e3;
+
+/// What becomes of integral and phase conditions.
+fn form_of(layout: &Layout) -> Form {
+    if layout.closes() { Form::Twisted } else { Form::Jacobian }
+}
+
+/// The column of an unknown in the rows of boundary conditions, and in the dense matrix.
+fn column_of(layout: &Layout, unknown: Unknown) -> usize {
+    match unknown {
+        Unknown::Start(i) => i,
+        Unknown::Extra(e) => 2 * layout.states + e,
     }
 }
 
@@ -291,16 +383,17 @@ impl<P: BoundaryProblem, M: Method> Oscillation for BoundarySystem<P, M> {
         self.rotating.solve(&self.equations.layout, right, true);
     }
 
-    /// `i e^{iω} v(0)` in the rows of the boundary conditions.
+    /// `i e^{iω} y` in the rows of the returns.
     fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]) {
         let layout = &self.equations.layout;
         let (length, first) = (v.len() / 2, layout.conditions());
         let (sine, cosine) = omega.sin_cos();
         out.fill(0.0);
-        for (i, &z) in layout.ends[..layout.states].iter().enumerate() {
+        for r in &layout.returns {
+            let z = layout.position(r.unknown);
             let (re, im) = (v[z], v[length + z]);
-            out[first + i] = -sine * re - cosine * im;
-            out[length + first + i] = cosine * re - sine * im;
+            out[first + r.condition] = -sine * re - cosine * im;
+            out[length + first + r.condition] = cosine * re - sine * im;
         }
     }
 }

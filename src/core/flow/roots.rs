@@ -1,0 +1,243 @@
+//! Zeros along a flow: where a watched function falls through zero.
+
+use super::extrema::improved;
+use super::sight::{Sample, Sight, crosses_once, keep_clear_of_zero, slopes};
+use super::step::Step;
+use crate::core::field::VectorField;
+use crate::core::scalar::Scalar;
+use crate::core::watch::Watch;
+use std::ops::ControlFlow;
+
+/// A place where a watched function falls through zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root<T> {
+    /// Where it is in the step, from 0 to 1.
+    pub fraction: T,
+    /// `dh/dt` there: zero or less.
+    pub rate: f64,
+}
+
+/// Values up to this size are zero where a flow begins: a function that is no larger counts as positive only
+/// when it has become larger, and as fallen when it has fallen by so much.
+const ZERO: f64 = 1e-13;
+/// A function below zero by more than this where a flow begins has fallen before.
+pub(in crate::core) const NEGATIVE: f64 = 1e-9;
+/// How many times a root is improved at most: what bisection needs.
+const ROUNDS: usize = 60;
+/// A root of dense output is improved until it changes by less than this part of a step …
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+/// … or, below this part, until it does not become better: close to a tangency, rounding errors of the value
+/// move the root farther.
+const NEAR: f64 = 1e-6;
+/// An extremum this close to zero, in units of the change about it, is computed to the method's accuracy
+/// before its sign is believed.
+const TANGENT: f64 = 1e-3;
+
+/// What is known of a watched function so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sign {
+    /// Nothing: the flow begins.
+    Unknown,
+    /// It has been positive: it counts where it falls through zero.
+    Positive,
+    /// It began at zero and has not been positive since: it counts at once if it falls below this level.
+    Zero(f64),
+    /// It has fallen through zero: it counts again after it was positive.
+    Fallen,
+}
+
+/// The search for all places where one watched function falls through zero, step by step: to be called by the
+/// observer of a flow.
+///
+/// Between extrema of dense output a function is monotone, so that a root is bracketed by signs, even where the
+/// function dips below zero within one step; an extremum close to zero is computed to the accuracy of the
+/// method first. The root is solved for on shorter steps of the method, and carries the derivatives of the
+/// place where the function vanishes.
+///
+/// A function that is zero where the flow begins counts at once if it falls, and otherwise after it was
+/// positive.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use tangency::core::flow::{Flow, Roots, Settings};
+/// # use tangency::core::{field::VectorField, scalar::Scalar, watch::Watch, zero::Names};
+/// # struct Clock;
+/// # impl VectorField for Clock {
+/// #     fn names(&self) -> Names { Names::new(["x"], ["p"]) }
+/// #     fn field<T: Scalar>(&self, _t: T, _x: &[T], _p: &[T], f: &mut [T]) { f[0] = T::one(); }
+/// # }
+/// /// `(x − 1)² − p`, negative for a short while.
+/// struct Dip;
+/// impl Watch for Dip {
+///     fn value<T: Scalar>(&self, _t: T, x: &[T], p: &[T]) -> T {
+///         (x[0] - 1.0).powi(2) - p[0]
+///     }
+/// }
+/// // x' = 1 takes long steps.
+/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+/// let (mut roots, mut found) = (Roots::of(Dip), Vec::new());
+/// flow.observe(&Clock, 0.0, 3.0, &mut [0.0], &[1e-8], |step| {
+///     roots.search(step, |step, root| {
+///         found.push((step.time(root.fraction), root.rate));
+///         ControlFlow::Continue(())
+///     })
+/// }).unwrap();
+/// assert_eq!(found.len(), 1);
+/// assert!((found[0].0 - (1.0 - 1e-4)).abs() < 1e-12 && (found[0].1 + 2e-4).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Roots<T, W> {
+    watch: W,
+    sign: Sign,
+    sight: Sight<T>,
+}
+
+impl<T: Scalar, W: Watch> Roots<T, W> {
+    /// A search for the roots of a watched function.
+    pub fn of(watch: W) -> Self {
+        Roots { watch, sign: Sign::Unknown, sight: Sight::new() }
+    }
+
+    /// Begins a new flow, in which the roots of another function may be sought.
+    pub fn restart(&mut self, watch: W) {
+        (self.watch, self.sign) = (watch, Sign::Unknown);
+    }
+
+    /// Calls `visit` with every root in a step, in their order, until it breaks.
+    pub fn search<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let ends = self.sight.ends(step, &self.watch);
+        if ends.is_some_and(|ends| self.keeps_positive(&ends)) {
+            return ControlFlow::Continue(());
+        }
+        let brief = ends.is_some_and(|ends| crosses_once(&slopes(&ends)));
+        self.sight.survey(step, &self.watch, brief);
+        self.begin(self.sight.samples[0].value);
+        for k in 1..self.sight.samples.len() {
+            let piece = [self.sight.samples[k - 1], self.sight.samples[k]];
+            self.pass(step, piece, &mut visit)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The sign where the flow begins.
+    fn begin(&mut self, value: f64) {
+        if self.sign == Sign::Unknown {
+            self.sign = match value {
+                value if value > ZERO => Sign::Positive,
+                value if value < -NEGATIVE => Sign::Fallen,
+                value => Sign::Zero(value),
+            };
+        }
+    }
+
+    /// Whether the function is positive in all of the step, as values and slopes at its ends show: it is
+    /// monotone, or so large that the slopes cannot take it to zero.
+    fn keeps_positive(&mut self, ends: &[Sample; 2]) -> bool {
+        self.begin(ends[0].value);
+        let slopes = slopes(ends);
+        let least = ends[0].value.min(ends[1].value);
+        let steepest = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let clear = keep_clear_of_zero(&slopes) || least > steepest;
+        self.sign == Sign::Positive && least > ZERO && clear
+    }
+
+    /// Goes from one sample to the next, by way of the extremum between them if there is one.
+    fn pass<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+        visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        if left.slope == 0.0 || left.slope * right.slope > 0.0 {
+            return self.fall(step, [left, right], visit);
+        }
+        let mut turn = self.sight.root(step, &self.watch, [left, right], |sample| sample.slope);
+        let change = (left.value - turn.value).abs().max((right.value - turn.value).abs());
+        if turn.value.abs() < TANGENT * change {
+            let (theta, value) = improved(&mut self.sight, step, &self.watch, turn.fraction);
+            (turn.fraction, turn.value) = (theta.real(), value.real());
+        }
+        self.fall(step, [left, turn], visit)?;
+        self.fall(step, [turn, right], visit)
+    }
+
+    /// Goes from one sample to another between which the function is monotone.
+    fn fall<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+        visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let root = match self.sign {
+            Sign::Positive if right.value < 0.0 && left.value > 0.0 => {
+                self.between(step, [left, right])
+            }
+            Sign::Positive if right.value < 0.0 => self.at_once(step, left.fraction),
+            Sign::Zero(level) if right.value < level - ZERO => self.at_once(step, left.fraction),
+            Sign::Zero(_) if right.value > ZERO => {
+                self.sign = Sign::Positive;
+                return ControlFlow::Continue(());
+            }
+            Sign::Zero(level) => {
+                self.sign = Sign::Zero(level.max(right.value));
+                return ControlFlow::Continue(());
+            }
+            Sign::Fallen if right.value > 0.0 => {
+                self.sign = Sign::Positive;
+                return ControlFlow::Continue(());
+            }
+            _ => return ControlFlow::Continue(()),
+        };
+        self.sign = Sign::Fallen;
+        visit(step, root)
+    }
+
+    /// The root between a sample where the function is positive and one where it is negative: from that of
+    /// dense output, or close to a tangency of the parabola there, by Newton's method within the bracket.
+    fn between<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        [left, right]: [Sample; 2],
+    ) -> Root<T> {
+        let parabola = right.fraction - (-2.0 * right.value / right.curvature).sqrt();
+        let tangent = -right.value < TANGENT * left.value && parabola > left.fraction;
+        let guess = if tangent {
+            parabola
+        } else {
+            self.sight.root(step, &self.watch, [left, right], |sample| sample.value).fraction
+        };
+        let (mut low, mut high) = (left.fraction, right.fraction);
+        let (mut theta, mut last) = (guess, f64::INFINITY);
+        for _ in 0..ROUNDS {
+            let (value, slope) = self.sight.exact(step, &self.watch, T::constant(theta));
+            let change = value.real() / slope.real();
+            let (size, next) = (change.abs(), theta - change);
+            if size <= SETTLED || (size < NEAR && 2.0 * size > last) {
+                break;
+            }
+            *(if value.real() > 0.0 { &mut low } else { &mut high }) = theta;
+            theta = if next > low && next < high { next } else { 0.5 * (low + high) };
+            last = size;
+        }
+        self.at_once(step, theta)
+    }
+
+    /// The root whose real part is known: its derivatives by Newton's method, one order in every round.
+    fn at_once<F: VectorField>(&mut self, step: &mut Step<F, T>, fraction: f64) -> Root<T> {
+        let mut theta = T::constant(fraction);
+        for _ in 0..T::NDERIV {
+            let (value, slope) = self.sight.exact(step, &self.watch, theta);
+            if slope.real() == 0.0 {
+                break;
+            }
+            theta -= (value - value.real()) / slope;
+        }
+        let (_, slope) = self.sight.exact(step, &self.watch, theta);
+        let rate = slope.real() / (step.h * step.motion.length.real());
+        Root { fraction: theta, rate }
+    }
+}
