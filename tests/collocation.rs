@@ -206,7 +206,7 @@ fn adaptation_carries_directions() {
         t
     };
     let mut carried = tangent(&mut system, &x);
-    system.adapt(&mut x, &mut [&mut carried]).unwrap();
+    system.adapt(&mut x, &mut [&mut carried[..]]).unwrap();
     x = solved(&mut system, &x[..n], &[1.0]).unwrap();
     let fresh = tangent(&mut system, &x);
     let size = fresh.iter().fold(0.0, |m: f64, t| m.max(t.abs()));

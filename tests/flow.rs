@@ -307,10 +307,10 @@ impl VectorField for TwoTones {
 }
 
 fn extrema<T: Scalar>(scheme: Scheme, tolerance: f64, a: T) -> Vec<Extremum<T>> {
-    let (mut search, mut found) = (Extrema::of(State(0)), Vec::new());
+    let (mut search, mut found) = (Extrema::default(), Vec::new());
     flow(scheme, tolerance)
         .observe(&TwoTones, T::zero(), T::constant(TAU), &mut [T::zero()], &[a], |step| {
-            search.search(step, |extremum| found.push(extremum));
+            search.search(&State(0), step, |extremum| found.push(extremum));
             ControlFlow::Continue(())
         })
         .unwrap();
@@ -387,13 +387,13 @@ fn stiff_flows_have_derivatives_too() {
 fn nothing_is_allocated_after_the_first_call() {
     for scheme in ALL {
         let mut flow = flow(scheme, 1e-9);
-        let mut search = Extrema::of(State(0));
+        let mut search = Extrema::default();
         let mut run = || {
-            search.restart(State(0));
+            search.restart();
             let p = MITA.map(Four::from);
             let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
             flow.observe(&Block, Four::from(0.0), Four::from(7.0), &mut x, &p, |step| {
-                search.search(step, |extremum| {
+                search.search(&State(0), step, |extremum| {
                     std::hint::black_box(extremum);
                 });
                 ControlFlow::Continue(())

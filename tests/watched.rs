@@ -140,13 +140,13 @@ fn extrema_of_functions_are_found_with_their_derivatives() {
         }
     }
     for scheme in ALL {
-        let (mut extrema, mut found) = (Extrema::of(Product), Vec::<Extremum<Dual64>>::new());
+        let (mut extrema, mut found) = (Extrema::default(), Vec::<Extremum<Dual64>>::new());
         let mut x = [0.0, 1.0].map(Dual64::from);
         let p = [Dual64::from(0.0).derivative()];
         Flow::new(Settings::new(scheme, 1e-13))
             .unwrap()
             .observe(&Oscillator, 0.0.into(), 3.0.into(), &mut x, &p, |step| {
-                extrema.search(step, |extremum| found.push(extremum));
+                extrema.search(&Product, step, |extremum| found.push(extremum));
                 ControlFlow::Continue(())
             })
             .unwrap();

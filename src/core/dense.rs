@@ -1,5 +1,6 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
+use super::chunk::{CHUNK, Chunk, parts, seeded};
 use super::linear::BorderedLu;
 use super::motion::{DenseOscillation, Oscillation};
 use super::scalar::Scalar;
@@ -7,11 +8,7 @@ use super::zero::{
     Border, Dynamics, LeftDomain, Names, Profile, Singular, Slot, Spectrum, System, ZeroProblem,
 };
 use faer::{MatRef, Side};
-use num_dual::{Dual, Dual2, Dual64, DualSVec64, HyperDual64, HyperHyperDual64};
-
-/// The width of a chunk of directions differentiated in one pass.
-const CHUNK: usize = 8;
-type Chunk = DualSVec64<CHUNK>;
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
 struct Work<T> {
@@ -107,15 +104,13 @@ impl<P: ZeroProblem> Dense<P> {
     }
 }
 
-/// `xᵢ` with the unit direction `i` if it lies in the chunk that begins at `start`.
-fn seeded(x: f64, i: usize, start: usize) -> Chunk {
-    let number = Chunk::from(x);
-    if (start..start + CHUNK).contains(&i) { number.derivative(i - start) } else { number }
-}
-
-/// The derivative of a chunk in direction `k`; a chunk that depends on nothing has none.
-fn part(number: &Chunk, k: usize) -> f64 {
-    number.eps.0.map_or(0.0, |eps| eps[k])
+/// The gradient, in the directions of a chunk, of a sum of numbers with these weights.
+fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64]) -> [f64; CHUNK] {
+    let mut sums = [0.0; CHUNK];
+    for (number, weight) in numbers.zip(weights) {
+        sums.iter_mut().zip(parts(number)).for_each(|(sum, part)| *sum += part * weight);
+    }
+    sums
 }
 
 /// Whether a matrix is exactly symmetric, as that of a discretised self-adjoint operator is: its
@@ -169,10 +164,9 @@ impl<P: ZeroProblem> System for Dense<P> {
         let n = self.names.dimension();
         for start in (0..n).step_by(CHUNK) {
             let r = self.chunk.evaluate(&self.problem, |i| seeded(x[i], i, start));
-            for k in 0..CHUNK.min(n - start) {
-                let column = &mut self.jacobian[(start + k) * n..(start + k + 1) * n];
-                for (entry, r) in column.iter_mut().zip(r) {
-                    *entry = part(r, k);
+            for (i, r) in r.iter().enumerate() {
+                for (j, part) in (start..n).zip(parts(r)) {
+                    self.jacobian[j * n + i] = part;
                 }
             }
         }
@@ -231,9 +225,8 @@ impl<P: ZeroProblem> System for Dense<P> {
             let r = self
                 .nested
                 .evaluate(&self.problem, |i| Dual::new(seeded(x[i], i, start), Chunk::from(v[i])));
-            for (k, out) in out[start..].iter_mut().take(CHUNK).enumerate() {
-                *out = r.iter().zip(w).map(|(r, w)| part(&r.eps, k) * w).sum();
-            }
+            let slopes = weighted(r.iter().map(|r| &r.eps), w);
+            out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
         }
     }
 
@@ -249,9 +242,8 @@ impl<P: ZeroProblem> System for Dense<P> {
             let r = self.nested_twice.evaluate(&self.problem, |i| {
                 Dual2::new(seeded(x[i], i, start), Chunk::from(v[i]), Chunk::from(0.0))
             });
-            for (k, out) in out[start..].iter_mut().take(CHUNK).enumerate() {
-                *out = r.iter().zip(w).map(|(r, w)| part(&r.v2, k) * w).sum();
-            }
+            let slopes = weighted(r.iter().map(|r| &r.v2), w);
+            out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
         }
     }
 
@@ -307,9 +299,8 @@ impl<P: ZeroProblem> System for Dense<P> {
             }
             let (z, p) = self.chunk.x.split_at(self.names.dimension());
             self.problem.monitors(z, p, &mut self.monitors);
-            for (k, out) in out[start..].iter_mut().take(CHUNK).enumerate() {
-                *out = part(&self.monitors[monitor], k);
-            }
+            let slopes = parts(&self.monitors[monitor]);
+            out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
         }
     }
 

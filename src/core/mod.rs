@@ -2,6 +2,7 @@
 
 pub mod bifurcation;
 pub mod bvp;
+mod chunk;
 pub mod condition;
 pub mod continuation;
 pub mod dense;

@@ -8,6 +8,8 @@ use super::kind::Kind;
 pub struct Solution {
     /// What kind of special point it is.
     pub kind: Kind,
+    /// What it goes through, where solutions can differ in that.
+    pub itinerary: String,
     /// The mesh that its unknowns are values on, if there is one.
     pub mesh: Vec<f64>,
     /// The unknowns.

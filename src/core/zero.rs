@@ -351,6 +351,12 @@ pub trait System {
     /// [`LeftDomain`] if a monitor has no meaning at `x`.
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain>;
 
+    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
+    /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
+    fn grazings(&self) -> &[usize] {
+        &[]
+    }
+
     /// The gradient of one monitor with respect to `x` (all of it).
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]);
 
@@ -369,6 +375,11 @@ pub trait System {
     /// difference is the discretisation's share of their `error`. `None` where there is none finer.
     fn refined(&self, _x: &[f64]) -> Option<Refinement> {
         None
+    }
+
+    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
+    fn itinerary(&self) -> String {
+        String::new()
     }
 
     /// The mesh that the unknowns are values on, to be saved with special points; empty without one.

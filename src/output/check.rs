@@ -116,6 +116,7 @@ fn end(place: &str, end: &End) -> Result<(), Invalid> {
         }
         End::StepTooSmall { step, .. } => finite(&format!("{place}, ends, step"), *step),
         End::Closed { .. }
+        | End::Grazing { .. }
         | End::PointLimit { .. }
         | End::Event { .. }
         | End::Interrupted

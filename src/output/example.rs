@@ -16,10 +16,12 @@ pub fn example_branch() -> Branch {
         parameters: vec![load(u), 1.2],
         monitors: vec![u],
         unstable: Some(usize::from(u > 1.0 / 3.0)),
+        admissible: true,
     };
     Branch {
         name: "plate".into(),
         condition: None,
+        itinerary: String::new(),
         unknowns: vec!["u".into()],
         parameters: vec!["load".into(), "aspect_ratio".into()],
         released: vec!["load".into()],

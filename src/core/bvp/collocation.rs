@@ -15,9 +15,10 @@
 
 mod basis;
 
-use super::chunk::{parts, seeded};
+use super::interpolation::lagrange;
 use super::method::left_domain;
-use super::{Block, BoundaryProblem, Method, Span};
+use super::{Block, BoundaryProblem, Interval, Method};
+use crate::core::chunk::{parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 use basis::Basis;
@@ -95,15 +96,6 @@ struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// An interval with its data, where it is linearised.
-struct Interval<'a, P> {
-    problem: &'a P,
-    span: Span,
-    nodes: &'a [f64],
-    q: &'a [f64],
-    active: &'a [usize],
-}
-
 /// The states at a place: `Σ_j ℓ_j x_j`.
 fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
     let n = x.len();
@@ -124,16 +116,13 @@ impl Method for Collocation {
 
     fn residual<P: BoundaryProblem, T: Scalar>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[T],
-        q: &[T],
+        interval: Interval<P, T>,
         work: &mut CollocationWork<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain> {
-        let places = self.basis.nodes.len();
-        let n = nodes.len() / places;
-        let (duration, h) = (problem.duration(span.segment, q), span.end - span.start);
+        let Interval { problem, span, nodes, q } = interval;
+        let n = nodes.len() / self.basis.nodes.len();
+        let (duration, h) = (interval.duration(), interval.length());
         work.x.resize(n, T::zero());
         work.f.resize(n, T::zero());
         work.real.clear();
@@ -157,10 +146,7 @@ impl Method for Collocation {
 
     fn value<P: BoundaryProblem, T: Scalar>(
         &self,
-        _problem: &P,
-        _span: Span,
-        nodes: &[T],
-        _q: &[T],
+        interval: Interval<P, T>,
         place: f64,
         _work: &mut CollocationWork<T>,
         x: &mut [T],
@@ -168,50 +154,47 @@ impl Method for Collocation {
         let count = self.basis.nodes.len();
         let mut coefficients = [0.0; MOST_POINTS + 1];
         for (j, coefficient) in coefficients[..count].iter_mut().enumerate() {
-            *coefficient = self.basis.lagrange(j, place);
+            *coefficient = lagrange(&self.basis.nodes, j, place);
         }
-        combine(&coefficients[..count], nodes, x);
+        combine(&coefficients[..count], interval.nodes, x);
         Ok(())
     }
 
     fn linearise<P: BoundaryProblem>(
         &mut self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         active: &[usize],
         block: Block,
     ) -> Result<(), LeftDomain> {
-        let interval = Interval { problem, span, nodes, q, active };
-        let n = nodes.len() / self.basis.nodes.len();
+        let n = interval.nodes.len() / self.basis.nodes.len();
         if n + active.len() <= 4 {
-            linearise_in(&self.basis, &mut self.narrow, interval, block)
+            linearise_in(&self.basis, &mut self.narrow, interval, active, block)
         } else {
-            linearise_in(&self.basis, &mut self.wide, interval, block)
+            linearise_in(&self.basis, &mut self.wide, interval, active, block)
         }
     }
 
     fn extrema<P: BoundaryProblem>(
         &mut self,
-        _problem: &P,
-        _span: Span,
-        nodes: &[f64],
-        _q: &[f64],
+        interval: Interval<P, f64>,
         states: &[usize],
+        residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
-        let basis = &self.basis;
+        let (basis, nodes) = (&self.basis, interval.nodes);
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
         for &state in states {
             let at = |j: usize| nodes[j * n + state];
             visit(state, 0.0, at(0));
             basis.stationary(at, |s| {
-                visit(state, s, (0..=m).map(|j| basis.lagrange(j, s) * at(j)).sum());
+                visit(state, s, (0..=m).map(|j| lagrange(&basis.nodes, j, s) * at(j)).sum());
             });
             visit(state, 1.0, at(m));
         }
-        Ok(())
+        match residual {
+            Some(r) => self.residual(interval, &mut CollocationWork::default(), r),
+            None => Ok(()),
+        }
     }
 
     fn quadrature(&self) -> usize {
@@ -233,21 +216,22 @@ impl Method for Collocation {
 fn linearise_in<P: BoundaryProblem, const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
-    interval: Interval<P>,
+    interval: Interval<P, f64>,
+    active: &[usize],
     mut block: Block,
 ) -> Result<(), LeftDomain> {
     let n = interval.nodes.len() / basis.nodes.len();
     passes.resize(n);
-    for start in (0..n + interval.active.len()).step_by(W) {
-        passes.seed_numbers(&interval, n, start);
+    for start in (0..n + active.len()).step_by(W) {
+        passes.seed_numbers(interval.q, active, n, start);
         for c in 0..basis.gauss.len() {
             passes.evaluate(basis, &interval, c, start)?;
-            passes.place_residual(basis, &interval, c, &mut block);
+            passes.place_residual(basis, interval.nodes, c, &mut block);
             if start < n {
                 passes.place_nodes(basis, c, start, &mut block);
             }
             if start + W > n {
-                passes.place_numbers(interval.active.len(), c, start, &mut block);
+                passes.place_numbers(active.len(), c, start, &mut block);
             }
         }
     }
@@ -262,11 +246,11 @@ impl<const W: usize> Passes<W> {
     }
 
     /// The numbers `q`, the active ones seeded as the directions after the `n` states.
-    fn seed_numbers<P>(&mut self, interval: &Interval<P>, n: usize, start: usize) {
+    fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
         self.q.clear();
-        self.q.extend(interval.q.iter().map(|q| DualSVec64::from(*q)));
-        for (k, &number) in interval.active.iter().enumerate() {
-            self.q[number] = seeded(interval.q[number], n + k, start);
+        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
+        for (k, &number) in active.iter().enumerate() {
+            self.q[number] = seeded(q[number], n + k, start);
         }
     }
 
@@ -274,13 +258,12 @@ impl<const W: usize> Passes<W> {
     fn evaluate<P: BoundaryProblem>(
         &mut self,
         basis: &Basis,
-        interval: &Interval<P>,
+        interval: &Interval<P, f64>,
         c: usize,
         start: usize,
     ) -> Result<(), LeftDomain> {
-        let Interval { problem, span, nodes, q, .. } = *interval;
-        let duration = problem.duration(span.segment, &self.q);
-        let h = span.end - span.start;
+        let Interval { problem, span, nodes, q } = *interval;
+        let (duration, h) = (problem.duration(span.segment, &self.q), interval.length());
         let t = duration * (span.start + h * basis.gauss[c]);
         combine(basis.row(&basis.values, c), nodes, &mut self.real);
         problem
@@ -295,16 +278,10 @@ impl<const W: usize> Passes<W> {
         Ok(())
     }
 
-    fn place_residual<P>(
-        &self,
-        basis: &Basis,
-        interval: &Interval<P>,
-        c: usize,
-        block: &mut Block,
-    ) {
+    fn place_residual(&self, basis: &Basis, nodes: &[f64], c: usize, block: &mut Block) {
         let n = self.f.len();
         let residual = &mut block.residual[c * n..(c + 1) * n];
-        combine(basis.row(&basis.slopes, c), interval.nodes, residual);
+        combine(basis.row(&basis.slopes, c), nodes, residual);
         residual.iter_mut().zip(&self.f).for_each(|(r, f)| *r -= f.re);
     }
 

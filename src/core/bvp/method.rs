@@ -1,6 +1,6 @@
 //! How the equations of a trajectory are discretised, interval by interval.
 
-use super::BoundaryProblem;
+use super::{BoundaryProblem, OnSegment};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -15,6 +15,44 @@ pub struct Span {
     pub end: f64,
 }
 
+/// An interval with its data: what its equations are evaluated at.
+#[derive(Debug)]
+pub struct Interval<'a, P, T> {
+    /// The problem.
+    pub problem: &'a P,
+    /// The place of the interval.
+    pub span: Span,
+    /// Values at its nodes, point by point: `n` states at the first node, then at the second.
+    pub nodes: &'a [T],
+    /// All numbers `q = (p, e)`.
+    pub q: &'a [T],
+}
+
+impl<P, T> Clone for Interval<'_, P, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P, T> Copy for Interval<'_, P, T> {}
+
+impl<'a, P: BoundaryProblem, T: Scalar> Interval<'a, P, T> {
+    /// The field of its segment.
+    pub fn field(&self) -> OnSegment<'a, P> {
+        OnSegment { problem: self.problem, segment: self.span.segment }
+    }
+
+    /// The duration of its segment.
+    pub fn duration(&self) -> T {
+        self.problem.duration(self.span.segment, self.q)
+    }
+
+    /// Its length, as a part of the segment's duration.
+    pub fn length(&self) -> f64 {
+        self.span.end - self.span.start
+    }
+}
+
 /// The equations of one interval, linearised: `m·n` rows.
 pub struct Block<'a> {
     /// The residual.
@@ -27,11 +65,12 @@ pub struct Block<'a> {
 
 /// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
 /// with the next interval, and `m·n` equations. Collocation and shooting (`m = 1`) are methods.
-///
-/// Nodes are handed over point by point: `n` states at the first node, then at the second.
 pub trait Method {
     /// Buffers for evaluations in one scalar type.
     type Work<T: Scalar>: Default;
+
+    /// Whether extrema come from the same work as the residual, so that both are best asked for together.
+    const EXTREMA_WITH_RESIDUAL: bool = false;
 
     /// The places of the nodes in an interval, from 0 to 1: `m + 1` of them.
     fn places(&self) -> &[f64];
@@ -42,10 +81,7 @@ pub trait Method {
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
     fn residual<P: BoundaryProblem, T: Scalar>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[T],
-        q: &[T],
+        interval: Interval<P, T>,
         work: &mut Self::Work<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain>;
@@ -54,16 +90,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "an interval's data, a place, buffers and a target"
-    )]
     fn value<P: BoundaryProblem, T: Scalar>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[T],
-        q: &[T],
+        interval: Interval<P, T>,
         place: f64,
         work: &mut Self::Work<T>,
         x: &mut [T],
@@ -74,23 +103,16 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "an interval's data, places, buffers and a visitor"
-    )]
     fn trajectory<P: BoundaryProblem>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         count: usize,
         work: &mut Self::Work<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
     ) -> Result<(), LeftDomain> {
-        let mut x = vec![0.0; nodes.len() / self.places().len()];
+        let mut x = vec![0.0; interval.nodes.len() / self.places().len()];
         for place in (0..count).map(|k| k as f64 / count as f64) {
-            self.value(problem, span, nodes, q, place, work, &mut x)?;
+            self.value(interval, place, work, &mut x)?;
             visit(place, &x);
         }
         Ok(())
@@ -103,26 +125,21 @@ pub trait Method {
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
     fn linearise<P: BoundaryProblem>(
         &mut self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         active: &[usize],
         block: Block,
     ) -> Result<(), LeftDomain>;
 
     /// Calls `visit` with number, place (from 0 to 1) and value of some states at every local extremum inside
-    /// an interval, and at its ends.
+    /// an interval, and at its ends; and writes the residual, where that is asked for.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
     fn extrema<P: BoundaryProblem>(
         &mut self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         states: &[usize],
+        residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain>;
 
@@ -131,32 +148,11 @@ pub trait Method {
         12
     }
 
-    /// The constant `C` of a method that replaces the trajectory by polynomials of degree `m`, so that its
-    /// error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh causes no error.
+    /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m` through the
+    /// nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh
+    /// causes no error.
     fn error_constant(&self) -> Option<f64> {
         None
-    }
-
-    /// The residual of an interval together with what [`extrema`](Self::extrema) visits, where both come
-    /// from the same work; false, and nothing done, where they do not.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "an interval's data, states, a target and a visitor"
-    )]
-    fn residual_with_extrema<P: BoundaryProblem>(
-        &mut self,
-        _problem: &P,
-        _span: Span,
-        _nodes: &[f64],
-        _q: &[f64],
-        _states: &[usize],
-        _r: &mut [f64],
-        _visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<bool, LeftDomain> {
-        Ok(false)
     }
 
     /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`

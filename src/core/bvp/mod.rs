@@ -11,9 +11,9 @@
 //! intervals and conditions together into a [`System`](crate::core::zero::System), which is continued
 //! like any other.
 
-mod chunk;
 mod collocation;
 mod error;
+mod interpolation;
 mod mesh;
 mod method;
 mod problem;
@@ -23,7 +23,7 @@ mod system;
 pub use collocation::{Collocation, CollocationWork, PointsError};
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
-pub use method::{Block, Method, Span};
-pub use problem::{BoundaryProblem, Ends, Monitor, OnSegment, Return, Unknown};
+pub use method::{Block, Interval, Method, Span};
+pub use problem::{Birth, BoundaryProblem, Ends, Monitor, OnSegment, Return, Unknown};
 pub use shooting::Shooting;
 pub use system::BoundarySystem;

@@ -1,5 +1,6 @@
 //! Boundary-value problems as a user states them.
 
+use crate::core::condition::EvaluationError;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, Names};
@@ -155,6 +156,49 @@ pub trait BoundaryProblem {
         Vec::new()
     }
 
+    /// What solutions go through, in words that are saved with branches; empty if all solutions go through
+    /// the same.
+    fn itinerary(&self) -> String {
+        String::new()
+    }
+
+    /// The problem whose solutions go through a saved itinerary.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if it has no meaning for this problem.
+    fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError>
+    where
+        Self: Sized,
+    {
+        Err(EvaluationError::NotApplicable(format!("the problem has no itinerary `{words}`")))
+    }
+
+    /// The problem whose solutions go through everything twice, segments and their extras one time after the
+    /// other (the extras before those of the segments only once); `None` if a solution of two periods is one
+    /// on a mesh twice as long.
+    fn doubled(&self) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
+    /// What is born where a solution touches a surface, given the states where its segments begin and the
+    /// numbers `q`.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if nothing can be told.
+    fn born_at_grazing(
+        &self,
+        _starts: &[f64],
+        _q: &[f64],
+    ) -> Result<Option<Birth<Self>>, EvaluationError>
+    where
+        Self: Sized,
+    {
+        Ok(None)
+    }
+
     /// Refuses states at which a segment's field has no meaning.
     ///
     /// # Errors
@@ -162,6 +206,16 @@ pub trait BoundaryProblem {
     fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), LeftDomain> {
         Ok(())
     }
+}
+
+/// Solutions that are born where another one touches a surface: the grazing solution as one of them.
+pub struct Birth<P> {
+    /// The problem that they solve.
+    pub problem: P,
+    /// The states where segments begin.
+    pub starts: Vec<f64>,
+    /// The extras.
+    pub extras: Vec<f64>,
 }
 
 /// The field of one segment of a boundary-value problem.

@@ -1,7 +1,8 @@
 //! Shooting: the trajectory of an interval is flowed from its left end.
 
-use super::method::{Block, Method, Span};
-use super::problem::{BoundaryProblem, OnSegment};
+use super::method::{Block, Interval, Method};
+use super::problem::BoundaryProblem;
+use crate::core::chunk::{parts, seeded};
 use crate::core::flow::{Extrema, Flow, Scheme, Settings, SettingsError};
 use crate::core::scalar::Scalar;
 use crate::core::watch::State;
@@ -36,7 +37,6 @@ pub struct Shooting {
     /// One search for each state whose extrema are wanted.
     extrema: Vec<Extrema<f64>>,
     x: Vec<f64>,
-    r: Vec<f64>,
 }
 
 impl Shooting {
@@ -76,7 +76,6 @@ impl Default for Shooting {
             plain: Flow::default(),
             extrema: Vec::new(),
             x: Vec::new(),
-            r: Vec::new(),
         }
     }
 }
@@ -88,20 +87,22 @@ impl Clone for Shooting {
     }
 }
 
-/// A flow from the start of a span to a place in it, `x` being the states there.
+/// A flow from the start of an interval to a place in it, `x` being the states there.
 fn flow_to<P: BoundaryProblem, T: Scalar>(
     flow: &mut Flow<T>,
-    problem: &P,
-    span: Span,
+    interval: Interval<P, T>,
     place: f64,
-    q: &[T],
     x: &mut [T],
 ) -> Result<(), LeftDomain> {
-    let field = OnSegment { problem, segment: span.segment };
-    let duration = problem.duration(span.segment, q);
-    let length = duration * ((span.end - span.start) * place);
-    flow.advance(&field, duration * span.start, length, x, q)?;
+    let (start, length) = times(&interval);
+    flow.advance(&interval.field(), start, length * place, x, interval.q)?;
     Ok(())
+}
+
+/// The time at which an interval starts, and its length in time.
+fn times<P: BoundaryProblem, T: Scalar>(interval: &Interval<P, T>) -> (T, T) {
+    let duration = interval.duration();
+    (duration * interval.span.start, duration * interval.length())
 }
 
 /// A flow with derivatives in `N` directions.
@@ -117,45 +118,33 @@ impl<const N: usize> Default for Variation<N> {
     }
 }
 
-/// An interval to be linearised: where it is, and in which directions.
-struct Interval<'a, P> {
-    problem: &'a P,
-    span: Span,
-    nodes: &'a [f64],
-    q: &'a [f64],
-    active: &'a [usize],
-}
-
 impl<const N: usize> Variation<N> {
     /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left states,
     /// then the active numbers.
     fn linearise<P: BoundaryProblem>(
         &mut self,
         settings: Settings,
-        interval: &Interval<P>,
+        interval: &Interval<P, f64>,
+        active: &[usize],
         first: usize,
         block: &mut Block,
     ) -> Result<(), LeftDomain> {
-        let Interval { problem, span, nodes, q, active } = interval;
+        let Interval { problem, span, nodes, q } = *interval;
         let n = nodes.len() / 2;
-        let seeded = |value: f64, direction: usize| {
-            let number = DualSVec64::<N>::from(value);
-            let inside = (first..first + N).contains(&direction);
-            if inside { number.derivative(direction - first) } else { number }
-        };
+        let states = nodes[..n].iter().enumerate();
         self.x.clear();
-        self.x.extend(nodes[..n].iter().enumerate().map(|(i, x)| seeded(*x, i)));
+        self.x.extend(states.map(|(i, x)| seeded(*x, i, first)));
         self.q.clear();
         self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
         for (k, number) in active.iter().enumerate() {
-            self.q[*number] = seeded(q[*number], n + k);
+            self.q[*number] = seeded(q[*number], n + k, first);
         }
         self.flow.settings = settings;
-        flow_to(&mut self.flow, *problem, *span, 1.0, &self.q, &mut self.x)?;
+        let dual = Interval { problem, span, nodes: &[], q: &self.q };
+        flow_to(&mut self.flow, dual, 1.0, &mut self.x)?;
         for (i, x) in self.x.iter().enumerate() {
             block.residual[i] = x.re - nodes[n + i];
-            for direction in first..(first + N).min(n + active.len()) {
-                let part = x.eps.0.map_or(0.0, |eps| eps[direction - first]);
+            for (direction, part) in (first..n + active.len()).zip(parts(x)) {
                 match direction.checked_sub(n) {
                     None => block.nodes[i * 2 * n + direction] = part,
                     Some(k) => block.numbers[i * active.len() + k] = part,
@@ -173,56 +162,47 @@ impl Method for Shooting {
         &[0.0, 1.0]
     }
 
+    const EXTREMA_WITH_RESIDUAL: bool = true;
+
     fn residual<P: BoundaryProblem, T: Scalar>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[T],
-        q: &[T],
+        interval: Interval<P, T>,
         work: &mut Flow<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain> {
-        let (left, right) = nodes.split_at(nodes.len() / 2);
+        let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
         r.copy_from_slice(left);
         work.settings = self.settings;
-        flow_to(work, problem, span, 1.0, q, r)?;
+        flow_to(work, interval, 1.0, r)?;
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
         Ok(())
     }
 
     fn value<P: BoundaryProblem, T: Scalar>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[T],
-        q: &[T],
+        interval: Interval<P, T>,
         place: f64,
         work: &mut Flow<T>,
         x: &mut [T],
     ) -> Result<(), LeftDomain> {
-        x.copy_from_slice(&nodes[..x.len()]);
+        x.copy_from_slice(&interval.nodes[..x.len()]);
         work.settings = self.settings;
-        if place == 0.0 { Ok(()) } else { flow_to(work, problem, span, place, q, x) }
+        if place == 0.0 { Ok(()) } else { flow_to(work, interval, place, x) }
     }
 
     /// From the dense output of one flow.
     fn trajectory<P: BoundaryProblem>(
         &self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         count: usize,
         work: &mut Flow<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
     ) -> Result<(), LeftDomain> {
-        let mut x = nodes[..nodes.len() / 2].to_vec();
+        let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         let (mut next, mut between) = (0, x.clone());
         work.settings = self.settings;
-        let field = OnSegment { problem, segment: span.segment };
-        let duration = problem.duration(span.segment, q);
-        let length = duration * (span.end - span.start);
-        work.observe(&field, duration * span.start, length, &mut x, q, |step| {
+        let (start, length) = times(&interval);
+        work.observe(&interval.field(), start, length, &mut x, interval.q, |step| {
             let (start, end) = step.span();
             while next < count && (next as f64) < end * count as f64 {
                 let place = next as f64 / count as f64;
@@ -237,77 +217,56 @@ impl Method for Shooting {
 
     fn linearise<P: BoundaryProblem>(
         &mut self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         active: &[usize],
         mut block: Block,
     ) -> Result<(), LeftDomain> {
-        let n = nodes.len() / 2;
-        let (settings, block) = (self.settings, &mut block);
+        let n = interval.nodes.len() / 2;
+        let (settings, interval, block) = (self.settings, &interval, &mut block);
         for (i, row) in block.nodes.chunks_exact_mut(2 * n).enumerate() {
             row[n..].fill(0.0);
             row[n + i] = -1.0;
         }
-        let interval = Interval { problem, span, nodes, q, active };
         match n + active.len() {
-            0..=2 => self.two.linearise(settings, &interval, 0, block),
-            3 => self.three.linearise(settings, &interval, 0, block),
-            4 => self.four.linearise(settings, &interval, 0, block),
-            5..=6 => self.six.linearise(settings, &interval, 0, block),
-            directions => (0..directions)
-                .step_by(8)
-                .try_for_each(|first| self.eight.linearise(settings, &interval, first, block)),
+            0..=2 => self.two.linearise(settings, interval, active, 0, block),
+            3 => self.three.linearise(settings, interval, active, 0, block),
+            4 => self.four.linearise(settings, interval, active, 0, block),
+            5..=6 => self.six.linearise(settings, interval, active, 0, block),
+            directions => (0..directions).step_by(8).try_for_each(|first| {
+                self.eight.linearise(settings, interval, active, first, block)
+            }),
         }
     }
 
     fn extrema<P: BoundaryProblem>(
         &mut self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
+        interval: Interval<P, f64>,
         states: &[usize],
+        residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
-        let mut r = std::mem::take(&mut self.r);
-        r.resize(nodes.len() / 2, 0.0);
-        let outcome = self.residual_with_extrema(problem, span, nodes, q, states, &mut r, visit);
-        self.r = r;
-        outcome.map(|_| ())
-    }
-
-    fn residual_with_extrema<P: BoundaryProblem>(
-        &mut self,
-        problem: &P,
-        span: Span,
-        nodes: &[f64],
-        q: &[f64],
-        states: &[usize],
-        r: &mut [f64],
-        visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<bool, LeftDomain> {
         let Shooting { plain, extrema, x, .. } = self;
         plain.settings = self.settings;
-        extrema.resize_with(states.len(), || Extrema::of(State(0)));
-        extrema.iter_mut().zip(states).for_each(|(extrema, state)| extrema.restart(State(*state)));
+        extrema.resize_with(states.len(), Extrema::default);
+        extrema.iter_mut().for_each(Extrema::restart);
+        let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
         x.clear();
-        x.extend_from_slice(&nodes[..nodes.len() / 2]);
+        x.extend_from_slice(left);
         states.iter().for_each(|&state| visit(state, 0.0, x[state]));
-        let field = OnSegment { problem, segment: span.segment };
-        let duration = problem.duration(span.segment, q);
-        let length = duration * (span.end - span.start);
-        plain.observe(&field, duration * span.start, length, x, q, |step| {
+        let (start, length) = times(&interval);
+        plain.observe(&interval.field(), start, length, x, interval.q, |step| {
             for (extrema, &state) in extrema.iter_mut().zip(states) {
-                extrema.search(step, |extremum| visit(state, extremum.place, extremum.value));
+                extrema.search(&State(state), step, |extremum| {
+                    visit(state, extremum.place, extremum.value)
+                });
             }
             ControlFlow::Continue(())
         })?;
         states.iter().for_each(|&state| visit(state, 1.0, x[state]));
-        let right = &nodes[nodes.len() / 2..];
-        r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
-        Ok(true)
+        if let Some(r) = residual {
+            r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
+        }
+        Ok(())
     }
 
     fn finer(&self) -> Option<(Self, usize)> {
@@ -322,7 +281,7 @@ impl Method for Shooting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::bvp::Ends;
+    use crate::core::bvp::{Ends, Span};
     use num_dual::Dual64;
 
     /// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no effect.
@@ -366,7 +325,8 @@ mod tests {
                 let mut numbers = vec![f64::NAN; 2 * count];
                 let block =
                     Block { residual: &mut residual, nodes: &mut nodes, numbers: &mut numbers };
-                shooting.linearise(&problem, SPAN, &NODES, &q, &active, block).unwrap();
+                let interval = Interval { problem: &problem, span: SPAN, nodes: &NODES, q: &q };
+                shooting.linearise(interval, &active, block).unwrap();
                 for direction in 0..4 + count {
                     let mut dual: Vec<Dual64> = NODES.map(Dual64::from).to_vec();
                     dual.extend(q.iter().map(|q| Dual64::from(*q)));
@@ -374,8 +334,9 @@ mod tests {
                     dual[place] = dual[place].derivative();
                     let mut r = [Dual64::from(0.0); 2];
                     let mut work = Flow::default();
-                    let (x, q) = dual.split_at(4);
-                    shooting.residual(&problem, SPAN, x, q, &mut work, &mut r).unwrap();
+                    let (states, q) = dual.split_at(4);
+                    let interval = Interval { problem: &problem, span: SPAN, nodes: states, q };
+                    shooting.residual(interval, &mut work, &mut r).unwrap();
                     for (i, r) in r.iter().enumerate() {
                         let part = match direction.checked_sub(4) {
                             None => nodes[i * 4 + direction],
@@ -398,16 +359,17 @@ mod tests {
         let nodes = [2f64.cos(), -2f64.sin(), 7f64.cos(), -7f64.sin()];
         let mut shooting = Shooting::default();
         let (mut x, mut work) = ([0.0; 2], Flow::default());
-        shooting.residual(&problem, span, &nodes, &q, &mut work, &mut x).unwrap();
+        let interval = Interval { problem: &problem, span, nodes: &nodes, q: &q };
+        shooting.residual(interval, &mut work, &mut x).unwrap();
         assert!(x[0].abs().max(x[1].abs()) < 2e-12, "{x:?}");
         for place in [0.0, 0.3, 1.0] {
-            shooting.value(&problem, span, &nodes, &q, place, &mut work, &mut x).unwrap();
+            shooting.value(interval, place, &mut work, &mut x).unwrap();
             let t = 2.0 + 5.0 * place;
             assert!((x[0] - t.cos()).abs() < 2e-12 && (x[1] + t.sin()).abs() < 2e-12);
         }
         let mut found = Vec::new();
         let mut visit = |_, place, value| found.push((2.0 + 5.0 * place, value));
-        shooting.extrema(&problem, span, &nodes, &q, &[0], &mut visit).unwrap();
+        shooting.extrema(interval, &[0], None, &mut visit).unwrap();
         let exact = [2.0, std::f64::consts::PI, std::f64::consts::TAU, 7.0];
         assert_eq!(found.len(), exact.len(), "{found:?}");
         for ((t, x), exact) in found.iter().zip(exact) {
@@ -433,11 +395,12 @@ mod tests {
         let (problem, q, nodes) = (Oscillator(0), [1.0, 0.0, 1e3, 2.0], [9.0, 9.0, 0.0, 0.0]);
         let mut shooting = Shooting::default();
         let (mut x, mut work) = ([0.0; 2], Flow::default());
-        let error = shooting.residual(&problem, SPAN, &nodes, &q, &mut work, &mut x).unwrap_err();
+        let interval = Interval { problem: &problem, span: SPAN, nodes: &nodes, q: &q };
+        let error = shooting.residual(interval, &mut work, &mut x).unwrap_err();
         assert!(error.quantity.starts_with("x at t = "), "{error}");
         let (mut nodes_part, mut r) = ([0.0; 8], [0.0; 2]);
         let block = Block { residual: &mut r, nodes: &mut nodes_part, numbers: &mut [] };
-        let linear = shooting.linearise(&problem, SPAN, &nodes, &q, &[], block).unwrap_err();
+        let linear = shooting.linearise(interval, &[], block).unwrap_err();
         assert_eq!(error, linear);
     }
 }

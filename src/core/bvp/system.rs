@@ -14,8 +14,8 @@ mod periodic;
 mod profiles;
 mod start;
 
-use super::chunk::Chunk;
 use super::{BoundaryError, BoundaryProblem, Mesh, Method};
+use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
 use equations::{Equations, Work};
 use factorisation::{Factorisation, Form};

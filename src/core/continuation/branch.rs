@@ -15,6 +15,19 @@ pub struct Point {
     pub monitors: Vec<f64>,
     /// The number of unstable eigenvalues; `None` where stability is not meant.
     pub unstable: Option<usize>,
+    /// Whether the equations say something about the world there: a solution beyond a grazing, which passes
+    /// through a surface, is virtual.
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    pub admissible: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 /// A special point of a branch: where a condition holds, or where the branch begins or ends.
@@ -74,6 +87,12 @@ pub enum End {
         /// The bound.
         value: f64,
     },
+    /// The solution touches a surface, and would pass through it beyond.
+    #[error("the solution grazes: {name} vanishes")]
+    Grazing {
+        /// The monitor that vanishes.
+        name: String,
+    },
     /// The curve is closed: it returned to its start.
     #[error("the curve closed after {points} points")]
     Closed {
@@ -118,6 +137,10 @@ pub struct Branch {
     pub name: String,
     /// What the curve is made of: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
     pub condition: Option<Kind>,
+    /// What solutions go through, in words, where that is not the same for all solutions of the problem: the
+    /// itinerary of hybrid orbits.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub itinerary: String,
     /// Groups of unknowns, in the order of the states.
     pub unknowns: Vec<Group>,
     /// Names of all parameters.

@@ -174,8 +174,7 @@ impl Stepper<'_> {
         weights.resize(self.equations.parameters_at(), 0.0);
         weights.extend(&self.weights[parameters..]);
         let tolerances = event_tolerances(&self.settings);
-        let outcome =
-            converge(&mut self.newton, &mut self.equations, &mut unknowns, &weights, tolerances);
+        let outcome = converge(&mut self.equations, &mut unknowns, &weights, tolerances);
         outcome.map(|error| (unknowns, error))
     }
 
@@ -273,12 +272,13 @@ pub(super) fn event_tolerances(settings: &super::Settings) -> Tolerances {
 /// Newton on a defining system, and the estimated error of the first released parameter: several
 /// times what one more correction, with a fresh factorisation, changes.
 pub(super) fn converge(
-    newton: &mut Newton,
     equations: &mut Extended,
     unknowns: &mut [f64],
     weights: &[f64],
     tolerances: Tolerances,
 ) -> Result<f64, NewtonError> {
+    // Its own iteration: the curvature that another has met is that of other equations.
+    let mut newton = Newton::default();
     newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();

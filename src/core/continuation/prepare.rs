@@ -6,7 +6,7 @@ use super::run::Tracer;
 use super::start::{Starting, branch_along, with_own};
 use super::stepper::{Matrix, Stepper};
 use super::{Branch, Continuation, End, Kind, TraceError};
-use crate::core::bifurcation::branches_at;
+use crate::core::bifurcation::{Fold, branches_at};
 use crate::core::condition::{At, EvaluationError, Quantity};
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances};
@@ -33,16 +33,21 @@ impl<'a> Continuation<'a> {
         let Some(mut solution) = self.solution.take() else { return Ok(Leaving::Along) };
         solution.parameters = self.x[self.system.names().dimension()..].to_vec();
         solution.switch = self.switched;
-        let start = |cause| TraceError::Start {
-            branch: self.name.clone(),
-            place: "the point to restart from".into(),
-            cause: Box::new(NewtonError::from_evaluation(0, cause)),
-        };
-        let Adopted { z, tangent, leaving } = self.system.adopt(&solution).map_err(start)?;
+        let adopted = self.system.adopt(&solution);
+        let Adopted { z, tangent, leaving } = adopted.map_err(|cause| self.not_started(cause))?;
         self.x = [&z[..], &solution.parameters].concat();
         self.tangent = tangent;
         self.at_branch_point |= leaving == Leaving::BranchPoint;
         Ok(leaving)
+    }
+
+    /// Why the curve cannot start from a solution.
+    fn not_started(&self, cause: EvaluationError) -> TraceError {
+        TraceError::Start {
+            branch: self.name.clone(),
+            place: "the point to restart from".into(),
+            cause: Box::new(NewtonError::from_evaluation(0, cause)),
+        }
     }
 
     /// The position of a parameter.
@@ -89,14 +94,46 @@ impl<'a> Continuation<'a> {
         Ok(released)
     }
 
-    fn resolve_held(&self, parameter: usize) -> Result<Vec<MakeCondition>, TraceError> {
+    fn resolve_held(&mut self, parameter: usize) -> Result<Vec<MakeCondition>, TraceError> {
+        if self.held.iter().any(|(kind, make)| *kind == Kind::G && make.is_none()) {
+            self.grazing = self.nearest_grazing()?;
+        }
+        let grazing = self.grazing.map(|m| {
+            let event = Event::level_of_kind(Kind::G, "grazing", Quantity::Monitor(m), 0.0);
+            event.condition
+        });
         self.held
             .iter()
             .map(|(kind, make)| {
-                let known = || condition_of(*kind, parameter);
+                let known = || match kind {
+                    Kind::G => grazing.clone(),
+                    _ => condition_of(*kind, parameter),
+                };
                 make.clone().or_else(known).ok_or(TraceError::NotHeld { kind: *kind })
             })
             .collect()
+    }
+
+    /// The monitor that vanishes at the start, of those that vanish where a solution grazes.
+    fn nearest_grazing(&mut self) -> Result<Option<usize>, TraceError> {
+        let (system, x) = (&mut *self.system, &self.x);
+        let mut values = vec![0.0; system.names().monitors.len()];
+        let outcome = system.assemble(x).and_then(|()| system.monitors(x, &mut values));
+        outcome.map_err(|left| self.not_started(left.into()))?;
+        let by_size = |a: &&usize, b: &&usize| values[**a].abs().total_cmp(&values[**b].abs());
+        Ok(self.system.grazings().iter().min_by(by_size).copied())
+    }
+
+    /// Grazings: where a monitor that is positive on admissible solutions vanishes, but for the one that is
+    /// held.
+    fn grazings(&self) -> Vec<Event> {
+        let held = self.grazing;
+        let monitors = self.system.grazings().iter().filter(|m| held != Some(**m));
+        let event = |&m: &usize| {
+            let name = self.system.names().monitors[m].clone();
+            Event::level_of_kind(Kind::G, name, Quantity::Monitor(m), 0.0)
+        };
+        monitors.map(event).collect()
     }
 
     /// Gathers the events, the bounds first, so that a branch ends before anything beyond.
@@ -119,6 +156,11 @@ impl<'a> Continuation<'a> {
                 }
             }
         }
+        let grazings = self.grazings();
+        if !self.beyond {
+            sides.extend(grazings.iter().map(|_| -1.0));
+            events.extend(grazings.iter().cloned().map(Event::ending));
+        }
         for (name, level, kind) in &self.marks {
             let quantity = self.quantity(name)?;
             if !level.is_finite() {
@@ -126,6 +168,9 @@ impl<'a> Continuation<'a> {
                 return Err(TraceError::Value { what: "the mark", name, value, range });
             }
             events.push(Event::level_of_kind(*kind, format!("{name} = {level}"), quantity, *level));
+        }
+        if self.beyond {
+            events.extend(grazings);
         }
         let dynamics = self.system.dynamics();
         let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();
@@ -148,6 +193,12 @@ impl<'a> Continuation<'a> {
                 }
             }
             [Kind::HB] => events.push(Event::vanishing_frequency()),
+            [Kind::G] => {
+                events.push(Event::new("fold", Fold::default));
+                if dynamics == Dynamics::Periodic {
+                    events.push(Event::new("period doubling", Fold::antiperiodic));
+                }
+            }
             _ => {}
         }
         events.append(&mut self.events);
@@ -336,6 +387,7 @@ impl<'a> Continuation<'a> {
         Branch {
             name: self.name.clone(),
             condition: self.held.first().map(|(kind, _)| *kind),
+            itinerary: self.system.itinerary(),
             unknowns: names.unknowns.clone(),
             parameters: names.parameters.clone(),
             released: self.released.iter().map(|r| r.0.clone()).collect(),

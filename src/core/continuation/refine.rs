@@ -6,7 +6,6 @@ use super::stepper::Stepper;
 use super::{Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::Extended;
-use crate::core::newton::Newton;
 use crate::core::zero::{Refinement, System};
 
 impl Stepper<'_> {
@@ -23,6 +22,7 @@ impl Stepper<'_> {
             parameters: start.parameters.clone(),
             monitors: start.monitors.clone(),
             unstable: start.unstable,
+            admissible: true,
         };
         if let Some((refined, error)) = self.refine(&event, &point, &point, usize::MAX) {
             (start.parameters, start.monitors) = (refined.parameters, refined.monitors);
@@ -93,16 +93,16 @@ impl Stepper<'_> {
         for condition in conditions {
             unknowns = equations.hold(condition, &unknowns).ok()?;
         }
-        let mut newton = Newton::default();
         let tolerances = event_tolerances(&self.settings);
-        converge(&mut newton, &mut equations, &mut unknowns, &weights, tolerances).ok()?;
+        converge(&mut equations, &mut unknowns, &weights, tolerances).ok()?;
         let x = equations.load(&unknowns).to_vec();
         let at = equations.at();
         let n = at.system.names().dimension();
         at.system.assemble(at.x).ok()?;
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
-        Some((Point { parameters: x[n..].to_vec(), monitors, unstable: None }, x))
+        let parameters = x[n..].to_vec();
+        Some((Point { parameters, monitors, unstable: None, admissible: true }, x))
     }
 }
 

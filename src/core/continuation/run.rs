@@ -108,8 +108,9 @@ impl Tracer<'_> {
         let n = equations.dimension();
         let (state, parameters) = equations.load(&start.unknowns).split_at(n);
         let (state, parameters) = (state.to_vec(), parameters.to_vec());
-        let kind = Kind::EP;
-        let solution = Solution { kind, mesh, state, parameters, tangent: None, switch: false };
+        let (kind, itinerary) = (Kind::EP, equations.system().itinerary());
+        let solution =
+            Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: false };
         // It was a solution on this mesh; if it is none any more, the first step says so.
         let _ = equations.system().adopt(&solution);
     }
@@ -191,7 +192,12 @@ impl Tracer<'_> {
             }
             let at_bound = matches!(
                 &ending,
-                Some(Ending { end: End::ParameterBound { .. } | End::MonitorBound { .. }, .. })
+                Some(Ending {
+                    end: End::ParameterBound { .. }
+                        | End::MonitorBound { .. }
+                        | End::Grazing { .. },
+                    ..
+                })
             );
             let Some(Ending { end, at }) = ending else {
                 let length = step.length;
@@ -245,6 +251,7 @@ impl Tracer<'_> {
         let event = &self.stepper.events[index];
         let name = event.name.clone();
         match event.test {
+            Test::Level(..) if event.kind == Kind::G => Some(End::Grazing { name }),
             Test::Level(Quantity::Parameter(_), value) => Some(End::ParameterBound { name, value }),
             Test::Level(Quantity::Monitor(_), value) => Some(End::MonitorBound { name, value }),
             _ => None,
@@ -411,5 +418,6 @@ fn point_of(special: &SpecialPoint) -> Point {
         parameters: special.parameters.clone(),
         monitors: special.monitors.clone(),
         unstable: special.unstable,
+        admissible: true,
     }
 }

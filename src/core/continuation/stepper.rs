@@ -34,14 +34,17 @@ pub(super) struct Stepper<'a> {
     pub tested: Vec<Option<Box<dyn Condition>>>,
 }
 
+/// A solution passes a surface if it is farther beyond: less is rounding.
+const BEYOND: f64 = 1e-9;
+
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
 pub(super) const AT_START: f64 = 1e-6;
 
 /// Whether the matrix factored last is, nearly, that of a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Matrix {
-    /// It is, but for a relative error.
-    Known(f64),
+    /// It is.
+    Known,
     /// It is another one.
     Unknown,
 }
@@ -49,11 +52,7 @@ pub(super) enum Matrix {
 impl Matrix {
     /// Whether Newton's last matrix is near enough to that of the solution for its tangent.
     pub fn after(report: &Convergence) -> Self {
-        if report.matrix_error <= MATRIX_ERROR {
-            Matrix::Known(report.matrix_error)
-        } else {
-            Matrix::Unknown
-        }
+        if report.matrix_error <= MATRIX_ERROR { Matrix::Known } else { Matrix::Unknown }
     }
 }
 
@@ -147,11 +146,11 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        if let Matrix::Known(error) = matrix {
+        if matrix == Matrix::Known {
             self.equations.load(&unknowns);
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();
-            if tangent[p].abs() * self.weights[p].sqrt() <= UNCERTAIN.max(30.0 * error) {
+            if tangent[p].abs() * self.weights[p].sqrt() <= UNCERTAIN {
                 return self.arrive_with(unknowns, row, Matrix::Unknown, stability);
             }
         } else {
@@ -367,7 +366,10 @@ impl Stepper<'_> {
         let stability =
             spectrum.map(|spectrum| Stability::of(dynamics, &spectrum).oriented(orientation));
         let unstable = stability.map(|stability| stability.unstable);
-        Ok((Point { parameters: at.x[n..].to_vec(), monitors, unstable }, stability))
+        let beyond = |&m: &usize| monitors[m] < -BEYOND;
+        let admissible = !at.system.grazings().iter().any(beyond);
+        let parameters = at.x[n..].to_vec();
+        Ok((Point { parameters, monitors, unstable, admissible }, stability))
     }
 
     fn tests(

@@ -51,6 +51,10 @@ pub struct Continuation<'a> {
     /// The kind of the special point one restarts from.
     pub(super) restarted_at: Option<Kind>,
     pub(super) switched: bool,
+    /// Whether to go on beyond grazings.
+    pub(super) beyond: bool,
+    /// The monitor of the grazing that is held along the curve.
+    pub(super) grazing: Option<usize>,
     pub(super) forward: bool,
     pub(super) backward: bool,
     errors: Vec<TraceError>,
@@ -77,6 +81,8 @@ impl<'a> Continuation<'a> {
             restarted_on: None,
             restarted_at: None,
             switched: false,
+            beyond: false,
+            grazing: None,
             forward: true,
             backward: true,
             errors: Vec::new(),
@@ -174,6 +180,7 @@ impl<'a> Continuation<'a> {
         }
         self.solution = Some(Solution {
             kind: special.kind,
+            itinerary: branch.itinerary.clone(),
             mesh: special.mesh.clone(),
             state: special.state.clone(),
             parameters: Vec::new(),
@@ -245,6 +252,13 @@ impl<'a> Continuation<'a> {
     /// ```
     pub fn graze(mut self, name: &str, level: f64) -> Self {
         self.marks.push((name.into(), level, Kind::G));
+        self
+    }
+
+    /// Goes on beyond grazings, where solutions pass through surfaces: points there are virtual
+    /// ([`Point::admissible`](super::Point::admissible)).
+    pub fn beyond_grazings(mut self) -> Self {
+        self.beyond = true;
         self
     }
 

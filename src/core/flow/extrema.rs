@@ -4,7 +4,7 @@ use super::sight::{PARTS, Sample, Sight, crosses_once, keep_clear_of_zero, slope
 use super::step::Step;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use crate::core::watch::{State, Watch};
+use crate::core::watch::Watch;
 
 /// A local extremum of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ const ROUNDS: usize = 12;
 const SETTLED: f64 = 1e-5;
 
 /// The search for all local extrema of one watched function, step by step: to be called by the observer of a
-/// flow.
+/// flow, with the same function in all steps.
 ///
 /// Where the slope of dense output changes its sign, `dh/dσ = 0` is solved on a shorter step of the method,
 /// so that place and value have the accuracy of the flow, and the derivatives of both are those of the
@@ -43,9 +43,9 @@ const SETTLED: f64 = 1e-5;
 /// # }
 /// // x = sin t has its extrema at t = π/2 and 3π/2.
 /// let mut flow = Flow::new(Settings::default()).unwrap();
-/// let (mut extrema, mut found) = (Extrema::of(State(0)), Vec::<Extremum<f64>>::new());
+/// let (mut extrema, mut found) = (Extrema::default(), Vec::<Extremum<f64>>::new());
 /// flow.observe(&Oscillator, 0.0, 6.0, &mut [0.0, 1.0], &[1.0], |step| {
-///     extrema.search(step, |extremum| found.push(extremum));
+///     extrema.search(&State(0), step, |extremum| found.push(extremum));
 ///     ControlFlow::Continue(())
 /// }).unwrap();
 /// assert_eq!(found.len(), 2);
@@ -53,31 +53,32 @@ const SETTLED: f64 = 1e-5;
 /// assert!((6.0 * found[0].place - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
 /// ```
 #[derive(Clone, Debug)]
-pub struct Extrema<T, W = State> {
-    watch: W,
+pub struct Extrema<T> {
     /// The last slope that was not zero.
     slope: f64,
     sight: Sight<T>,
 }
 
-impl<T: Scalar, W: Watch> Extrema<T, W> {
-    /// A search for the extrema of a watched function.
-    pub fn of(watch: W) -> Self {
-        Extrema { watch, slope: 0.0, sight: Sight::new() }
+impl<T: Scalar> Default for Extrema<T> {
+    fn default() -> Self {
+        Extrema { slope: 0.0, sight: Sight::new() }
     }
+}
 
+impl<T: Scalar> Extrema<T> {
     /// Begins a new flow, in which the extrema of another function may be sought.
-    pub fn restart(&mut self, watch: W) {
-        (self.watch, self.slope) = (watch, 0.0);
+    pub fn restart(&mut self) {
+        self.slope = 0.0;
     }
 
     /// Calls `visit` with every extremum in a step, in their order.
-    pub fn search<F: VectorField>(
+    pub fn search<F: VectorField, W: Watch>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         mut visit: impl FnMut(Extremum<T>),
     ) {
-        let slopes = self.sight.ends(step, &self.watch).as_ref().map(slopes);
+        let slopes = self.sight.ends(step, watch).as_ref().map(slopes);
         if let Some([_, _, last]) = slopes.filter(keep_clear_of_zero)
             && self.slope * last >= 0.0
         {
@@ -85,26 +86,27 @@ impl<T: Scalar, W: Watch> Extrema<T, W> {
             return;
         }
         let brief = slopes.is_some_and(|slopes| crosses_once(&slopes));
-        self.sight.survey(step, &self.watch, brief);
+        self.sight.survey(step, watch, brief);
         let mut left = self.sight.samples[0];
         for k in 0..self.sight.samples.len() {
             let right = self.sight.samples[k];
-            self.pass(step, [left, right], &mut visit);
+            self.pass(watch, step, [left, right], &mut visit);
             left = right;
         }
     }
 
     /// Goes on from one sample to the next: a slope of the other sign than the last one that was not zero
     /// tells an extremum.
-    fn pass<F: VectorField>(
+    fn pass<F: VectorField, W: Watch>(
         &mut self,
+        watch: &W,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
         visit: &mut impl FnMut(Extremum<T>),
     ) {
         if self.slope * right.slope < 0.0 {
-            let turn = self.sight.root(step, &self.watch, [left, right], |sample| sample.slope);
-            let (theta, value) = improved(&mut self.sight, step, &self.watch, turn.fraction);
+            let turn = self.sight.root(step, watch, [left, right], |sample| sample.slope);
+            let (theta, value) = improved(&mut self.sight, step, watch, turn.fraction);
             visit(Extremum { place: step.place(theta), value });
         }
         if right.slope != 0.0 {

@@ -12,6 +12,7 @@
 use super::motion::Motion;
 use super::rodas::{COUPLING, GAMMA, NODES, ROWS, STAGES, TIME};
 use super::stages::{Stages, combine};
+use crate::core::chunk::{parts, seeded};
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use num_dual::DualSVec;
@@ -54,19 +55,14 @@ impl<T: Scalar> Linearisation<T> {
         self.p.extend(motion.p.iter().map(|p| Chunk::from_re(*p)));
         self.f.resize(n, Chunk::from_re(T::zero()));
         for first in (0..=n).step_by(CHUNK) {
-            let seeded = |value: T, direction: usize| {
-                let number = Chunk::from_re(value);
-                let inside = (first..first + CHUNK).contains(&direction);
-                if inside { number.derivative(direction - first) } else { number }
-            };
             self.x.clear();
-            self.x.extend(x.iter().enumerate().map(|(j, x)| seeded(*x, j)));
-            let time = seeded(motion.time(sigma), n);
+            self.x.extend(x.iter().enumerate().map(|(j, x)| seeded(*x, j, first)));
+            let time = seeded(motion.time(sigma), n, first);
             motion.count();
             motion.field.field(time, &self.x, &self.p, &mut self.f);
             for (i, f) in self.f.iter().enumerate() {
-                for j in first..(first + CHUNK).min(n + 1) {
-                    let part = f.eps.0.map_or(T::zero(), |eps| eps[j - first]) * motion.length;
+                for (j, part) in (first..=n).zip(parts(f)) {
+                    let part = part * motion.length;
                     match self.jacobian[i * n..(i + 1) * n].get_mut(j) {
                         Some(entry) => *entry = part,
                         None => self.time[i] = part * motion.length,

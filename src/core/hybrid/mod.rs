@@ -10,6 +10,8 @@
 //! at an **event**: a **reset** `x⁺ = r_g(t, x, p)` takes the state to that of the next mode. An impact is a
 //! reset of velocity, sticking is a mode, and the end of sticking is a guard.
 
+mod measure;
 mod system;
 
+pub use measure::{Measure, Passage};
 pub use system::{Guard, HybridSystem, Mode};

@@ -1,5 +1,6 @@
 //! Hybrid systems as a user states them.
 
+use super::measure::{Measure, Passage};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -119,6 +120,31 @@ pub trait HybridSystem {
     /// The period of the forcing; `None` if the system is autonomous.
     fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
         None
+    }
+
+    /// What is recorded along a branch of orbits, by name: by default the extremes of every state.
+    fn measures(&self) -> Vec<(String, Measure)> {
+        let mut measures: Vec<(String, Measure)> = Vec::new();
+        for state in self.modes().into_iter().flat_map(|mode| mode.states) {
+            let name = format!("max_{state}");
+            if measures.iter().all(|(known, _)| *known != name) {
+                measures.push((name, Measure::Maximum(state.clone())));
+                measures.push((format!("min_{state}"), Measure::Minimum(state)));
+            }
+        }
+        measures
+    }
+
+    /// The number at a position that [`Measure::Cycle`] names, from the legs of a cycle that takes so many
+    /// periods of the forcing.
+    fn measure<T: Scalar>(
+        &self,
+        _position: usize,
+        _legs: &[Passage<T>],
+        _periods: usize,
+        _p: &[T],
+    ) -> T {
+        T::zero()
     }
 
     /// Refuses states at which a mode's field has no meaning.

@@ -1,12 +1,10 @@
 //! A front: a small dense matrix of which the leading columns are eliminated.
 
+use super::SINGULAR;
 use crate::core::zero::Singular;
 
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
 const LANES: usize = 4;
-
-/// A pivot this much smaller than the largest entry of its row counts as zero.
-const SINGULAR: f64 = 1e-15;
 
 /// The shape of a front: some leading columns are eliminated with pivots from the leading rows,
 ///

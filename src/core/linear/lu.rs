@@ -1,5 +1,6 @@
 //! LU factorisation with partial pivoting of a dense matrix within a border.
 
+use super::SINGULAR;
 use crate::core::zero::{Border, Singular};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -7,9 +8,6 @@ use faer::{MatMut, Par};
 
 /// From this size on faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
-
-/// A pivot this much smaller than the largest one, after equilibration, counts as zero.
-const SINGULAR: f64 = 1e-15;
 
 /// The LU factorisation `P R M C = L U` of the bordered matrix
 ///

@@ -1,7 +1,8 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{BoundaryProblem, Ends, Return, Unknown};
+use crate::core::bvp::{Birth, BoundaryProblem, Ends, Return, Unknown};
+use crate::core::condition::EvaluationError;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -56,6 +57,40 @@ impl<H: HybridSystem> HybridOrbit<H> {
         &self.itinerary
     }
 
+    /// The guards of a mode.
+    pub(super) fn guards_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
+        let guards = self.guards.iter().enumerate();
+        guards.filter(move |(_, guard)| guard.mode == mode).map(|(k, _)| k)
+    }
+
+    /// The guards of a leg's mode but for the one that ends it.
+    pub(super) fn guards_of(&self, leg: usize) -> impl Iterator<Item = usize> + '_ {
+        let Leg { mode, exit } = self.legs()[leg];
+        self.guards_in(mode).filter(move |guard| exit != Some(*guard))
+    }
+
+    /// The name of a mode.
+    pub(super) fn mode_name(&self, mode: usize) -> &str {
+        &self.modes[mode].name
+    }
+
+    /// The number of states of a mode.
+    pub(super) fn states_of(&self, mode: usize) -> usize {
+        self.modes[mode].states.len()
+    }
+
+    /// A guard at a time since the beginning of a leg.
+    pub(super) fn guard_on<T: Scalar>(
+        &self,
+        leg: usize,
+        guard: usize,
+        t: T,
+        x: &[T],
+        q: &[T],
+    ) -> T {
+        self.system.guard(guard, self.time(leg, q) + t, x, self.split(q).0)
+    }
+
     fn legs(&self) -> &[Leg] {
         &self.itinerary.legs
     }
@@ -65,7 +100,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// The states of a leg among those of all legs.
-    fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
+    pub(super) fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
         self.places[leg]..self.places[leg + 1]
     }
 
@@ -75,7 +110,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// The durations among the further unknowns.
-    fn durations<'q, T>(&self, extras: &'q [T]) -> &'q [T] {
+    pub(super) fn durations<'q, T>(&self, extras: &'q [T]) -> &'q [T] {
         &extras[usize::from(self.forced && !self.smooth())..]
     }
 
@@ -118,7 +153,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 }
 
-impl<H: HybridSystem> BoundaryProblem for HybridOrbit<H> {
+impl<H: HybridSystem + Clone> BoundaryProblem for HybridOrbit<H> {
     fn segments(&self) -> Vec<Vec<String>> {
         self.legs().iter().map(|leg| self.modes[leg.mode].states.clone()).collect()
     }
@@ -174,6 +209,28 @@ impl<H: HybridSystem> BoundaryProblem for HybridOrbit<H> {
             returns.push(Return { condition, unknown: Unknown::Extra(0) });
         }
         returns
+    }
+
+    fn itinerary(&self) -> String {
+        self.itinerary.in_words(&self.modes, &self.guards)
+    }
+
+    fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError> {
+        let itinerary = Itinerary::read(words, &self.system)
+            .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
+        Ok(HybridOrbit::of(self.system.clone(), itinerary))
+    }
+
+    fn doubled(&self) -> Option<Self> {
+        (!self.smooth()).then(|| HybridOrbit::of(self.system.clone(), self.itinerary.repeated(2)))
+    }
+
+    fn born_at_grazing(
+        &self,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<Option<Birth<Self>>, EvaluationError> {
+        self.born(starts, q).map(Some)
     }
 
     fn domain(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {

@@ -12,6 +12,7 @@
 //!
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
 
+mod birth;
 mod hybrid;
 mod itinerary;
 mod periodic;

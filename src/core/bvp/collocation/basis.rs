@@ -1,5 +1,6 @@
 //! Gauss–Legendre points, Lobatto nodes and the Lagrange polynomials through them.
 
+use crate::core::bvp::interpolation::lagrange;
 use crate::core::quadrature::gauss_legendre;
 
 /// The largest number of nodes.
@@ -46,11 +47,6 @@ impl Basis {
         &table[c * self.nodes.len()..(c + 1) * self.nodes.len()]
     }
 
-    /// `ℓ_j(s)`.
-    pub fn lagrange(&self, j: usize, s: f64) -> f64 {
-        lagrange(&self.nodes, j, s)
-    }
-
     /// Places between 0 and 1 where the slope of a polynomial, given by its values at the nodes, vanishes.
     pub fn stationary(&self, values: impl Fn(usize) -> f64, mut visit: impl FnMut(f64)) {
         let m = self.gauss.len();
@@ -80,11 +76,6 @@ fn lobatto(gauss: &[f64]) -> Vec<f64> {
     }
     nodes.push(1.0);
     nodes
-}
-
-fn lagrange(nodes: &[f64], j: usize, s: f64) -> f64 {
-    let others = (0..nodes.len()).filter(|i| *i != j);
-    others.map(|i| (s - nodes[i]) / (nodes[j] - nodes[i])).product()
 }
 
 fn powers_of_lagrange(nodes: &[f64], j: usize) -> Vec<f64> {

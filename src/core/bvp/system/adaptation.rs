@@ -42,9 +42,9 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     }
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many
-    /// intervals as before. The solution `x = (z, p)`, directions at it (as long as it) and the reference
-    /// of the phase condition are carried over by interpolation: `x` then needs to be corrected. A method
-    /// whose mesh causes no error keeps it.
+    /// intervals as before. The solution `x = (z, p)`, directions at it and the reference of the phase
+    /// condition are carried over by interpolation: `x` then needs to be corrected. Of directions what follows
+    /// the values at nodes is left as it is. A method whose mesh causes no error keeps it.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
@@ -76,36 +76,32 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// ```
     pub fn adapt(
         &mut self,
-        x: &mut Vec<f64>,
-        directions: &mut [&mut Vec<f64>],
+        x: &mut [f64],
+        directions: &mut [&mut [f64]],
     ) -> Result<(), LeftDomain> {
         let equations = &self.equations;
         if equations.method.error_constant().is_none() {
             return Ok(());
         }
-        let (layout, places) = (&equations.layout, equations.method.places());
-        self.plain.load(layout, |i| x[i]);
+        self.plain.load(&equations.layout, |i| x[i]);
         let mesh_of = |(segment, mesh): (usize, &Mesh)| {
             mesh.equidistributed(&equations.density(segment, &self.plain.nodes), mesh.intervals())
         };
         let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
-        let onto = Onto { meshes: &meshes, layout, places };
-        let carried = equations.carried(&onto, x)?;
-        // Values between the nodes of a method with a mesh error are linear in those at the nodes.
-        let turned: Result<Vec<Vec<f64>>, LeftDomain> =
-            directions.iter().map(|d| equations.carried(&onto, d)).collect();
-        let turned = turned?;
-        let reference = equations.carried_reference(&onto)?;
+        let mut transfer = equations.transfer(&meshes);
+        let mut reference = equations.phase.reference.clone();
         let before = std::mem::replace(&mut self.equations.meshes, meshes);
-        if let Some(reference) = reference
-            && let Err(cause) = self.set_reference(&reference)
-        {
-            self.equations.meshes = before;
-            return Err(cause);
+        if !reference.is_empty() {
+            transfer.apply(&self.equations.layout, &mut reference);
+            if let Err(cause) = self.set_reference(&reference) {
+                self.equations.meshes = before;
+                return Err(cause);
+            }
         }
         self.linearisation.at.clear();
-        *x = carried;
-        directions.iter_mut().zip(turned).for_each(|(direction, turned)| **direction = turned);
+        for vector in std::iter::once(x).chain(directions.iter_mut().map(|d| &mut **d)) {
+            transfer.apply(&self.equations.layout, vector);
+        }
         Ok(())
     }
 
@@ -162,7 +158,9 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         let places = equations.method.places();
         let onto = Onto { meshes: &meshes, layout: &layout, places };
         let carried = equations.carried(&onto, x)?;
-        let reference = equations.carried_reference(&onto)?;
+        let reference = &equations.phase.reference;
+        let reference =
+            (!reference.is_empty()).then(|| equations.carried(&onto, reference)).transpose()?;
         let (problem, method) = (before.equations.problem, before.equations.method);
         let mut system = BoundarySystem::new(problem, method, meshes)?;
         if let Some(reference) = reference {

@@ -2,6 +2,7 @@
 
 use super::equations::{Equations, Work};
 use super::layout::{Layout, span};
+use crate::core::bvp::interpolation::lagrange;
 use crate::core::bvp::{BoundaryProblem, Mesh, Method};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -14,6 +15,38 @@ pub(super) struct Onto<'a> {
     pub places: &'a [f64],
 }
 
+/// The weights by which values at new nodes are made of those at old ones.
+#[derive(Default)]
+pub(super) struct Transfer {
+    /// For each new node of all segments the first of `m + 1` old ones.
+    first: Vec<usize>,
+    /// Their weights.
+    weights: Vec<f64>,
+    before: Vec<f64>,
+}
+
+impl Transfer {
+    /// Takes the values with which a vector begins, ordered as `z`, to the new nodes; what follows them stays.
+    pub fn apply(&mut self, layout: &Layout, vector: &mut [f64]) {
+        let mut node = 0;
+        for s in &layout.segments {
+            let nodes = node..node + s.nodes;
+            let weights = self.weights.chunks_exact(layout.degree + 1).skip(node);
+            for state in 0..s.states {
+                let start = s.values + state * s.nodes;
+                let values = &mut vector[start..start + s.nodes];
+                self.before.clear();
+                self.before.extend_from_slice(values);
+                let old = self.first[nodes.clone()].iter().zip(weights.clone());
+                for (value, (&first, weights)) in values.iter_mut().zip(old) {
+                    *value = self.before[first..].iter().zip(weights).map(|(x, w)| x * w).sum();
+                }
+            }
+            node = nodes.end;
+        }
+    }
+}
+
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// The states at a place in an interval, at the arguments of `work`.
     pub fn value<T: Scalar>(
@@ -24,8 +57,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         out: &mut [T],
     ) -> Result<(), LeftDomain> {
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
-        let (span, buffers) = (self.span(segment, interval), &mut work.local.method);
-        self.method.value(&self.problem, span, nodes, &work.q, place, buffers, out)
+        let interval = self.interval((segment, interval), nodes, &work.q);
+        self.method.value(interval, place, &mut work.local.method, out)
     }
 
     /// `x = (z, p)` on other nodes.
@@ -36,10 +69,21 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         Ok(out)
     }
 
-    /// The reference of the phase condition on other nodes, if there is one.
-    pub fn carried_reference(&self, onto: &Onto) -> Result<Option<Vec<f64>>, LeftDomain> {
-        let reference = &self.phase.reference;
-        (!reference.is_empty()).then(|| self.carried(onto, reference)).transpose()
+    /// From the polynomials through the nodes of these meshes to the nodes of others with as many intervals.
+    pub fn transfer(&self, meshes: &[Mesh]) -> Transfer {
+        let (m, places) = (self.layout.degree, self.method.places());
+        let mut transfer = Transfer::default();
+        for (segment, s) in self.layout.segments.iter().enumerate() {
+            for node in 0..s.nodes {
+                let j = (node / m).min(s.intervals - 1);
+                let span = span(meshes, segment, j);
+                let tau = span.start + (span.end - span.start) * places[node - j * m];
+                let (interval, place) = self.meshes[segment].locate(tau);
+                transfer.first.push(interval * m);
+                transfer.weights.extend((0..=m).map(|a| lagrange(places, a, place)));
+            }
+        }
+        transfer
     }
 
     /// Hands the values at other nodes to `put`, with their positions.

@@ -3,9 +3,10 @@
 use super::layout::{Layout, span};
 use super::mesh_error::highest_derivative;
 use super::monitors::Extremes;
+use crate::core::bvp::interpolation::lagrange;
 use crate::core::bvp::method::left_domain;
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, Ends, Mesh, Method, Monitor, OnSegment, Span,
+    BoundaryError, BoundaryProblem, Ends, Interval, Mesh, Method, Monitor, OnSegment, Span,
 };
 use crate::core::field::VectorField;
 use crate::core::quadrature::gauss_legendre;
@@ -112,6 +113,16 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         span(&self.meshes, segment, interval)
     }
 
+    /// An interval of a segment with values at its nodes, and numbers.
+    pub fn interval<'a, T>(
+        &'a self,
+        (segment, interval): (usize, usize),
+        nodes: &'a [T],
+        q: &'a [T],
+    ) -> Interval<'a, P, T> {
+        Interval { problem: &self.problem, span: self.span(segment, interval), nodes, q }
+    }
+
     /// All left sides at the arguments of `work`, into its `r`.
     pub fn residual<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
         self.residual_inside(work)?;
@@ -120,7 +131,9 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
 
     /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
     pub fn residual_watching(&mut self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
-        if !self.residual_with_extremes(work)? {
+        if M::EXTREMA_WITH_RESIDUAL {
+            self.find_extremes(&work.nodes, &work.q, Some(&mut work.r))?;
+        } else {
             self.residual_inside(work)?;
         }
         self.residual_beside(work)
@@ -128,18 +141,11 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
 
     /// Left sides of the equations of all intervals.
     fn residual_inside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
-        let layout = &self.layout;
-        for (s, j) in layout.intervals() {
-            let (nodes, r) =
-                (&work.nodes[layout.interval(s, j)], &mut work.r[layout.equations(s, j)]);
-            self.method.residual(
-                &self.problem,
-                self.span(s, j),
-                nodes,
-                &work.q,
-                &mut work.local.method,
-                r,
-            )?;
+        let Work { nodes, q, r, local, .. } = work;
+        for (s, j) in self.layout.intervals() {
+            let interval = self.interval((s, j), &nodes[self.layout.interval(s, j)], q);
+            let r = &mut r[self.layout.equations(s, j)];
+            self.method.residual(interval, &mut local.method, r)?;
         }
         Ok(())
     }
@@ -153,15 +159,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         self.boundary(&work.ends, &work.q, boundary);
         closing.fill(T::zero());
         for (s, j) in layout.intervals() {
-            let nodes = &work.nodes[layout.interval(s, j)];
-            let span = self.span(s, j);
-            self.integrals(
-                span,
-                nodes,
-                &work.q,
-                &mut work.local,
-                &mut closing[..layout.integrals],
-            )?;
+            let interval = self.interval((s, j), &work.nodes[layout.interval(s, j)], &work.q);
+            self.integrals(interval, &mut work.local, &mut closing[..layout.integrals])?;
         }
         if layout.phase {
             closing[layout.integrals] = self.phase(&work.nodes);
@@ -179,23 +178,20 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// Adds an interval's share of the integral conditions.
     pub fn integrals<T: Scalar>(
         &self,
-        span: Span,
-        nodes: &[T],
-        q: &[T],
+        interval: Interval<P, T>,
         local: &mut Local<T, M>,
         sums: &mut [T],
     ) -> Result<(), LeftDomain> {
         if sums.is_empty() {
             return Ok(());
         }
-        let duration = self.problem.duration(span.segment, q);
-        let h = span.end - span.start;
+        let (span, h, duration) = (interval.span, interval.length(), interval.duration());
         let x = &mut local.x[..self.layout.segments[span.segment].states];
         for [place, weight] in &self.quadrature {
-            self.method.value(&self.problem, span, nodes, q, *place, &mut local.method, x)?;
+            self.method.value(interval, *place, &mut local.method, x)?;
             let t = duration * (span.start + h * place);
             local.g.fill(T::zero());
-            self.problem.integrand(span.segment, t, x, q, &mut local.g);
+            self.problem.integrand(span.segment, t, x, interval.q, &mut local.g);
             for (sum, g) in sums.iter_mut().zip(&local.g) {
                 *sum += duration * *g * (h * weight);
             }
@@ -212,45 +208,41 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         sum
     }
 
-    /// Makes `x = (z, p)`, loaded into `work`, the reference of the phase condition.
+    /// Makes `x = (z, p)` the reference of the phase condition.
     pub fn set_reference(&mut self, x: &[f64], work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
-        let layout = &self.layout;
-        if !layout.phase {
+        if !self.layout.phase {
             return Ok(());
         }
-        work.load(layout, |i| x[i]);
-        let weights = node_weights(self.method.places());
-        let mut row = vec![0.0; layout.values()];
-        for (s, j) in layout.intervals() {
-            let (span, n) = (self.span(s, j), layout.segments[s].states);
-            let duration = self.problem.duration(s, &work.q);
-            let (h, f) = (span.end - span.start, &mut work.local.x[..n]);
-            let nodes = layout.interval(s, j);
-            let rows = row[nodes.clone()].chunks_exact_mut(n);
-            let places = self.method.places().iter().zip(&weights);
-            for ((row, x), (place, weight)) in
-                rows.zip(work.nodes[nodes].chunks_exact(n)).zip(places)
-            {
-                let t = duration * (span.start + h * place);
-                self.flow(s, t, x, &work.q, f)?;
-                row.iter_mut().zip(f.iter()).for_each(|(r, f)| *r += duration * h * weight * f);
-            }
-        }
-        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant tells branch
-        // points.
-        let along: f64 = row.iter().zip(&self.phase.row).map(|(new, old)| new * old).sum();
-        if along < 0.0 {
-            row.iter_mut().for_each(|r| *r = -*r);
-        }
-        self.phase.row = row;
-        self.phase.reference.clear();
-        self.phase.reference.extend_from_slice(x);
+        work.load(&self.layout, |i| x[i]);
+        let motion = self.motion(work)?;
+        self.set_reference_with_motion(x, &motion);
         Ok(())
     }
 
-    /// Makes `x = (z, p)` the reference of the phase condition, with another motion (ordered as `z`) in
-    /// place of its own.
-    pub fn set_reference_with_slope(&mut self, x: &[f64], slope: &[f64]) {
+    /// `dx/dτ` at all nodes, ordered as `z`, at the arguments of `work`.
+    fn motion(&self, work: &mut Work<f64, M>) -> Result<Vec<f64>, LeftDomain> {
+        let (layout, places) = (&self.layout, self.method.places());
+        let mut motion = vec![0.0; layout.values()];
+        for (s, j) in layout.intervals() {
+            let (span, n) = (self.span(s, j), layout.segments[s].states);
+            let duration = self.problem.duration(s, &work.q);
+            let f = &mut work.local.x[..n];
+            let nodes = layout.interval(s, j);
+            let values = work.nodes[nodes.clone()].chunks_exact(n);
+            for ((place, x), order) in
+                places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
+            {
+                let t = duration * (span.start + (span.end - span.start) * place);
+                self.flow(s, t, x, &work.q, f)?;
+                order.iter().zip(f.iter()).for_each(|(&z, f)| motion[z] = duration * f);
+            }
+        }
+        Ok(motion)
+    }
+
+    /// Makes `x = (z, p)` the reference of the phase condition, with a motion (ordered as `z`) that may be
+    /// another than its own.
+    pub fn set_reference_with_motion(&mut self, x: &[f64], motion: &[f64]) {
         let layout = &self.layout;
         let weights = node_weights(self.method.places());
         let mut row = vec![0.0; layout.values()];
@@ -261,8 +253,14 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             for ((row, order), weight) in
                 rows.zip(layout.order[nodes].chunks_exact(n)).zip(&weights)
             {
-                row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * slope[z]);
+                row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * motion[z]);
             }
+        }
+        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant tells branch
+        // points.
+        let along: f64 = row.iter().zip(&self.phase.row).map(|(new, old)| new * old).sum();
+        if along < 0.0 {
+            row.iter_mut().for_each(|r| *r = -*r);
         }
         self.phase.row = row;
         self.phase.reference.clear();
@@ -349,11 +347,11 @@ pub(super) fn gather_ends<T: Scalar>(layout: &Layout, nodes: &[T], ends: &mut [T
 fn node_weights(places: &[f64]) -> Vec<f64> {
     let (points, weights) = gauss_legendre(places.len());
     let integral = |j: usize| -> f64 {
-        let others: Vec<usize> = (0..places.len()).filter(|i| *i != j).collect();
-        let lagrange = |s: f64| -> f64 {
-            others.iter().map(|&i| (s - places[i]) / (places[j] - places[i])).product()
-        };
-        points.iter().zip(&weights).map(|(y, w)| 0.5 * w * lagrange(0.5 * (1.0 + y))).sum()
+        points
+            .iter()
+            .zip(&weights)
+            .map(|(y, w)| 0.5 * w * lagrange(places, j, 0.5 * (1.0 + y)))
+            .sum()
     };
     (0..places.len()).map(integral).collect()
 }

@@ -5,8 +5,8 @@ use super::equations::Equations;
 use super::factorisation::Form;
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::chunk::Chunk;
 use crate::core::bvp::{BoundaryProblem, Mesh, Method};
+use crate::core::chunk::Chunk;
 use crate::core::condition::EvaluationError;
 use crate::core::motion::Oscillation;
 use crate::core::solution::{Adopted, Solution};
@@ -203,6 +203,10 @@ where
 
     fn exact(&self) -> bool {
         false
+    }
+
+    fn itinerary(&self) -> String {
+        self.problem().itinerary()
     }
 
     fn mesh(&self) -> Vec<f64> {

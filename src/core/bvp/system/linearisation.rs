@@ -4,8 +4,8 @@
 use super::equations::{Equations, Work, first_not_finite};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::chunk::{CHUNK, Chunk, parts};
-use crate::core::bvp::{Block, BoundaryProblem, Method};
+use crate::core::bvp::{Block, BoundaryProblem, Interval, Method};
+use crate::core::chunk::{CHUNK, Chunk, parts};
 use crate::core::zero::LeftDomain;
 
 /// The Jacobian and the residual at the `x` assembled last.
@@ -83,15 +83,9 @@ impl Linearisation {
                     nodes: &mut self.blocks[s][j * size..(j + 1) * size],
                     numbers: &mut self.numbers[s][j * rows * active..(j + 1) * rows * active],
                 };
-                let nodes = &work.nodes[layout.interval(s, j)];
-                method.linearise(
-                    problem,
-                    span(meshes, s, j),
-                    nodes,
-                    &work.q,
-                    &self.active,
-                    block,
-                )?;
+                let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
+                let interval = Interval { problem, span, nodes, q: &work.q };
+                method.linearise(interval, &self.active, block)?;
             }
         }
         Ok(())
@@ -162,7 +156,7 @@ impl Linearisation {
             let Passes { unknowns, q, r, local: buffers } = &mut *passes;
             let sums = &mut r[..layout.integrals];
             sums.fill(Chunk::from(0.0));
-            equations.integrals(equations.span(s, j), unknowns, q, buffers, sums)?;
+            equations.integrals(equations.interval((s, j), unknowns, q), buffers, sums)?;
             for (i, sum) in sums.iter().enumerate() {
                 if start == 0 {
                     self.residual[first + i] += sum.re;

@@ -2,8 +2,8 @@
 
 use super::equations::{Equations, Local};
 use super::layout::Layout;
-use crate::core::bvp::chunk::{CHUNK, Chunk, parts, seeded};
 use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -101,17 +101,17 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         let (boundary, closing) = conditions.split_at(layout.boundary);
         let integrals = &closing[..layout.integrals];
         for (s, j) in layout.intervals() {
-            let (span, rows) = (self.span(s, j), layout.equations(s, j));
+            let rows = layout.equations(s, j);
             let unknowns = &layout.order[layout.interval(s, j)];
             let dependence = Dependence { unknowns, numbers: weighted.numbers };
             weighted.add(layout, dependence, passes, out, |passes| {
                 let Passes { unknowns, q, r, local } = passes;
-                let r = &mut r[..rows.len()];
-                self.method.residual(&self.problem, span, unknowns, q, &mut local.method, r)?;
-                let sum = weighted.sum(r, &weighted.w[rows.clone()]);
-                let sums = &mut passes.r[..layout.integrals];
+                let interval = self.interval((s, j), unknowns, q);
+                self.method.residual(interval, &mut local.method, &mut r[..rows.len()])?;
+                let sum = weighted.sum(&r[..rows.len()], &weighted.w[rows.clone()]);
+                let sums = &mut r[..layout.integrals];
                 sums.fill(T::zero());
-                self.integrals(span, &passes.unknowns, &passes.q, &mut passes.local, sums)?;
+                self.integrals(interval, local, sums)?;
                 Ok(sum + weighted.sum(sums, integrals))
             })?;
         }

@@ -18,8 +18,8 @@
 
 use super::equations::{Equations, Work};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::chunk::Chunk;
 use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::chunk::Chunk;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 

@@ -3,8 +3,8 @@
 use super::equations::{Equations, Work};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::chunk::{CHUNK, Chunk, parts};
-use crate::core::bvp::{BoundaryProblem, Method, Monitor};
+use crate::core::bvp::{BoundaryProblem, Interval, Method, Monitor};
+use crate::core::chunk::{CHUNK, Chunk, parts};
 use crate::core::zero::LeftDomain;
 
 /// The name of the monitor that estimates the error of the mesh.
@@ -44,9 +44,9 @@ impl Extremes {
         Extremes { states, found: vec![Default::default(); layout.states], at: Vec::new() }
     }
 
-    /// Whether they are known at the arguments of `work`.
-    fn known<M: Method>(&self, work: &Work<f64, M>) -> bool {
-        self.at.iter().eq(work.nodes.iter().chain(&work.q))
+    /// Whether they are known at these values and numbers.
+    fn known(&self, nodes: &[f64], q: &[f64]) -> bool {
+        self.at.iter().eq(nodes.iter().chain(q))
     }
 
     fn begin(&mut self) {
@@ -55,8 +55,8 @@ impl Extremes {
         self.at.clear();
     }
 
-    fn end<M: Method>(&mut self, work: &Work<f64, M>) {
-        self.at.extend(work.nodes.iter().chain(&work.q));
+    fn end(&mut self, nodes: &[f64], q: &[f64]) {
+        self.at.extend(nodes.iter().chain(q));
     }
 
     /// The states asked for on a segment, and what takes in the extrema of an interval.
@@ -89,7 +89,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         values: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let count = self.monitors.len();
-        self.find_extremes(work)?;
+        self.find_extremes(&work.nodes, &work.q, None)?;
         for k in 0..count {
             values[k] = match self.monitors[k] {
                 Monitor::Duration => self.duration(&work.q),
@@ -118,12 +118,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 self.add_slopes(dependence, x, passes, out, |passes| Ok(self.duration(&passes.q)))
             }
             Some(&Monitor::Maximum { segment, state }) => {
-                self.find_extremes(work)?;
+                self.find_extremes(&work.nodes, &work.q, None)?;
                 let extremum = self.extremum(segment, state, 0);
                 self.add_extremum(segment, state, &extremum, x, passes, out)
             }
             Some(&Monitor::Minimum { segment, state }) => {
-                self.find_extremes(work)?;
+                self.find_extremes(&work.nodes, &work.q, None)?;
                 let extremum = self.extremum(segment, state, 1);
                 self.add_extremum(segment, state, &extremum, x, passes, out)
             }
@@ -142,41 +142,27 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         self.extremes.found[self.layout.segments[segment].ends + state][which]
     }
 
-    /// Finds the extremes of all states that monitors ask for, in one pass over the intervals.
-    fn find_extremes(&mut self, work: &Work<f64, M>) -> Result<(), LeftDomain> {
+    /// Finds the extremes of all states that monitors ask for, in one pass over the intervals, and writes the
+    /// intervals' residuals where these are asked for.
+    pub(super) fn find_extremes(
+        &mut self,
+        nodes: &[f64],
+        q: &[f64],
+        mut residual: Option<&mut [f64]>,
+    ) -> Result<(), LeftDomain> {
         let Equations { problem, method, meshes, layout, extremes, .. } = self;
-        if extremes.known(work) {
+        if residual.is_none() && extremes.known(nodes, q) {
             return Ok(());
         }
         extremes.begin();
         for (s, j) in layout.intervals() {
-            let nodes = &work.nodes[layout.interval(s, j)];
+            let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
+            let (span, nodes) = (span(meshes, s, j), &nodes[layout.interval(s, j)]);
             let (states, mut visit) = extremes.visitor(layout, s, j);
-            method.extrema(problem, span(meshes, s, j), nodes, &work.q, states, &mut visit)?;
+            method.extrema(Interval { problem, span, nodes, q }, states, r, &mut visit)?;
         }
-        extremes.end(work);
+        extremes.end(nodes, q);
         Ok(())
-    }
-
-    /// The residuals of all intervals at the arguments of `work`, with the extremes of all states that
-    /// monitors ask for, where both come from the same work; false where they do not.
-    pub(super) fn residual_with_extremes(
-        &mut self,
-        work: &mut Work<f64, M>,
-    ) -> Result<bool, LeftDomain> {
-        let Equations { problem, method, meshes, layout, extremes, .. } = self;
-        extremes.begin();
-        for (s, j) in layout.intervals() {
-            let nodes = &work.nodes[layout.interval(s, j)];
-            let (states, mut visit) = extremes.visitor(layout, s, j);
-            let (span, r) = (span(meshes, s, j), &mut work.r[layout.equations(s, j)]);
-            let visit = &mut visit;
-            if !method.residual_with_extrema(problem, span, nodes, &work.q, states, r, visit)? {
-                return Ok(false);
-            }
-        }
-        extremes.end(work);
-        Ok(true)
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
@@ -191,13 +177,13 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let layout = &self.layout;
-        let (span, n) = (self.span(segment, extremum.interval), layout.segments[segment].states);
+        let (place, n) = ((segment, extremum.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, extremum.interval)];
         let dependence = Dependence { unknowns, numbers: &layout.all_numbers };
         self.add_slopes(dependence, x, passes, out, |passes| {
             let Passes { unknowns, q, local, .. } = passes;
-            let (method, x) = (&mut local.method, &mut local.x[..n]);
-            self.method.value(&self.problem, span, unknowns, q, extremum.place, method, x)?;
+            let (interval, x) = (self.interval(place, unknowns, q), &mut local.x[..n]);
+            self.method.value(interval, extremum.place, &mut local.method, x)?;
             Ok(x[state])
         })
     }

@@ -47,8 +47,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             let nodes = &work.nodes[self.layout.interval(segment, interval)];
             let time = |place: f64| duration * (span.start + (span.end - span.start) * place);
             let mut visit = |place: f64, x: &[f64]| history.push([&[time(place)], x].concat());
-            let (problem, local) = (&self.problem, &mut work.local.method);
-            self.method.trajectory(problem, span, nodes, &work.q, each, local, &mut visit)?;
+            let place = self.interval((segment, interval), nodes, &work.q);
+            self.method.trajectory(place, each, &mut work.local.method, &mut visit)?;
             if interval + 1 == s.intervals {
                 visit(1.0, &nodes[nodes.len() - s.states..]);
             }

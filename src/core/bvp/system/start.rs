@@ -5,9 +5,10 @@ use crate::core::bvp::{BoundaryError, Collocation, Mesh, OnSegment, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::dense::Dense;
 use crate::core::field::Equilibria;
+use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::solution::{Adopted, Leaving, Solution};
-use crate::core::zero::System;
+use crate::core::zero::{LeftDomain, System};
 use std::f64::consts::TAU;
 
 /// A mesh is redistributed after this many accepted points.
@@ -32,10 +33,19 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         {
             return self.born_at_hopf(solution);
         }
+        self.go_along(solution)?;
+        if solution.kind == Kind::G && solution.switch {
+            let plain = Solution { switch: false, ..solution.clone() };
+            let orbit = self.take_over(&plain)?;
+            return self.born_at_grazing(&orbit.z, &solution.parameters);
+        }
         let mut solution = solution.clone();
         let doubled = solution.kind == Kind::PD && solution.switch;
-        if doubled {
-            self.double(&mut solution);
+        let twice = if doubled { self.problem().doubled() } else { None };
+        match twice {
+            Some(problem) => self.repeat(&mut solution, problem)?,
+            None if doubled => self.double(&mut solution),
+            None => {}
         }
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(&solution, &meshes)?;
@@ -60,6 +70,88 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
         let leaving = if doubled { Leaving::BranchPoint } else { Leaving::Along };
         Ok(Adopted { z: solution.state, tangent, leaving })
+    }
+
+    /// Solutions that go through the same as a saved one.
+    fn go_along(&mut self, solution: &Solution) -> Result<(), EvaluationError> {
+        if solution.itinerary.is_empty() || solution.itinerary == self.problem().itinerary() {
+            return Ok(());
+        }
+        let problem = self.problem().with_itinerary(&solution.itinerary)?;
+        self.change_to(problem)
+    }
+
+    /// Another problem, on as many intervals a segment as the first one has now.
+    fn change_to(&mut self, problem: P) -> Result<(), EvaluationError> {
+        let intervals = self.meshes()[0].intervals();
+        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
+        *self = BoundarySystem::new(problem, self.equations.method.clone(), meshes)?;
+        Ok(())
+    }
+
+    /// The solution twice, and its direction, as one of the problem in which everything happens twice.
+    fn repeat(&mut self, solution: &mut Solution, problem: P) -> Result<(), EvaluationError> {
+        let meshes = meshes_of(&solution.mesh)?;
+        let degree = self.degree_of(solution, &meshes)?;
+        let segments = self.equations.layout.segments.iter().zip(&meshes);
+        let values: usize =
+            segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum();
+        let once = self.equations.layout.extras - meshes.len();
+        let twice = |z: &[f64]| -> Vec<f64> {
+            let (values, extras) = z.split_at(values);
+            [values, values, extras, &extras[once..]].concat()
+        };
+        solution.state = twice(&solution.state);
+        if let Some((z, _)) = &mut solution.tangent {
+            *z = twice(z);
+        }
+        solution.mesh.extend_from_within(..);
+        self.change_to(problem)
+    }
+
+    /// The solutions that are born where one touches a surface, beginning with the one that touches.
+    fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, EvaluationError> {
+        let layout = &self.equations.layout;
+        let starts: Vec<f64> = layout.ends[..layout.states].iter().map(|&k| z[k]).collect();
+        let q = [p, &z[layout.values()..]].concat();
+        let Some(birth) = self.problem().born_at_grazing(&starts, &q)? else {
+            return Err(not_applicable(
+                "no other branch is known where solutions of this problem graze",
+            ));
+        };
+        self.change_to(birth.problem)?;
+        let z = self.flowed(&birth.starts, &birth.extras, p)?;
+        Ok(Adopted { z, tangent: None, leaving: Leaving::Along })
+    }
+
+    /// The unknowns of trajectories that flow from the states where segments begin.
+    fn flowed(
+        &self,
+        starts: &[f64],
+        extras: &[f64],
+        p: &[f64],
+    ) -> Result<Vec<f64>, EvaluationError> {
+        let (problem, q) = (self.problem(), [p, extras].concat());
+        let mut flow = Flow::<f64>::default();
+        let mut at = (usize::MAX, 0.0, Vec::new());
+        let mut outcome = Ok(());
+        let z = self.sampled(extras, |segment, tau, out| {
+            if at.0 != segment {
+                let s = &self.equations.layout.segments[segment];
+                at = (segment, 0.0, starts[s.ends..s.ends + s.states].to_vec());
+            }
+            let field = OnSegment { problem, segment };
+            let duration = problem.duration(segment, &q);
+            let (from, x) = (at.1, &mut at.2);
+            if outcome.is_ok() && tau > from {
+                let length = (tau - from) * duration;
+                outcome = flow.advance(&field, from * duration, length, x, &q).map(|_| ());
+            }
+            at.1 = tau;
+            out.copy_from_slice(&at.2);
+        });
+        outcome.map_err(LeftDomain::from)?;
+        Ok(z)
     }
 
     /// How many nodes an interval has, beyond its first, in a saved solution.
@@ -114,7 +206,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         x: &[f64],
     ) -> Result<Vec<f64>, EvaluationError> {
         let layout = &from.equations.layout;
-        let extras = &x[layout.values()..layout.dimension].to_vec();
+        let extras = &x[layout.values()..layout.dimension];
         let mut outcome = Ok(());
         let z = self.sampled(extras, |segment, tau, out| {
             if outcome.is_ok() {
@@ -168,16 +260,15 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let zero = vec![0.0; extras.len()];
         let mut direction = self.sampled(&zero, wave.clone()(0.0));
         // A quarter of a period on, the wave is its own derivative.
-        let mut slope = self.sampled(&zero, wave(0.25));
-        // A branch begins towards growth of its direction's largest component; half a period on, the wave
-        // is minus itself, and the phase condition must turn with it.
+        let motion = self.sampled(&zero, wave(0.25));
+        // A branch begins towards growth of its direction's largest component.
         let largest = direction.iter().max_by(|a, b| a.abs().total_cmp(&b.abs()));
         if largest.is_some_and(|largest| *largest < 0.0) {
-            direction.iter_mut().chain(&mut slope).for_each(|value| *value = -*value);
+            direction.iter_mut().for_each(|value| *value = -*value);
         }
         let x = [&z[..], &solution.parameters[..]].concat();
         self.linearisation.at.clear();
-        self.equations.set_reference_with_slope(&x, &slope);
+        self.equations.set_reference_with_motion(&x, &motion);
         direction.resize(x.len(), 0.0);
         Ok(Adopted { z, tangent: Some(direction), leaving: Leaving::Direction })
     }
@@ -186,32 +277,12 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
     pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
-        if self.equations.method.error_constant().is_some()
-            && self.followed.is_multiple_of(ADAPT_EVERY)
-        {
-            let mut whole = x.to_vec();
-            let mut turned: Vec<Vec<f64>> = directions.iter().map(|d| self.padded(d)).collect();
-            let mut borrowed: Vec<&mut Vec<f64>> = turned.iter_mut().collect();
-            if self.adapt(&mut whole, &mut borrowed).is_ok() {
-                let n = self.equations.layout.dimension;
-                x.copy_from_slice(&whole);
-                directions
-                    .iter_mut()
-                    .zip(&turned)
-                    .for_each(|(d, t)| d[..n].copy_from_slice(&t[..n]));
-            }
+        if self.followed.is_multiple_of(ADAPT_EVERY) {
+            let _ = self.adapt(x, directions);
         }
         if self.equations.layout.phase {
             let _ = self.set_reference(x);
         }
-    }
-
-    /// The unknowns' part of a direction, with zeros for the parameters.
-    fn padded(&self, direction: &[f64]) -> Vec<f64> {
-        let n = self.equations.layout.dimension;
-        let mut padded = direction[..n].to_vec();
-        padded.resize(n + self.equations.layout.parameters, 0.0);
-        padded
     }
 }
 

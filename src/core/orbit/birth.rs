@@ -1,0 +1,219 @@
+//! Impacting orbits born at grazings.
+//!
+//! Where an orbit touches a guard it passes no event yet; a moment later there is one, which begins and ends
+//! a leg, with legs between that last no time: an impact of no speed, a slip of no length. With those legs
+//! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
+
+use super::hybrid::HybridOrbit;
+use super::itinerary::{Itinerary, Leg};
+use crate::core::bvp::{Birth, BoundaryProblem, OnSegment};
+use crate::core::condition::EvaluationError;
+use crate::core::flow::{Extrema, Flow};
+use crate::core::hybrid::HybridSystem;
+use crate::core::scalar::Scalar;
+use crate::core::watch::Watch;
+use num_dual::{Dual, Dual64};
+use std::ops::ControlFlow;
+
+/// How fast a guard changes along the motion of its mode, `dh/dt = h_t + h_x f`.
+pub(super) fn rate<H: HybridSystem, T: Scalar>(
+    system: &H,
+    (guard, mode): (usize, usize),
+    t: T,
+    x: &[T],
+    p: &[T],
+) -> T {
+    let mut f = vec![T::zero(); x.len()];
+    system.field(mode, t, x, p, &mut f);
+    let moving: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
+    let fixed: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+    system.guard(guard, Dual::new(t, T::one()), &moving, &fixed).eps
+}
+
+/// Where an orbit comes nearest to a guard.
+struct Touch {
+    leg: usize,
+    guard: usize,
+    /// The time since the leg's beginning.
+    since: f64,
+    value: f64,
+    x: Vec<f64>,
+}
+
+/// A guard along a segment.
+struct OnLeg<'a, H> {
+    orbit: &'a HybridOrbit<H>,
+    leg: usize,
+    guard: usize,
+}
+
+impl<H: HybridSystem> Watch for OnLeg<'_, H> {
+    fn value<T: Scalar>(&self, t: T, x: &[T], q: &[T]) -> T {
+        self.orbit.guard_on(self.leg, self.guard, t, x, q)
+    }
+}
+
+/// After a touch, an event comes at this approach speed, to see what follows.
+const NUDGE: f64 = 1e-6;
+/// No more events than this follow at once.
+const MOST_LEGS: usize = 32;
+
+impl<H: HybridSystem + Clone> HybridOrbit<H> {
+    /// The orbits that are born where this one touches a guard.
+    pub(super) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, EvaluationError> {
+        let touch = self.touch(starts, q)?;
+        let following = self.following(&touch, q)?;
+        let legs = self.itinerary().legs.as_slice();
+        let (before, after) = (&legs[..touch.leg], &legs[touch.leg..]);
+        let first = Leg { exit: Some(touch.guard), ..after[0] };
+        let inserted = following.iter().map(|(leg, _)| *leg);
+        let (mut new, periods) = (Vec::new(), self.itinerary().periods);
+        // The orbit begins after the touch.
+        new.extend(inserted);
+        if self.itinerary().is_smooth() {
+            new.push(first);
+        } else {
+            new.extend(after);
+            new.extend(before);
+            new.push(first);
+        }
+        let problem = HybridOrbit::of(self.system().clone(), Itinerary { legs: new, periods });
+        let zero = following.iter().map(|_| 0.0);
+        let (p, extras) = q.split_at(self.parameters().len());
+        let (mut states, mut durations): (Vec<f64>, Vec<f64>) =
+            (following.iter().flat_map(|(_, x)| x.clone()).collect(), zero.collect());
+        states.extend(&touch.x);
+        let begins: f64 = self.time(touch.leg, q);
+        if self.itinerary().is_smooth() {
+            durations.push(self.duration(0, q));
+        } else {
+            let old = self.durations(extras);
+            durations.push(old[touch.leg] - touch.since);
+            let others = (touch.leg + 1..legs.len()).chain(0..touch.leg + 1);
+            for leg in others {
+                states.extend(&starts[self.of_leg(leg)]);
+                durations.push(if leg == touch.leg { touch.since } else { old[leg] });
+            }
+        }
+        let mut extras = durations;
+        if self.system().period(p).is_some() {
+            extras.insert(0, begins + touch.since);
+        }
+        Ok(Birth { problem, starts: states, extras })
+    }
+
+    /// Where the orbit comes nearest to a guard that it does not pass.
+    fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, EvaluationError> {
+        let mut nearest: Option<Touch> = None;
+        for leg in 0..self.itinerary().legs.len() {
+            for guard in self.guards_of(leg) {
+                let watch = OnLeg { orbit: self, leg, guard };
+                let found = self.dip(&watch, &starts[self.of_leg(leg)], q)?;
+                let nearer =
+                    |f: &Touch| nearest.as_ref().is_none_or(|n| f.value.abs() < n.value.abs());
+                if let Some(found) = found.filter(nearer) {
+                    nearest = Some(found);
+                }
+            }
+        }
+        nearest.ok_or_else(|| {
+            let reason = "the orbit comes near to no guard: a branch is born where one touches (G)";
+            EvaluationError::NotApplicable(reason.into())
+        })
+    }
+
+    /// The local minimum of a guard on a leg that is nearest to zero, with the state there.
+    fn dip(
+        &self,
+        watch: &OnLeg<H>,
+        start: &[f64],
+        q: &[f64],
+    ) -> Result<Option<Touch>, EvaluationError> {
+        let (mut x, leg) = (start.to_vec(), watch.leg);
+        let (mut extrema, mut found) = (Extrema::default(), None::<(f64, f64)>);
+        let field = OnSegment { problem: self, segment: leg };
+        let duration = self.duration(leg, q);
+        let mut flow = Flow::<f64>::default();
+        let outcome = flow.observe(&field, 0.0, duration, &mut x, q, |step| {
+            extrema.search(watch, step, |extremum| {
+                if found.is_none_or(|(_, value)| extremum.value.abs() < value.abs()) {
+                    found = Some((extremum.place, extremum.value));
+                }
+            });
+            ControlFlow::Continue(())
+        });
+        outcome.map_err(crate::core::zero::LeftDomain::from)?;
+        let Some((place, value)) = found else { return Ok(None) };
+        x.copy_from_slice(start);
+        flow.advance(&field, 0.0, place * duration, &mut x, q)
+            .map_err(crate::core::zero::LeftDomain::from)?;
+        let guard = watch.guard;
+        Ok(Some(Touch { leg, guard, since: place * duration, value, x }))
+    }
+
+    /// The legs that follow a touch at once, with the states at which they begin, until motion goes on in
+    /// the mode that was touched. Which events come next is decided at a small approach speed; the states are
+    /// those of the touch itself.
+    fn following(&self, touch: &Touch, q: &[f64]) -> Result<Vec<(Leg, Vec<f64>)>, EvaluationError> {
+        let (system, mode) = (self.system(), self.itinerary().legs[touch.leg].mode);
+        let p = &q[..self.parameters().len()];
+        let t = self.time(touch.leg, q) + touch.since;
+        let (mut limit, mut near) = (touch.x.clone(), self.nudged(touch, mode, t, p));
+        let (mut guard, mut legs) = (touch.guard, Vec::<(Leg, Vec<f64>)>::new());
+        loop {
+            let next = system.next(guard, t, &near, p);
+            let reset = |x: &[f64]| {
+                let mut after = vec![0.0; self.states_of(next)];
+                system.reset(guard, next, t, x, p, &mut after);
+                after
+            };
+            (limit, near) = (reset(&limit), reset(&near));
+            if next == mode {
+                return Ok(legs);
+            }
+            let soonest = self.soonest(next, t, &near, p);
+            let Some((time, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
+                return Err(EvaluationError::NotApplicable(format!(
+                    "after the touch, motion does not come back to mode `{}` at once: start the branch from \
+                     a simulated orbit",
+                    self.mode_name(mode)
+                )));
+            };
+            legs.push((Leg { mode: next, exit: Some(exit) }, limit.clone()));
+            let mut f = vec![0.0; near.len()];
+            system.field(next, t, &near, p, &mut f);
+            near.iter_mut().zip(&f).for_each(|(x, f)| *x += time * f);
+            guard = exit;
+        }
+    }
+
+    /// The state of a touch with a small approach speed, still on the guard: a little along the part of
+    /// `∂(dh/dt)/∂x` across `∂h/∂x`.
+    fn nudged(&self, touch: &Touch, mode: usize, t: f64, p: &[f64]) -> Vec<f64> {
+        let (n, system) = (touch.x.len(), self.system());
+        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let (mut normal, mut slope) = (vec![0.0; n], vec![0.0; n]);
+        for i in 0..n {
+            let mut x: Vec<Dual64> = touch.x.iter().map(|x| Dual64::from(*x)).collect();
+            x[i] = x[i].derivative();
+            let t = Dual64::from(t);
+            normal[i] = system.guard(touch.guard, t, &x, &p).eps;
+            slope[i] = rate(system, (touch.guard, mode), t, &x, &p).eps;
+        }
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let share = dot(&slope, &normal) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
+        slope.iter_mut().zip(&normal).for_each(|(s, n)| *s -= share * n);
+        let size = dot(&slope, &slope).max(f64::MIN_POSITIVE);
+        touch.x.iter().zip(&slope).map(|(x, s)| x - NUDGE * s / size).collect()
+    }
+
+    /// The guard of a mode that falls to zero first, by its rate, and when.
+    fn soonest(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<(f64, usize)> {
+        let times = self.guards_in(mode).filter_map(|guard| {
+            let (value, rate) =
+                (self.system().guard(guard, t, x, p), rate(self.system(), (guard, mode), t, x, p));
+            (rate < 0.0).then(|| ((value / -rate).max(0.0), guard))
+        });
+        times.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
