@@ -1,45 +1,16 @@
 //! Promise: after a warm-up, no Newton iteration allocates.
 
+mod allocations;
 mod common;
 
+use allocations::allocations;
 use common::{Bratu, Columns, Oxidation};
 use tangency::core::bifurcation::{BranchPoint, Fold, Hopf};
 use tangency::core::condition::Condition;
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::dense::Dense;
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, Tolerances};
 use tangency::core::zero::System;
 use tangency::problems::plate::{Ritz, RitzSettings};
-
-const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
-
-/// Solves twice from the same start, in which everything beyond the held condition is square, and
-/// counts what the second solve allocates.
-fn allocations(
-    system: &mut dyn System,
-    x: &[f64],
-    released: Vec<usize>,
-    condition: Option<Box<dyn Condition>>,
-) -> u64 {
-    let mut equations = Extended::new(system, x, released);
-    let mut start = equations.unload(x);
-    if let Some(condition) = condition {
-        start = equations.hold(condition, &start).unwrap();
-    }
-    let weights = vec![1.0; start.len()];
-    let mut newton = Newton::default();
-    let mut unknowns = start.clone();
-    newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
-    unknowns.copy_from_slice(&start);
-    let mut iterations = 0;
-    let counted = allocation_counter::measure(|| {
-        let report = newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES);
-        iterations = report.map_or(0, |report| report.iterations);
-    });
-    assert!(iterations >= 1, "the second solve converges as the first did");
-    counted.count_total
-}
 
 #[test]
 fn the_counter_counts() {

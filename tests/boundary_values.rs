@@ -3,10 +3,8 @@
 mod boundary;
 mod common;
 
-use boundary::{
-    Bratu, Eigenvalue, FOLD, Glued, TrivialBranch, VanDerPol, collocated, solved, strings,
-};
-use common::close;
+use boundary::{Eigenvalue, FOLD, Glued, TrivialBranch, VanDerPol, collocated, strings};
+use common::{agree, close, difference, dot, ellipse, solved};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use tangency::core::bvp::{
@@ -16,6 +14,7 @@ use tangency::core::bvp::{
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Border, Slot, System};
+use tangency::problems::classic::Bratu;
 
 /// Bratu's branch through its fold, finished on the finer discretisation; the error is honest.
 #[test]
@@ -26,7 +25,7 @@ fn bratu_folds() {
             .settings(Settings { accuracy: 1e-12, ..Settings::default() })
             .at("lambda", 0.5)
             .along("lambda", 0.0..=10.0)
-            .bound("max", 0.0..=5.0)
+            .bound("max_u", 0.0..=5.0)
             .trace()
             .unwrap();
         let fold = branch.of_kind(Kind::LP).next().unwrap();
@@ -69,7 +68,7 @@ fn an_eigenvalue_is_an_unknown() {
         x.copy_from_slice(&[4.0 * tau * (1.0 - tau), 4.0 - 8.0 * tau]);
     };
     let z = system.sampled(&[9.0], guess);
-    let x = solved(&mut system, z, &[1.0]);
+    let x = solved(&mut system, &z, &[1.0]).unwrap();
     close(x[x.len() - 2], PI * PI, 1e-12);
     close(system.states(&x, 0, 0.5).unwrap()[0], 2.0_f64.sqrt(), 1e-10);
 }
@@ -85,7 +84,7 @@ fn two_segments_are_glued() {
     };
     let z = system.sampled(&[0.8, 1.0], guess);
     let (a, c) = (1.2_f64, 1.5_f64);
-    let x = solved(&mut system, z, &[a, 0.0, c]);
+    let x = solved(&mut system, &z, &[a, 0.0, c]).unwrap();
     let n = x.len() - 3;
     close(x[n - 2], (2.0_f64.ln() / a).asin(), 1e-12);
     close(x[n - 1], 2.0 * c.sin() + 0.5 * a * (1.0 - c.cos()), 1e-12);
@@ -104,11 +103,8 @@ fn two_segments_are_glued() {
 #[test]
 fn periods_are_unknowns() {
     let mut system = collocated(VanDerPol, 7, 40);
-    let guess = |_, tau: f64, x: &mut [f64]| {
-        x.copy_from_slice(&[2.0 * (2.0 * PI * tau).cos(), -2.0 * (2.0 * PI * tau).sin()]);
-    };
-    let z = system.sampled(&[6.5], guess);
-    let x = solved(&mut system, z, &[1.0]);
+    let z = system.sampled(&[6.5], ellipse(2.0, -2.0));
+    let x = solved(&mut system, &z, &[1.0]).unwrap();
     let mut monitors = [0.0; 3];
     system.monitors(&x, &mut monitors).unwrap();
     close(monitors[0], 6.663_286_859_323_13, 1e-12);
@@ -124,11 +120,8 @@ fn periods_are_unknowns() {
 /// A branch of periodic solutions ends where solving there at once does.
 #[test]
 fn periodic_solutions_are_continued() {
-    let guess = |_, tau: f64, x: &mut [f64]| {
-        x.copy_from_slice(&[2.0 * (2.0 * PI * tau).cos(), -2.0 * (2.0 * PI * tau).sin()]);
-    };
     let mut system = collocated(VanDerPol, 5, 40);
-    let z = system.sampled(&[6.3], guess);
+    let z = system.sampled(&[6.3], ellipse(2.0, -2.0));
     let branch = Continuation::of(&mut system)
         .from(&z)
         .at("mu", 0.3)
@@ -147,11 +140,8 @@ fn periodic_solutions_are_continued() {
 fn meshes_may_hold_several_periods() {
     let mesh = vec![Mesh::uniform(80).stretched(2.0)];
     let mut system = BoundarySystem::new(VanDerPol, Collocation::new(7).unwrap(), mesh).unwrap();
-    let guess = |_, tau: f64, x: &mut [f64]| {
-        x.copy_from_slice(&[2.0 * (2.0 * PI * tau).cos(), -2.0 * (2.0 * PI * tau).sin()]);
-    };
-    let z = system.sampled(&[6.5], guess);
-    let x = solved(&mut system, z, &[1.0]);
+    let z = system.sampled(&[6.5], ellipse(2.0, -2.0));
+    let x = solved(&mut system, &z, &[1.0]).unwrap();
     let mut monitors = [0.0; 3];
     system.monitors(&x, &mut monitors).unwrap();
     close(monitors[0], 2.0 * 6.66328685932313, 1e-11);
@@ -162,7 +152,7 @@ fn meshes_may_hold_several_periods() {
 fn profiles_are_drawn() {
     let mut system = collocated(Bratu, 4, 10);
     let z = system.sampled(&[], |_, _, _| {});
-    let x = solved(&mut system, z, &[2.0]);
+    let x = solved(&mut system, &z, &[2.0]).unwrap();
     let profiles = system.profiles(&x);
     let names: Vec<_> = profiles.iter().map(|p| (p.name.as_str(), p.along.as_str())).collect();
     assert_eq!(names, [("u", "time"), ("v", "time"), ("v", "u")]);
@@ -237,25 +227,8 @@ fn sizes_are_checked() {
     assert!(Collocation::new(1).unwrap_err().to_string().contains("between 2 and 7"));
 }
 
+/// The step of differences.
 const H: f64 = 2e-4;
-
-/// Central differences of order four of a vector function along a direction.
-fn difference(x: &[f64], d: &[f64], mut f: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
-    let mut at = |k: f64| f(&x.iter().zip(d).map(|(x, d)| x + k * H * d).collect::<Vec<_>>());
-    let (a, b, c, e) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
-    (0..a.len()).map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - e[i]) / (12.0 * H)).collect()
-}
-
-#[track_caller]
-fn agree(found: &[f64], expected: &[f64], tolerance: f64) {
-    for (found, expected) in found.iter().zip(expected) {
-        close(*found, *expected, tolerance * expected.abs().max(1.0));
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
 
 /// All derivatives of a system against differences of what they differentiate.
 fn derivatives_agree<P: BoundaryProblem + Clone + 'static>(
@@ -278,7 +251,7 @@ fn derivatives_agree<P: BoundaryProblem + Clone + 'static>(
         system.residual(x, &mut r).unwrap();
         r
     };
-    agree(&out, &difference(x, &d, |x| residual(system, x)), 1e-7);
+    agree(&out, &difference(x, &d, H, |x| residual(system, x)), 1e-7);
     let mut second = vec![0.0; n];
     system.second_derivative(x, &d, &e, &mut second);
     let along = |system: &mut BoundarySystem<P, Collocation>, x: &[f64]| {
@@ -286,10 +259,10 @@ fn derivatives_agree<P: BoundaryProblem + Clone + 'static>(
         system.derivative(x, &d, &mut r);
         r
     };
-    agree(&second, &difference(x, &e, |x| along(system, x)), 1e-7);
+    agree(&second, &difference(x, &e, H, |x| along(system, x)), 1e-7);
     let mut third = vec![0.0; n];
     system.third_derivative(x, &d, &e, &f, &mut third);
-    let expected = difference(x, &f, |x| {
+    let expected = difference(x, &f, H, |x| {
         let mut r = vec![0.0; n];
         system.second_derivative(x, &d, &e, &mut r);
         r
@@ -305,7 +278,7 @@ fn derivatives_agree<P: BoundaryProblem + Clone + 'static>(
     system.jacobian(&mut jacobian);
     for i in 0..x.len() {
         let unit: Vec<f64> = (0..x.len()).map(|j| f64::from(u8::from(i == j))).collect();
-        let differences = difference(x, &unit, |x| {
+        let differences = difference(x, &unit, H, |x| {
             let mut values = vec![0.0; monitor_count];
             system.monitors(x, &mut values).unwrap();
             values.push(dot(&w, &along(system, x)));
@@ -321,7 +294,7 @@ fn derivatives_agree<P: BoundaryProblem + Clone + 'static>(
         if i < n {
             agree(&jacobian[i * n..(i + 1) * n], &column, 1e-12);
         } else {
-            agree(&column, &difference(x, &unit, |x| residual(system, x)), 1e-7);
+            agree(&column, &difference(x, &unit, H, |x| residual(system, x)), 1e-7);
         }
     }
 }

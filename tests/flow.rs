@@ -9,33 +9,25 @@ use tangency::core::flow::{Extrema, Extremum, Flow, Scheme, Settings, Statistics
 use tangency::core::scalar::Scalar;
 use tangency::core::watch::State;
 use tangency::core::zero::Names;
+use tangency::problems::mita::Block;
 
 const ALL: [Scheme; 3] = [Scheme::DormandPrince8, Scheme::DormandPrince5, Scheme::Rodas5P];
 
 /// A field stated by name, parameters and formula.
 macro_rules! field {
-    ($(#[$doc:meta])* $name:ident, [$($x:literal),*], [$($q:literal),*],
-     |$t:ident, $state:ident, $p:ident, $f:ident| $body:block) => {
+    ($(#[$doc:meta])* $name:ident, [$($state:literal),*], [$($q:literal),*],
+     |$t:pat_param, $x:pat_param, $p:pat_param, $f:ident| $body:block) => {
         $(#[$doc])*
         struct $name;
         impl VectorField for $name {
             fn names(&self) -> Names {
-                Names::new([$($x),*] as [&str; _], [$($q),*] as [&str; _])
+                Names::new([$($state),*] as [&str; _], [$($q),*] as [&str; _])
             }
-            #[allow(unused_variables)]
-            fn field<T: Scalar>(&self, $t: T, $state: &[T], $p: &[T], $f: &mut [T]) $body
+            fn field<T: Scalar>(&self, $t: T, $x: &[T], $p: &[T], $f: &mut [T]) $body
         }
     };
 }
 
-field! {
-    /// The block of Mita's impact actuator between impacts.
-    Stick, ["q", "u"], ["omega", "V"], |t, x, p, f| {
-        let (force, gap) = (p[1] * (p[0] * t).sin(), T::one() - x[0]);
-        f[0] = x[1];
-        f[1] = force * force / (gap * gap) - x[0] - x[1] * 0.04;
-    }
-}
 field! {
     /// `x'' + c x' + x = cos ωt`.
     Forced, ["x", "v"], ["omega", "c"], |t, x, p, f| {
@@ -45,24 +37,27 @@ field! {
 }
 field! {
     /// The plane problem of two bodies.
-    Kepler, ["x", "y", "u", "v"], [], |t, x, p, f| {
+    Kepler, ["x", "y", "u", "v"], [], |_, x, _, f| {
         let cube = (x[0] * x[0] + x[1] * x[1]).powf(1.5);
         (f[0], f[1], f[2], f[3]) = (x[2], x[3], -x[0] / cube, -x[1] / cube);
     }
 }
 field! {
     /// Nonlinear and forced: `x = exp(sin t²)`, `y = exp(cos t²)`.
-    Exponential, ["x", "y"], [], |t, x, p, f| {
+    Exponential, ["x", "y"], [], |t, x, _, f| {
         f[0] = t * 2.0 * x[0] * x[1].ln();
         f[1] = t * -2.0 * x[1] * x[0].ln();
     }
 }
 field! {
     /// `x' = r x (1 − x)`.
-    Logistic, ["x"], ["r"], |t, x, p, f| {
+    Logistic, ["x"], ["r"], |_, x, p, f| {
         f[0] = p[0] * x[0] * (T::one() - x[0]);
     }
 }
+
+/// Voltage, frequency and damping of the block of Mita's actuator.
+const MITA: [f64; 3] = [0.2, 0.45, 0.04];
 
 fn flow<T: Scalar>(scheme: Scheme, tolerance: f64) -> Flow<T> {
     Flow::new(Settings::new(scheme, tolerance)).unwrap()
@@ -187,7 +182,7 @@ fn orders_within_a_step_are_those_of_theory() {
 fn a_step_meets_its_ends() {
     for scheme in ALL {
         flow(scheme, 1e-8)
-            .observe(&Stick, 0.3, 5.0, &mut [0.1, 0.2], &[0.45, 0.2], |step| {
+            .observe(&Block, 0.3, 5.0, &mut [0.1, 0.2], &MITA, |step| {
                 let (start, end) = (step.start().to_vec(), step.end().to_vec());
                 let mut x = [0.0; 2];
                 step.interpolate(0.0, &mut x);
@@ -210,13 +205,13 @@ fn a_step_meets_its_ends() {
 /// One period of the nonimpacting orbit of Mita's actuator, to 5e-12 in at most 280 evaluations.
 #[test]
 fn mita_costs_what_is_claimed() {
-    let (p, length) = ([0.45, 0.2], PI / 0.45);
+    let (p, length) = (MITA, PI / 0.45);
     let start = [-0.1193425866519154, -0.03360474279494714];
     let mut exact = start;
-    steps(Scheme::DormandPrince8, 400).advance(&Stick, 0.0, length, &mut exact, &p).unwrap();
+    steps(Scheme::DormandPrince8, 400).advance(&Block, 0.0, length, &mut exact, &p).unwrap();
     let mut x = start;
     let mut flow = flow(Scheme::DormandPrince8, 1e-11);
-    let statistics = flow.advance(&Stick, 0.0, length, &mut x, &p).unwrap();
+    let statistics = flow.advance(&Block, 0.0, length, &mut x, &p).unwrap();
     assert!(distance(&x, &exact) < 5e-12, "{:e}", distance(&x, &exact));
     assert!(distance(&x, &start) < 5e-12, "the orbit is closed");
     assert!(statistics.evaluations <= 280, "{statistics:?}");
@@ -227,8 +222,8 @@ type Four = DualSVec64<4>;
 /// Mita's block with derivatives by both states and both parameters, over a period that depends on one.
 fn with_derivatives(flow: &mut Flow<Four>) -> ([Four; 2], Statistics) {
     let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
-    let p = [Four::from(0.45).derivative(2), Four::from(0.2).derivative(3)];
-    let statistics = flow.advance(&Stick, Four::from(0.0), p[0].recip() * PI, &mut x, &p).unwrap();
+    let p = [Four::from(0.2).derivative(2), Four::from(0.45).derivative(3), Four::from(0.04)];
+    let statistics = flow.advance(&Block, Four::from(0.0), p[1].recip() * PI, &mut x, &p).unwrap();
     (x, statistics)
 }
 
@@ -236,9 +231,8 @@ fn with_derivatives(flow: &mut Flow<Four>) -> ([Four; 2], Statistics) {
 fn real_parts_of_dual_flows_are_the_real_flow() {
     for scheme in ALL {
         let mut x = [0.1, 0.2];
-        let real = flow(scheme, 1e-10)
-            .advance(&Stick, 0.0, 0.45f64.recip() * PI, &mut x, &[0.45, 0.2])
-            .unwrap();
+        let real =
+            flow(scheme, 1e-10).advance(&Block, 0.0, 0.45f64.recip() * PI, &mut x, &MITA).unwrap();
         let (dual, statistics) = with_derivatives(&mut flow(scheme, 1e-10));
         assert_eq!(real, statistics, "{scheme:?}: the same steps");
         assert!(distance(&[dual[0].re, dual[1].re], &x) < 1e-14, "{scheme:?}");
@@ -354,7 +348,7 @@ fn extrema_are_found_with_their_derivatives() {
 fn robertson_is_integrated_to_the_end() {
     field! {
         /// Autocatalysis.
-        Robertson, ["a", "b", "c"], [], |t, x, p, f| {
+        Robertson, ["a", "b", "c"], [], |_, x, _, f| {
             let (slow, fast) = (x[0] * 0.04 - x[1] * x[2] * 1e4, x[1] * x[1] * 3e7);
             (f[0], f[1], f[2]) = (-slow, slow - fast, fast);
         }
@@ -395,10 +389,10 @@ fn nothing_is_allocated_after_the_first_call() {
         let mut flow = flow(scheme, 1e-9);
         let mut search = Extrema::default();
         let mut run = || {
-            search.restart(State(0));
-            let p = [Four::from(0.45), Four::from(0.2)];
+            search.restart();
+            let p = MITA.map(Four::from);
             let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
-            flow.observe(&Stick, Four::from(0.0), Four::from(7.0), &mut x, &p, |step| {
+            flow.observe(&Block, Four::from(0.0), Four::from(7.0), &mut x, &p, |step| {
                 search.search(&State(0), step, |extremum| {
                     std::hint::black_box(extremum);
                 });
@@ -437,8 +431,8 @@ proptest! {
         for scheme in ALL {
             let mut flow = flow(scheme, 1e-10);
             let mut x = [q, u];
-            flow.advance(&Stick, t, l, &mut x, &[0.45, 0.2]).unwrap();
-            flow.advance(&Stick, t + l, -l, &mut x, &[0.45, 0.2]).unwrap();
+            flow.advance(&Block, t, l, &mut x, &MITA).unwrap();
+            flow.advance(&Block, t + l, -l, &mut x, &MITA).unwrap();
             prop_assert!(distance(&x, &[q, u]) < 1e-8, "{:?}: {:e}", scheme, distance(&x, &[q, u]));
         }
     }
@@ -448,9 +442,9 @@ proptest! {
         for scheme in ALL {
             let mut flow = flow(scheme, 1e-10);
             let (mut x, mut y) = ([q, u], [q, u]);
-            flow.advance(&Stick, 0.0, l, &mut x, &[0.45, 0.2]).unwrap();
-            flow.advance(&Stick, 0.0, l * part, &mut y, &[0.45, 0.2]).unwrap();
-            flow.advance(&Stick, l * part, l - l * part, &mut y, &[0.45, 0.2]).unwrap();
+            flow.advance(&Block, 0.0, l, &mut x, &MITA).unwrap();
+            flow.advance(&Block, 0.0, l * part, &mut y, &MITA).unwrap();
+            flow.advance(&Block, l * part, l - l * part, &mut y, &MITA).unwrap();
             prop_assert!(distance(&x, &y) < 1e-8, "{:?}: {:e}", scheme, distance(&x, &y));
         }
     }

@@ -1,6 +1,9 @@
 //! Promise: every derivative that the core takes from a residual agrees with differences of what it
 //! differentiates, on random polynomials.
 
+mod common;
+
+use common::{agree, difference, dot};
 use proptest::prelude::*;
 use tangency::core::bifurcation::{BogdanovTakens, BranchPoint, Cusp, Fold, Hopf};
 use tangency::core::condition::{At, Condition, Level, Quantity};
@@ -51,27 +54,11 @@ fn polynomial() -> impl Strategy<Value = Polynomial> {
         .prop_map(|(linear, quadratic, cubic)| Polynomial { linear, quadratic, cubic })
 }
 
-/// Central differences of order four of a vector function along a direction.
-fn difference(x: &[f64], d: &[f64], mut f: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
-    let h = 1e-3;
-    let mut at = |k: f64| f(&x.iter().zip(d).map(|(x, d)| x + k * h * d).collect::<Vec<_>>());
-    let (a, b, c, e) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
-    (0..a.len()).map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - e[i]) / (12.0 * h)).collect()
-}
+/// The step of differences.
+const H: f64 = 1e-3;
 
 fn unit(i: usize) -> Vec<f64> {
     (0..LENGTH).map(|j| f64::from(u8::from(i == j))).collect()
-}
-
-fn agree(found: &[f64], expected: &[f64], tolerance: f64) {
-    for (found, expected) in found.iter().zip(expected) {
-        let size = expected.abs().max(1.0);
-        assert!((found - expected).abs() < tolerance * size, "{found:.12} {expected:.12}");
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 proptest! {
@@ -90,19 +77,19 @@ proptest! {
         let mut system = Dense::new(problem);
         let mut out = vec![0.0; N];
         system.derivative(&x, &d, &mut out);
-        agree(&out, &difference(&x, &d, |x| {
+        agree(&out, &difference(&x, &d, H, |x| {
             let mut r = vec![0.0; N];
             system.residual(x, &mut r).unwrap();
             r
         }), 1e-9);
         system.second_derivative(&x, &d, &e, &mut out);
-        agree(&out, &difference(&x, &e, |x| {
+        agree(&out, &difference(&x, &e, H, |x| {
             let mut r = vec![0.0; N];
             system.derivative(x, &d, &mut r);
             r
         }), 1e-9);
         system.third_derivative(&x, &d, &e, &f, &mut out);
-        agree(&out, &difference(&x, &f, |x| {
+        agree(&out, &difference(&x, &f, H, |x| {
             let mut r = vec![0.0; N];
             system.second_derivative(x, &d, &e, &mut r);
             r
@@ -114,14 +101,14 @@ proptest! {
         let mut monitor = vec![0.0; LENGTH];
         system.monitor_gradient(0, &x, &mut monitor);
         for i in 0..LENGTH {
-            let first = difference(&x, &unit(i), |x| {
+            let first = difference(&x, &unit(i), H, |x| {
                 system.derivative(x, &d, &mut out);
                 let mut value = vec![0.0];
                 system.monitors(x, &mut value).unwrap();
                 vec![dot(&w, &out), value[0]]
             });
             agree(&[gradient[i], monitor[i]], &first, 1e-9);
-            let second = difference(&x, &unit(i), |x| {
+            let second = difference(&x, &unit(i), H, |x| {
                 system.second_derivative(x, &d, &d, &mut out);
                 vec![dot(&w, &out)]
             });
@@ -166,15 +153,15 @@ proptest! {
             };
             let value = evaluate(&x, &own);
             // Where the border is badly conditioned differences say nothing.
-            let near = difference(&x, &[1.0; LENGTH], |x| evaluate(x, &own));
-            let far = difference(&x, &[2.0; LENGTH], |x| evaluate(x, &own));
+            let near = difference(&x, &[1.0; LENGTH], H, |x| evaluate(x, &own));
+            let far = difference(&x, &[2.0; LENGTH], H, |x| evaluate(x, &own));
             let smooth = near.iter().zip(&far).all(|(a, b)| (2.0 * a - b).abs() < 1e-8);
             if !smooth || value.iter().any(|v| v.abs() > 1e3) {
                 continue;
             }
             let by_x: Vec<_> =
-                (0..LENGTH).map(|i| difference(&x, &unit(i), |x| evaluate(x, &own))).collect();
-            let by_y = (k == 1).then(|| difference(&own, &[1.0], |y| evaluate(&x, y)));
+                (0..LENGTH).map(|i| difference(&x, &unit(i), H, |x| evaluate(x, &own))).collect();
+            let by_y = (k == 1).then(|| difference(&own, &[1.0], H, |y| evaluate(&x, y)));
             evaluate(&x, &own);
             let (mut rows, mut own_rows) = (vec![0.0; (k + 1) * LENGTH], vec![0.0; (k + 1) * k]);
             let at = At { system: &mut system, x: &x, released: &[0, 1] };

@@ -1,57 +1,25 @@
 //! Promise: after a warm-up, no Newton iteration on periodic orbits allocates.
 
+mod allocations;
 mod common;
 mod cycles;
 
+use allocations::allocations;
+use common::ellipse;
 use cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{Fold, Hopf};
-use tangency::core::condition::Condition;
 use tangency::core::continuation::{Continuation, Kind};
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, Tolerances};
 use tangency::core::zero::System;
 use tangency::problems::classic::Lure;
-
-const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
-
-/// Solves twice from the same start, and counts what the second solve allocates.
-fn allocations(
-    system: &mut dyn System,
-    x: &[f64],
-    released: Vec<usize>,
-    condition: Option<Box<dyn Condition>>,
-) -> u64 {
-    let mut equations = Extended::new(system, x, released);
-    let mut start = equations.unload(x);
-    if let Some(condition) = condition {
-        start = equations.hold(condition, &start).unwrap();
-    }
-    let weights = vec![1.0; start.len()];
-    let mut newton = Newton::default();
-    let mut unknowns = start.clone();
-    // The second time, what was learned about the equations' curvature may change the way.
-    for _ in 0..2 {
-        newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
-        unknowns.copy_from_slice(&start);
-    }
-    let counted = allocation_counter::measure(|| {
-        newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
-    });
-    counted.count_total
-}
-
-fn circle(size: f64) -> impl Fn(usize, f64, &mut [f64]) {
-    move |_, tau, x| {
-        let (sine, cosine) = (TAU * tau).sin_cos();
-        (x[0], x[1]) = (size * cosine, size * sine);
-    }
-}
 
 #[test]
 fn newton_on_orbits_allocates_nothing() {
     let (mut collocation, mut shooting) = (collocated(Bautin, 10), shot(Bautin, 2));
-    let starts = [collocation.sampled(&[6.2], circle(1.4)), shooting.sampled(&[6.2], circle(1.4))];
+    let starts = [
+        collocation.sampled(&[6.2], ellipse(1.4, 1.4)),
+        shooting.sampled(&[6.2], ellipse(1.4, 1.4)),
+    ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[0.1, 1.0]].concat();
@@ -62,15 +30,18 @@ fn newton_on_orbits_allocates_nothing() {
 #[test]
 fn newton_on_folds_and_torus_points_allocates_nothing() {
     let (mut collocation, mut shooting) = (collocated(Bautin, 10), shot(Bautin, 2));
-    let starts =
-        [collocation.sampled(&[TAU], circle(1.01)), shooting.sampled(&[TAU], circle(1.01))];
+    let starts = [
+        collocation.sampled(&[TAU], ellipse(1.01, 1.01)),
+        shooting.sampled(&[TAU], ellipse(1.01, 1.01)),
+    ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[-0.99, 1.0]].concat();
         assert_eq!(allocations(system, &x, vec![0], Some(Box::new(Fold::default()))), 0);
     }
     let (mut collocation, mut shooting) = (collocated(ForcedSpiral, 10), shot(ForcedSpiral, 2));
-    let starts = [collocation.sampled(&[], circle(1.0)), shooting.sampled(&[], circle(1.0))];
+    let starts =
+        [collocation.sampled(&[], ellipse(1.0, 1.0)), shooting.sampled(&[], ellipse(1.0, 1.0))];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let x = [&z[..], &[0.01, 0.0]].concat();

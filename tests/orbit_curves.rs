@@ -4,7 +4,7 @@
 mod common;
 mod cycles;
 
-use common::{close, first, values};
+use common::{close, ellipse, first, values};
 use cycles::{
     Bautin, ForcedSpiral, PitchforkOfCycles, collocated, equilibria, label, precisely_shot, shot,
 };
@@ -60,21 +60,12 @@ fn period_doublings_in_two_parameters() {
     }
 }
 
-/// The circle of radius 1, once in a period.
-fn circle(tau: f64, x: &mut [f64]) {
-    let (sine, cosine) = (TAU * tau).sin_cos();
-    x.fill(0.0);
-    (x[0], x[1]) = (cosine, sine);
-}
-
 #[test]
 fn torus_points_in_two_parameters() {
     let kappa = 0.3;
     let (mut collocation, mut shooting) = (collocated(ForcedSpiral, 20), shot(ForcedSpiral, 3));
-    let starts = [
-        collocation.sampled(&[], |_, tau, x| circle(tau, x)),
-        shooting.sampled(&[], |_, tau, x| circle(tau, x)),
-    ];
+    let starts =
+        [collocation.sampled(&[], ellipse(1.0, 1.0)), shooting.sampled(&[], ellipse(1.0, 1.0))];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {
         let branch = Continuation::of(system)
@@ -105,7 +96,7 @@ fn torus_points_in_two_parameters() {
     }
     // The angle of the multipliers is ΩT.
     let mut system = shot(ForcedSpiral, 3);
-    let z = system.sampled(&[], |_, tau, x| circle(tau, x));
+    let z = system.sampled(&[], ellipse(1.0, 1.0));
     system.assemble(&[&z[..], &[kappa * kappa, kappa]].concat()).unwrap();
     let mu = system.multipliers().unwrap()[0];
     let period = TAU / ForcedSpiral::NU;
@@ -118,8 +109,8 @@ fn branch_points_of_cycles() {
     let (mut collocation, mut shooting) =
         (collocated(PitchforkOfCycles, 20), shot(PitchforkOfCycles, 3));
     let starts = [
-        collocation.sampled(&[TAU], |_, tau, x| circle(tau, x)),
-        shooting.sampled(&[TAU], |_, tau, x| circle(tau, x)),
+        collocation.sampled(&[TAU], ellipse(1.0, 1.0)),
+        shooting.sampled(&[TAU], ellipse(1.0, 1.0)),
     ];
     for (system, z) in [&mut collocation as &mut dyn System, &mut shooting].into_iter().zip(starts)
     {

@@ -4,8 +4,8 @@
 mod common;
 mod cycles;
 
-use common::{close, first};
-use cycles::{Saddle, collocated, equilibria, label, shot, solved};
+use common::{close, ellipse, first, solved};
+use cycles::{Saddle, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
@@ -71,10 +71,7 @@ fn strongly_unstable_orbits() {
 fn lost_digits_are_in_the_error() {
     for rate in [3.5, 4.5, 6.0] {
         let mut system = shot(Saddle, 1);
-        let z = system.sampled(&[], |_, tau, x| {
-            let (sine, cosine) = (TAU * tau).sin_cos();
-            (x[0], x[1]) = (cosine, sine);
-        });
+        let z = system.sampled(&[], ellipse(1.0, 1.0));
         let outcome = Continuation::of(&mut system)
             .from(&z)
             .at("amplitude", 1.0)
@@ -154,9 +151,6 @@ impl VectorField for Stiff {
 
 #[test]
 fn stiff_fields() {
-    fn wave(_: usize, tau: f64, x: &mut [f64]) {
-        (x[0], x[1]) = ((TAU * tau).cos(), 0.0);
-    }
     let trace = |system: &mut dyn System, z: &[f64]| {
         Continuation::of(system)
             .from(z)
@@ -169,13 +163,14 @@ fn stiff_fields() {
     };
     // The explicit pair refuses by name.
     let mut explicit = shot(Stiff, 1);
-    let z = explicit.sampled(&[], wave);
+    let z = explicit.sampled(&[], ellipse(1.0, 0.0));
     let refused = trace(&mut explicit, &z).unwrap_err().to_string();
     assert!(refused.contains("stiff") && refused.contains("implicit"), "{refused}");
     let rodas = Shooting::new(Scheme::Rodas5P, 1e-10).unwrap();
     let (mut collocation, mut implicit) =
         (collocated(Stiff, 30), by_shooting(Stiff, 1, rodas).unwrap());
-    let starts = [collocation.sampled(&[], wave), implicit.sampled(&[], wave)];
+    let starts =
+        [collocation.sampled(&[], ellipse(1.0, 0.0)), implicit.sampled(&[], ellipse(1.0, 0.0))];
     let systems = [&mut collocation as &mut dyn System, &mut implicit];
     for (system, z) in systems.into_iter().zip(starts) {
         let branch = trace(system, &z).unwrap();

@@ -4,8 +4,8 @@
 mod common;
 mod cycles;
 
-use common::close;
-use cycles::{Saddle, collocated, label, precisely_shot, shot, solved};
+use common::{close, ellipse, solved};
+use cycles::{Saddle, collocated, label, precisely_shot, shot};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
@@ -92,10 +92,7 @@ proptest! {
     #[test]
     fn multipliers_of_a_saddle(rate in 0.05..4.0_f64, amplitude in -2.0..2.0_f64, more in 0..6_usize) {
         let mut system = shot(Saddle, 1 + more + (2.0 * rate) as usize);
-        let z = system.sampled(&[], |_, tau, x| {
-            let (sine, cosine) = (TAU * tau).sin_cos();
-            x.copy_from_slice(&[amplitude * cosine, amplitude * sine]);
-        });
+        let z = system.sampled(&[], ellipse(amplitude, amplitude));
         system.assemble(&[&z[..], &[amplitude, rate]].concat()).unwrap();
         let mu = system.multipliers().unwrap();
         close(mu[0].0 / (TAU * rate).exp(), 1.0, 1e-9);

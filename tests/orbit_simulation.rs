@@ -4,8 +4,8 @@
 mod common;
 mod cycles;
 
-use common::{close, first};
-use cycles::{Saddle, collocated, equilibria, label, precisely_shot, shot, solved};
+use common::{close, first, solved};
+use cycles::{Saddle, collocated, equilibria, label, precisely_shot, shot};
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::field::VectorField;
 use tangency::core::orbit::{Simulation, SimulationError};

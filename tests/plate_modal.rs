@@ -1,22 +1,15 @@
 //! The modal model of the plate against independently computed values and against the full model.
 
+mod plates;
+
 use approx::assert_relative_eq;
+use plates::{ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR};
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::dense::Dense;
 use tangency::core::zero::{Border, Slot, System, ZeroProblem};
 use tangency::problems::plate::modal::{MOST_MODES, Modal, ModalError, ModalSettings, ModalSystem};
 use tangency::problems::plate::{InPlane, Orders, Projection, Ritz, RitzSettings, Theory, Units};
-
-/// Positions of the dimensionless parameters.
-const LOAD: usize = 0;
-const GAP_RATIO: usize = 1;
-const ASPECT: usize = 2;
-const NU: usize = 3;
-const FORCE_X: usize = 5;
-const FORCE_Y: usize = 6;
-const SHEAR: usize = 7;
-const PRESSURE: usize = 8;
 
 const BOTH: [Projection; 2] = [Projection::Direct, Projection::Multiplied];
 

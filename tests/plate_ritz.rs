@@ -1,19 +1,12 @@
 //! The full Ritz model of the plate against exact and independently computed values.
 
+mod plates;
+
 use approx::assert_relative_eq;
+use plates::{ASPECT, FORCE, FORCE_X, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR};
 use std::f64::consts::PI;
 use tangency::core::zero::{Border, Slot, System};
 use tangency::problems::plate::{InPlane, Orders, PlateError, Ritz, RitzSettings, Theory, Units};
-
-/// Positions of the dimensionless parameters.
-const LOAD: usize = 0;
-const GAP_RATIO: usize = 1;
-const ASPECT: usize = 2;
-const NU: usize = 3;
-const FORCE: usize = 4;
-const FORCE_X: usize = 5;
-const SHEAR: usize = 7;
-const PRESSURE: usize = 8;
 
 fn settings(supports: &str) -> RitzSettings {
     RitzSettings::new(supports.parse().unwrap())

@@ -1,23 +1,16 @@
 //! The sine model of a simply supported plate against values from independent formulations.
 
 mod plate_fold;
+mod plates;
 
-use plate_fold::{LOAD, equilibrium, fold, one_mode_start};
+use plate_fold::{equilibrium, fold, one_mode_start};
+use plates::{ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR};
 use std::f64::consts::PI;
 use tangency::core::dense::Dense;
 use tangency::core::quadrature::gauss_legendre;
 use tangency::core::zero::{Border, Dynamics, Slot, System, ZeroProblem};
 use tangency::problems::plate::sine::{SineError, SinePlate, SineSettings};
 use tangency::problems::plate::{InPlane, Model, PlateSettings, Projection, Theory, Units};
-
-/// Positions of the dimensionless parameters.
-const GAP_RATIO: usize = 1;
-const ASPECT: usize = 2;
-const NU: usize = 3;
-const EDGE_FORCE_X: usize = 5;
-const EDGE_FORCE_Y: usize = 6;
-const EDGE_SHEAR: usize = 7;
-const PRESSURE: usize = 8;
 
 fn plate(settings: SineSettings) -> Dense<SinePlate> {
     Dense::new(SinePlate::new(settings).expect("valid settings"))
@@ -220,8 +213,8 @@ fn both_residuals_are_projections_of_equation_3_12() {
         (GAP_RATIO, gap_ratio),
         (ASPECT, alpha),
         (NU, nu),
-        (EDGE_FORCE_X, force_x),
-        (EDGE_FORCE_Y, force_y),
+        (FORCE_X, force_x),
+        (FORCE_Y, force_y),
         (PRESSURE, pressure),
     ]);
     let z = sample(9);
@@ -267,7 +260,7 @@ fn both_residuals_are_projections_of_equation_3_12() {
 fn the_direct_residual_is_a_gradient_and_the_multiplied_one_is_not() {
     let asymmetry = |projection| {
         let mut system = plate(SineSettings { projection, ..settings(9) });
-        let p = parameters(&[(LOAD, 60.0), (GAP_RATIO, 2.0), (ASPECT, 1.2), (EDGE_FORCE_X, 4.0)]);
+        let p = parameters(&[(LOAD, 60.0), (GAP_RATIO, 2.0), (ASPECT, 1.2), (FORCE_X, 4.0)]);
         system.assemble(&[sample(9), p].concat()).expect("inside the domain");
         let mut jacobian = vec![0.0; 81];
         system.jacobian(&mut jacobian);
@@ -304,9 +297,9 @@ fn the_flat_plate_has_its_exact_frequencies_and_buckling_loads() {
     for ((value, _), exact) in spectrum(&mut system, parameters(&[])).iter().zip(&exact) {
         assert_close("ω", (-4.0 * value).sqrt(), *exact, 1e-11 * exact);
     }
-    let uniaxial = parameters(&[(EDGE_FORCE_X, 4.0 * PI * PI)]);
+    let uniaxial = parameters(&[(FORCE_X, 4.0 * PI * PI)]);
     assert_close("uniaxial", spectrum(&mut system, uniaxial)[0].0, 0.0, 1e-11);
-    let biaxial = parameters(&[(EDGE_FORCE_X, 2.0 * PI * PI), (EDGE_FORCE_Y, 2.0 * PI * PI)]);
+    let biaxial = parameters(&[(FORCE_X, 2.0 * PI * PI), (FORCE_Y, 2.0 * PI * PI)]);
     assert_close("biaxial", spectrum(&mut system, biaxial)[0].0, 0.0, 1e-11);
 }
 
@@ -381,7 +374,7 @@ fn three_models(p: &[f64]) -> [(Box<dyn System>, Vec<f64>); 3] {
 
 #[test]
 fn models_agree_on_monitors_and_profiles() {
-    let p = parameters(&[(LOAD, 30.0), (EDGE_FORCE_X, 20.0), (EDGE_FORCE_Y, -4.0)]);
+    let p = parameters(&[(LOAD, 30.0), (FORCE_X, 20.0), (FORCE_Y, -4.0)]);
     let reports = three_models(&p).map(|(mut system, x)| {
         let mut monitors = [0.0; 4];
         system.monitors(&x, &mut monitors).expect("finite");
@@ -432,7 +425,7 @@ fn the_slope_of_the_squared_frequency_at_no_load_is_minus_two() {
 fn monitor_gradients_are_those_of_difference_quotients() {
     for projection in [Projection::Direct, Projection::Multiplied] {
         let mut system = plate(SineSettings { projection, ..settings(6) });
-        let p = parameters(&[(GAP_RATIO, 1.5), (LOAD, 40.0), (ASPECT, 1.1), (EDGE_FORCE_X, 2.0)]);
+        let p = parameters(&[(GAP_RATIO, 1.5), (LOAD, 40.0), (ASPECT, 1.1), (FORCE_X, 2.0)]);
         let mut start = vec![0.0; 6];
         start[0] = 0.2;
         let x = equilibrium(&mut system, &start, &p);
@@ -505,5 +498,5 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     assert_eq!(refused(&[0.1; 3], &[(LOAD, f64::INFINITY)]).as_deref(), Some("load"));
     assert_eq!(refused(&[0.1; 3], &[(NU, 0.5)]).as_deref(), Some("nu"));
     assert_eq!(refused(&[0.1; 3], &[(NU, f64::NAN)]).as_deref(), Some("nu"));
-    assert_eq!(refused(&[0.1; 3], &[(EDGE_SHEAR, 1.0)]).as_deref(), Some("edge_shear"));
+    assert_eq!(refused(&[0.1; 3], &[(SHEAR, 1.0)]).as_deref(), Some("edge_shear"));
 }

@@ -1,8 +1,10 @@
 //! Strips: the limit of the long plate.
 
 mod plate_fold;
+mod plates;
 
-use plate_fold::{LOAD, equilibrium, fold, one_mode_start};
+use plate_fold::{equilibrium, fold, one_mode_start};
+use plates::LOAD;
 use tangency::core::dense::Dense;
 use tangency::core::zero::{System, ZeroProblem};
 use tangency::problems::plate::strip::{Ends, Strip, StripError, StripSettings};

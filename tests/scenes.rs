@@ -1,37 +1,16 @@
 //! Scenes: the built-in ones, changes by name, and texts that are no scenes.
 
+mod scenarios;
+
 use proptest::prelude::*;
+use scenarios::{built_in, refusal, traced, with};
 use tangency::core::continuation::{End, Kind};
 use tangency::output::{Document, draw, figures};
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 
-fn built_in(name: &str) -> Scene {
-    let scene = BUILT_IN.iter().find(|scene| scene.name == name).unwrap();
-    Scene::parse(scene.text).unwrap()
-}
-
-/// A scene after changes as by `--set`.
-fn with(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let mut scene = built_in(name);
-    for (name, value) in changes {
-        scene.set(name, value).unwrap_or_else(|error| panic!("{name} = {value}: {error}"));
-    }
-    scene
-}
-
-fn traced(scene: &Scene) -> Document {
-    let outcome = execute(scene, None, &mut ());
-    assert_eq!(outcome.error, None);
-    outcome.document
-}
-
 fn pull_in(scene: &Scene) -> f64 {
     let document = traced(scene);
     document.branches[0].of_kind(Kind::LP).next().expect("a fold").parameters[0]
-}
-
-fn refusal(text: &str) -> String {
-    Scene::parse(text).expect_err("refused").to_string()
 }
 
 /// Every built-in scene runs to its ends, is saved, read back the same, and drawn.

@@ -1,45 +1,14 @@
 //! Promise: the scenes of periodic orbits and of boundary-value problems have their published values by both
 //! methods, and are changed and restarted by name.
 
+mod common;
+mod scenarios;
+
+use common::close;
+use scenarios::{built_in, column, refusal, traced, with};
 use tangency::core::continuation::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
-
-fn built_in(name: &str) -> Scene {
-    let scene = BUILT_IN.iter().find(|scene| scene.name == name).unwrap();
-    Scene::parse(scene.text).unwrap()
-}
-
-/// A scene after changes as by `--set`.
-fn with(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let mut scene = built_in(name);
-    for (name, value) in changes {
-        scene.set(name, value).unwrap_or_else(|error| panic!("{name} = {value}: {error}"));
-    }
-    scene
-}
-
-fn traced(scene: &Scene) -> Document {
-    let outcome = execute(scene, None, &mut ());
-    assert_eq!(outcome.error, None);
-    outcome.document
-}
-
-fn refusal(text: &str) -> String {
-    Scene::parse(text).expect_err("refused").to_string()
-}
-
-/// The special points of a kind on a branch: the values of a column, in the order of the branch.
-fn column(document: &Document, branch: &str, kind: Kind, name: &str) -> Vec<f64> {
-    let branch = document.branch(branch).unwrap();
-    let column = branch.column(name).unwrap();
-    branch.of_kind(kind).map(|point| point.value(column).unwrap()).collect()
-}
-
-#[track_caller]
-fn near(found: f64, expected: f64, tolerance: f64) {
-    assert!((found - expected).abs() <= tolerance, "{found:.15}, not {expected:.15}");
-}
 
 /// The nonimpacting branch of Mita's actuator has its published fold and grazings, by both methods, and goes
 /// on behind them.
@@ -55,11 +24,11 @@ fn mita_has_its_fold_and_grazings_by_both_methods() {
             let document = traced(&scene);
             let branch = "nonimpacting";
             if let Some(fold) = fold {
-                near(column(&document, branch, Kind::LP, "voltage")[0], fold, 1e-11);
+                close(column(&document, branch, Kind::LP, "voltage")[0], fold, 1e-11);
             }
             let digits = if frequency == "0.485" { 1e-10 } else { 1e-11 };
-            near(column(&document, branch, Kind::G, "voltage")[0], grazing, digits);
-            near(column(&document, branch, Kind::G, "max_displacement")[0], 0.5, 1e-12);
+            close(column(&document, branch, Kind::G, "voltage")[0], grazing, digits);
+            close(column(&document, branch, Kind::G, "max_displacement")[0], 0.5, 1e-12);
             let grazing = document.branches[0].of_kind(Kind::G).next().unwrap();
             assert_eq!(grazing.event, "max_displacement = 0.5");
         }
@@ -92,7 +61,7 @@ fn mita_is_followed_through_every_fold() {
             assert_eq!(count(Kind::G), 1, "{place}");
             assert!(branch.special.iter().all(|point| point.converged), "{place}");
             let last = branch.special.last().unwrap();
-            near(last.value(branch.column("max_displacement").unwrap()).unwrap(), 0.9, 1e-9);
+            close(last.value(branch.column("max_displacement").unwrap()).unwrap(), 0.9, 1e-9);
         }
     }
 }
@@ -111,10 +80,10 @@ fn mita_folds_meet_in_a_cusp() {
         let turns = values.windows(3).filter(|v| (v[1] - v[0]) * (v[2] - v[1]) < 0.0).count();
         assert_eq!(turns, 1, "{method}: the frequency turns at the cusp only");
     }
-    near(cusps[0][0], cusps[1][0], 1e-9);
-    near(cusps[0][1], cusps[1][1], 1e-9);
-    near(cusps[0][0], 0.481968540866, 1e-9);
-    near(cusps[0][1], 0.175072777148, 1e-9);
+    close(cusps[0][0], cusps[1][0], 1e-9);
+    close(cusps[0][1], cusps[1][1], 1e-9);
+    close(cusps[0][0], 0.481968540866, 1e-9);
+    close(cusps[0][1], 0.175072777148, 1e-9);
 }
 
 /// Lur'e's orbits from the Hopf point double their period twice at the published values.
@@ -123,11 +92,11 @@ fn lure_doubles_its_period() {
     for method in ["collocation", "shooting"] {
         let document = traced(&with("lure", &[("method", method)]));
         let doubling = |branch: &str, name: &str| column(&document, branch, Kind::PD, name)[0];
-        near(column(&document, "equilibria", Kind::HB, "alpha")[0], 1.0, 1e-12);
-        near(doubling("orbits", "alpha"), 0.630302006160, 1e-11);
-        near(doubling("orbits", "period"), 6.3640713394, 1e-10);
-        near(doubling("doubled", "alpha"), 0.57962985, 1e-8);
-        near(doubling("doubled", "period"), 12.734366, 1e-6);
+        close(column(&document, "equilibria", Kind::HB, "alpha")[0], 1.0, 1e-12);
+        close(doubling("orbits", "alpha"), 0.630302006160, 1e-11);
+        close(doubling("orbits", "period"), 6.3640713394, 1e-10);
+        close(doubling("doubled", "alpha"), 0.57962985, 1e-8);
+        close(doubling("doubled", "period"), 12.734366, 1e-6);
         assert_eq!(column(&document, "doubled twice", Kind::PD, "alpha").len(), 1);
     }
 }
@@ -137,14 +106,14 @@ fn lure_doubles_its_period() {
 fn the_isothermal_reaction_has_its_cascade() {
     for method in ["collocation", "shooting"] {
         let document = traced(&with("isothermal", &[("method", method)]));
-        near(column(&document, "equilibria", Kind::HB, "lambda")[0], 12.143462567, 5e-9);
+        close(column(&document, "equilibria", Kind::HB, "lambda")[0], 12.143462567, 5e-9);
         for (branch, lambda, period) in [
             ("orbits", 10.571047456, 0.751234),
             ("doubled", 10.146517655, 1.636055),
             ("doubled twice", 10.091209039, 3.344771),
         ] {
-            near(column(&document, branch, Kind::PD, "lambda")[0], lambda, 2e-9);
-            near(column(&document, branch, Kind::PD, "period")[0], period, 1e-6);
+            close(column(&document, branch, Kind::PD, "lambda")[0], lambda, 2e-9);
+            close(column(&document, branch, Kind::PD, "period")[0], period, 1e-6);
             assert_eq!(
                 column(&document, branch, Kind::BP, "lambda").len(),
                 0,
@@ -159,8 +128,8 @@ fn the_isothermal_reaction_has_its_cascade() {
 fn bratu_has_its_fold() {
     for method in ["collocation", "shooting"] {
         let document = traced(&with("bratu", &[("method", method)]));
-        near(column(&document, "solutions", Kind::LP, "lambda")[0], 3.51383071912516, 1e-12);
-        near(column(&document, "solutions", Kind::EP, "max_u")[1], 5.0, 1e-10);
+        close(column(&document, "solutions", Kind::LP, "lambda")[0], 3.51383071912516, 1e-12);
+        close(column(&document, "solutions", Kind::EP, "max_u")[1], 5.0, 1e-10);
     }
 }
 
@@ -182,7 +151,7 @@ fn discretisations_are_set_by_name() {
             assert_eq!(document.setting(name), Some(value));
         }
     }
-    near(column(&document, "nonimpacting", Kind::LP, "voltage")[0], 0.235565433583, 1e-9);
+    close(column(&document, "nonimpacting", Kind::LP, "voltage")[0], 0.235565433583, 1e-9);
     for (name, value) in [
         ("method", "galerkin"),
         ("solution", "torus"),
@@ -253,7 +222,7 @@ fn points_of_orbits_start_runs_of_orbits() {
         let outcome = execute(&with("lure", changes), Some(&StartPoint { branch, label }), &mut ());
         assert_eq!(outcome.error, None);
         assert_eq!(outcome.document.branches[0].name, run);
-        near(column(&outcome.document, run, Kind::PD, "alpha")[0], 0.630302006160, 1e-9);
+        close(column(&outcome.document, run, Kind::PD, "alpha")[0], 0.630302006160, 1e-9);
     }
     let branch = document.branch("equilibria").unwrap().clone();
     let start = StartPoint { label: branch.special[0].label, branch };

@@ -1,5 +1,9 @@
 //! Problems of the literature that every continuation toolkit is tried on.
 
+mod impact_oscillator;
+
+pub use impact_oscillator::ImpactOscillator;
+
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor};
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;

@@ -1,13 +1,10 @@
-//! Boundary-value problems with known answers, shared by tests and benches.
+//! Boundary-value problems with known answers, shared by tests.
 #![allow(dead_code, missing_docs)]
 
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Return,
 };
-use tangency::core::extended::Extended;
-use tangency::core::newton::{Newton, Tolerances};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::System;
 
 pub fn strings(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| name.to_string()).collect()
@@ -23,48 +20,8 @@ pub fn collocated<P: BoundaryProblem>(
     BoundarySystem::new(problem, Collocation::new(points).unwrap(), meshes).unwrap()
 }
 
-/// Solves with all parameters fixed: `x = (z, p)`.
-pub fn solved(system: &mut dyn System, mut z: Vec<f64>, p: &[f64]) -> Vec<f64> {
-    let n = z.len();
-    z.extend_from_slice(p);
-    let mut equations = Extended::new(system, &z, vec![]);
-    let tolerances = Tolerances { tolerance: 1e-13, max_iterations: 20 };
-    let weights = vec![1.0 / n as f64; n];
-    let mut unknowns = z[..n].to_vec();
-    Newton::default().solve(&mut equations, &mut unknowns, None, &weights, tolerances).unwrap();
-    unknowns.extend_from_slice(p);
-    unknowns
-}
-
-/// Bratu's problem `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`.
-#[derive(Clone)]
-pub struct Bratu;
-
-/// Its fold: `λ* = 8θ²/cosh²θ` with `θ tanh θ = 1`.
+/// The fold of Bratu's problem: `λ* = 8θ²/cosh²θ` with `θ tanh θ = 1`.
 pub const FOLD: f64 = 3.51383071912516;
-
-impl BoundaryProblem for Bratu {
-    fn segments(&self) -> Vec<Vec<String>> {
-        vec![strings(&["u", "v"])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        strings(&["lambda"])
-    }
-    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = -q[0] * x[0].exp();
-    }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
-    }
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        b[0] = ends.start[0];
-        b[1] = ends.end[0];
-    }
-    fn monitors(&self) -> Vec<(String, Monitor)> {
-        vec![("max".into(), Monitor::maximum(0, 0))]
-    }
-}
 
 /// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`, `u(0) = u(1) = 0`: branch points on `u = 0` at `a = (kπ)²/10`.
 #[derive(Clone)]

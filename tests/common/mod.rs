@@ -1,9 +1,12 @@
 //! Problems with known answers, shared by the tests of the core.
 #![allow(dead_code, missing_docs)]
 
+use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Kind, SpecialPoint};
+use tangency::core::extended::Extended;
+use tangency::core::newton::{Newton, NewtonError, Tolerances};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, LeftDomain, Names, ZeroProblem};
+use tangency::core::zero::{Dynamics, LeftDomain, Names, System, ZeroProblem};
 
 /// Asserts that two numbers agree to an absolute tolerance.
 #[track_caller]
@@ -13,6 +16,47 @@ pub fn close(found: f64, expected: f64, tolerance: f64) {
         "found {found:.17e}, expected {expected:.17e}, {:.1e} apart where {tolerance:.1e} is allowed",
         (found - expected).abs()
     );
+}
+
+/// Asserts that two vectors agree, relative to what is expected where that exceeds 1.
+#[track_caller]
+pub fn agree(found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        close(*found, *expected, tolerance * expected.abs().max(1.0));
+    }
+}
+
+/// The scalar product.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Central differences of order four of a vector function along a direction, with steps of `h`.
+pub fn difference(x: &[f64], d: &[f64], h: f64, mut f: impl FnMut(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let mut at = |k: f64| f(&x.iter().zip(d).map(|(x, d)| x + k * h * d).collect::<Vec<_>>());
+    let (a, b, c, e) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
+    (0..a.len()).map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - e[i]) / (12.0 * h)).collect()
+}
+
+/// Solves with all parameters fixed: `x = (z, p)`.
+pub fn solved(system: &mut dyn System, z: &[f64], p: &[f64]) -> Result<Vec<f64>, NewtonError> {
+    let x = [z, p].concat();
+    let mut equations = Extended::new(system, &x, vec![]);
+    let tolerances = Tolerances { tolerance: 1e-13, max_iterations: 20 };
+    let weights = vec![1.0 / z.len() as f64; z.len()];
+    let mut unknowns = z.to_vec();
+    Newton::default().solve(&mut equations, &mut unknowns, None, &weights, tolerances)?;
+    unknowns.extend_from_slice(p);
+    Ok(unknowns)
+}
+
+/// `(a cos 2πτ, b sin 2πτ, 0, …)`: a guess, or a solution, on the one segment of a periodic orbit.
+pub fn ellipse(a: f64, b: f64) -> impl Fn(usize, f64, &mut [f64]) + Copy {
+    move |_, tau, x| {
+        x.fill(0.0);
+        (x[0], x[1]) = (a * (TAU * tau).cos(), b * (TAU * tau).sin());
+    }
 }
 
 /// The values of a column at all special points of a kind, ascending.

@@ -4,13 +4,11 @@
 use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::dense::Dense;
-use tangency::core::extended::Extended;
 use tangency::core::field::{Equilibria, VectorField};
 use tangency::core::flow::Scheme;
-use tangency::core::newton::{Newton, NewtonError, Tolerances};
 use tangency::core::orbit::{Orbit, by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Names, System};
+use tangency::core::zero::Names;
 
 pub type ByCollocation<F> = BoundarySystem<Orbit<F>, Collocation>;
 pub type ByShooting<F> = BoundarySystem<Orbit<F>, Shooting>;
@@ -26,18 +24,6 @@ pub fn shot<F: VectorField>(field: F, segments: usize) -> ByShooting<F> {
 pub fn precisely_shot<F: VectorField>(field: F, segments: usize) -> ByShooting<F> {
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     by_shooting(field, segments, method).unwrap()
-}
-
-/// Solves with all parameters fixed: `x = (z, p)`.
-pub fn solved(system: &mut dyn System, z: &[f64], p: &[f64]) -> Result<Vec<f64>, NewtonError> {
-    let x = [z, p].concat();
-    let mut equations = Extended::new(system, &x, vec![]);
-    let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 20 };
-    let weights = vec![1.0 / z.len() as f64; z.len()];
-    let mut unknowns = z.to_vec();
-    Newton::default().solve(&mut equations, &mut unknowns, None, &weights, tolerances)?;
-    unknowns.extend_from_slice(p);
-    Ok(unknowns)
 }
 
 /// The equilibria of a field in its first parameter, from a guess.

@@ -1,11 +1,9 @@
 //! Equilibria and folds of plates and strips, found by the plainest of methods: independent of the
 //! solvers under test elsewhere.
 
+use crate::plates::LOAD;
 use tangency::core::dense::Dense;
 use tangency::core::zero::{Border, Slot, System, ZeroProblem};
-
-/// The position of the load among the parameters.
-pub const LOAD: usize = 0;
 
 /// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
 pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f64]) -> Vec<f64> {

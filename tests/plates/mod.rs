@@ -1,9 +1,20 @@
 //! Plates and their branches, as several tests ask for them.
-#![allow(dead_code)]
+#![allow(dead_code, missing_docs)]
 
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings, SpecialPoint};
 use tangency::core::zero::System;
 use tangency::problems::plate::{InPlane, PlateSettings, Theory, Units};
+
+/// Positions of the dimensionless parameters.
+pub const LOAD: usize = 0;
+pub const GAP_RATIO: usize = 1;
+pub const ASPECT: usize = 2;
+pub const NU: usize = 3;
+pub const FORCE: usize = 4;
+pub const FORCE_X: usize = 5;
+pub const FORCE_Y: usize = 6;
+pub const SHEAR: usize = 7;
+pub const PRESSURE: usize = 8;
 
 /// The four in-plane models of the edges.
 pub const IN_PLANE: [InPlane; 4] =
@@ -24,7 +35,7 @@ pub fn linear(supports: &str) -> PlateSettings {
 /// The system of a plate fit for aspect ratios up to this one.
 pub fn system(settings: &PlateSettings, aspect: f64) -> Box<dyn System> {
     let mut reach = Units::Dimensionless.defaults().to_vec();
-    reach[2] = aspect;
+    reach[ASPECT] = aspect;
     settings.system(Units::Dimensionless.defaults(), &reach).expect("a plate")
 }
 

@@ -1,0 +1,119 @@
+//! The forced linear impact oscillator.
+
+use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+use std::f64::consts::TAU;
+
+/// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983): a mass on a
+/// spring beside a stop, with displacement `x ≤ d` and velocity `v`,
+///
+/// ```text
+///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
+/// ```
+///
+/// in the mode *flight*. Impacts that accumulate lead into the mode *contact*, in which the mass rests against the
+/// stop while the contact force `A cos ωt − d` is positive.
+///
+/// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω, `restitution` e,
+/// `damping` c, `clearance` d; guards `impact` and `leave`.
+///
+/// ```
+/// use tangency::core::hybrid::HybridSystem;
+/// use tangency::problems::classic::ImpactOscillator;
+/// let p = ImpactOscillator::DEFAULTS;
+/// let mut f = [0.0; 2];
+/// ImpactOscillator.field(ImpactOscillator::FLIGHT, 0.0, &[0.5, 1.0], &p, &mut f);
+/// assert_eq!(f, [1.0, 0.05 - 0.5 - 0.1]);
+/// // The stop is 0.5 away; an impact leaves 0.8 of the speed.
+/// assert_eq!(ImpactOscillator.guard(ImpactOscillator::IMPACT, 0.0, &[0.5, 1.0], &p), 0.5);
+/// let mut after = [0.0; 2];
+/// let (impact, flight) = (ImpactOscillator::IMPACT, ImpactOscillator::FLIGHT);
+/// ImpactOscillator.reset(impact, flight, 0.0, &[1.0, 2.0], &p, &mut after);
+/// assert_eq!(after, [1.0, -1.6]);
+/// // The motion without impacts has the largest displacement A/√((1 − ω²)² + (cω)²) = 0.5.
+/// assert_eq!(p[0] / ((1.0 - p[1] * p[1]).hypot(p[3] * p[1])), 0.5);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct ImpactOscillator;
+
+impl ImpactOscillator {
+    /// The default values of the parameters.
+    pub const DEFAULTS: [f64; 5] = [0.05, 1.0, 0.8, 0.1, 1.0];
+    /// The mode of motion off the stop.
+    pub const FLIGHT: usize = 0;
+    /// The mode of rest against the stop.
+    pub const CONTACT: usize = 1;
+    /// The guard of flight.
+    pub const IMPACT: usize = 0;
+    /// The guard of contact.
+    pub const LEAVE: usize = 1;
+}
+
+impl HybridSystem for ImpactOscillator {
+    fn modes(&self) -> Vec<Mode> {
+        vec![
+            Mode::new("flight", ["displacement", "velocity"]),
+            Mode::new("contact", ["displacement"]),
+        ]
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        vec![
+            Guard::new("impact", Self::FLIGHT).accumulating_to(Self::CONTACT),
+            Guard::new("leave", Self::CONTACT),
+        ]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        ["amplitude", "frequency", "restitution", "damping", "clearance"].map(String::from).into()
+    }
+
+    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        if mode == Self::CONTACT {
+            f[0] = T::zero();
+            return;
+        }
+        let [amplitude, frequency, damping] = [p[0], p[1], p[3]];
+        f[0] = x[1];
+        f[1] = amplitude * (frequency * t).cos() - x[0] - damping * x[1];
+    }
+
+    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+        let [amplitude, frequency, clearance] = [p[0], p[1], p[4]];
+        match guard {
+            Self::IMPACT => clearance - x[0],
+            _ => amplitude * (frequency * t).cos() - x[0],
+        }
+    }
+
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        next: usize,
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
+        after[0] = x[0];
+        if next == Self::FLIGHT {
+            after[1] = if guard == Self::IMPACT { -p[2] * x[1] } else { T::zero() };
+        }
+    }
+
+    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        Self::FLIGHT
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+        Some(p[1].recip() * TAU)
+    }
+
+    fn domain(&self, _mode: usize, _x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        if p[1] <= 0.0 {
+            return Err(LeftDomain::new("frequency", p[1], "the frequency must be more than 0"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,39 @@
+//! What Newton's method allocates once it has been warmed up. A module of its own, since the counter replaces
+//! the allocator of every program that it is part of.
+
+use tangency::core::condition::Condition;
+use tangency::core::extended::Extended;
+use tangency::core::newton::{Newton, Tolerances};
+use tangency::core::zero::System;
+
+const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+
+/// Solves three times from the same start, in which everything beyond the held condition is square, and
+/// counts what the last solve allocates.
+pub fn allocations(
+    system: &mut dyn System,
+    x: &[f64],
+    released: Vec<usize>,
+    condition: Option<Box<dyn Condition>>,
+) -> u64 {
+    let mut equations = Extended::new(system, x, released);
+    let mut start = equations.unload(x);
+    if let Some(condition) = condition {
+        start = equations.hold(condition, &start).unwrap();
+    }
+    let weights = vec![1.0; start.len()];
+    let mut newton = Newton::default();
+    let mut unknowns = start.clone();
+    // The second time, what was learned about the equations' curvature may change the way.
+    for _ in 0..2 {
+        newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
+        unknowns.copy_from_slice(&start);
+    }
+    let mut iterations = 0;
+    let counted = allocation_counter::measure(|| {
+        let report = newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES);
+        iterations = report.map_or(0, |report| report.iterations);
+    });
+    assert!(iterations >= 1, "the last solve converges as the others did");
+    counted.count_total
+}
