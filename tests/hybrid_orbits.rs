@@ -58,6 +58,25 @@ fn impacting_orbits_have_their_speeds_and_multipliers() {
     }
 }
 
+/// Where the impact has no speed the equations are as regular as elsewhere: only a multiplier is infinite.
+#[test]
+fn impacting_orbits_are_regular_where_they_graze() {
+    for frequency in [0.7, 2.2] {
+        let form = ClosedForm::usual(frequency);
+        for u in [1e-3, 1e-6, 0.0] {
+            for start in impacting(&form, u) {
+                let orbit = start.solved();
+                close(-orbit.first("velocity"), form.restitution * u, DIGITS);
+                let [large, small] = multipliers(form.trace(u), form.determinant());
+                let found = &orbit.multipliers;
+                close(found[0].0.recip(), large.0.recip(), DIGITS);
+                // Both others are zero where the speed is.
+                close(found[1].0, small.0, 1e-7);
+            }
+        }
+    }
+}
+
 /// Orbits with one impact fold, or double their period.
 #[test]
 fn impacting_orbits_fold_and_double() {
