@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 use tangency::core::scalar::Scalar;
+use tangency::problems::classic::ImpactOscillator;
 
 /// What the closed forms are written in: all parameters but the amplitude.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,12 @@ impl ClosedForm {
         let stiffness = (1.0 - frequency * frequency).hypot(damping * frequency);
         let (a, b) = (-q * kick, (p - 1.0) * kick);
         ClosedForm { frequency, restitution, damping, clearance, stiffness, flow, a, b }
+    }
+
+    /// With the default values of the parameters but for the frequency.
+    pub fn usual(frequency: f64) -> Self {
+        let [_, _, restitution, damping, clearance] = ImpactOscillator::DEFAULTS;
+        ClosedForm::new(frequency, restitution, damping, clearance)
     }
 
     /// The amplitude of forcing at which the motion without impacts grazes the stop.

@@ -6,7 +6,9 @@ pub mod bouncing_ball;
 pub mod coulomb;
 pub mod dry_impact;
 pub mod impact_oscillator;
+pub mod orbits;
 pub mod piecewise;
+pub mod reference;
 
 use num_dual::Dual64;
 use tangency::core::hybrid::HybridSystem;

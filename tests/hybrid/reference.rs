@@ -1,0 +1,63 @@
+//! Any of the systems with known answers, as one type: what is generic over systems is compiled once for all.
+
+use super::belt::Belt;
+use super::bouncing_ball::BouncingBall;
+use super::coulomb::Coulomb;
+use super::dry_impact::DryImpact;
+use super::piecewise::Piecewise;
+use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::scalar::Scalar;
+use tangency::problems::classic::ImpactOscillator;
+
+#[derive(Clone, Copy, Debug)]
+pub enum Reference {
+    Belt,
+    BouncingBall,
+    Coulomb,
+    DryImpact,
+    ImpactOscillator,
+    Piecewise,
+}
+
+/// What the system says.
+macro_rules! of {
+    ($reference:expr, $system:ident => $answer:expr) => {
+        of!($reference, $system => $answer,
+            [Belt, BouncingBall, Coulomb, DryImpact, ImpactOscillator, Piecewise])
+    };
+    ($reference:expr, $system:ident => $answer:expr, [$($name:ident),*]) => {
+        match $reference {
+            $(Reference::$name => {
+                let $system = $name;
+                $answer
+            })*
+        }
+    };
+}
+
+impl HybridSystem for Reference {
+    fn modes(&self) -> Vec<Mode> {
+        of!(self, system => system.modes())
+    }
+    fn guards(&self) -> Vec<Guard> {
+        of!(self, system => system.guards())
+    }
+    fn parameters(&self) -> Vec<String> {
+        of!(self, system => system.parameters())
+    }
+    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        of!(self, system => system.field(mode, t, x, p, f));
+    }
+    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+        of!(self, system => system.guard(guard, t, x, p))
+    }
+    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+        of!(self, system => system.reset(guard, next, t, x, p, after));
+    }
+    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        of!(self, system => system.next(guard, t, x, p))
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+        of!(self, system => system.period(p))
+    }
+}
