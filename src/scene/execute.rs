@@ -1,7 +1,7 @@
 //! Tracing the runs of a scene, one after the other.
 
 use super::{Run, Scene, SceneError, Start, Way};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Observer};
+use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
 use crate::core::zero::{Group, System};
 use crate::output::{Document, UnknownName};
 
@@ -63,7 +63,8 @@ pub fn execute(
     for (index, run) in runs.iter().enumerate() {
         observer.run(run, index, runs.len());
         match trace(scene, run, start, &done, &mut *observer) {
-            Ok(branch) => {
+            Ok(mut branch) => {
+                join(&mut branch, &done);
                 let interrupted = branch.ends.contains(&End::Interrupted);
                 done.push(branch);
                 if interrupted {
@@ -79,6 +80,35 @@ pub fn execute(
     let shown = |branch: &Branch| runs.iter().any(|run| run.shown && run.name == branch.name);
     document.branches = done.into_iter().filter(shown).collect();
     Outcome { document, error }
+}
+
+/// Two grazings are one if no number of theirs differs by more than this part.
+const SAME: f64 = 1e-7;
+
+/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of this branch.
+fn join(branch: &mut Branch, done: &[Branch]) {
+    let mine = |branch: &Branch, column: &str, special: &SpecialPoint| {
+        branch.column(column).and_then(|k| special.value(k))
+    };
+    let (columns, this) = (branch.columns().map(String::from).collect::<Vec<_>>(), branch.clone());
+    for special in branch.special.iter_mut().filter(|special| special.kind == Kind::G) {
+        let same = |other: &Branch, there: &SpecialPoint| {
+            columns.iter().all(|column| {
+                match (mine(&this, column, special), mine(other, column, there)) {
+                    (Some(a), Some(b)) => (a - b).abs() <= SAME * a.abs().max(1.0),
+                    _ => true,
+                }
+            })
+        };
+        let others =
+            done.iter().filter(|other| other.condition.is_none() && this.condition.is_none());
+        let met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
+        if let Some((other, there)) = met.into_iter().find(|(other, there)| same(other, there)) {
+            special.kind = Kind::EP;
+            special.event =
+                format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
+        }
+    }
 }
 
 /// The shown run that goes on with a branch.

@@ -22,6 +22,7 @@ mod landing;
 mod leg;
 mod measure;
 mod recurrence;
+mod settling;
 mod simulation;
 mod system;
 

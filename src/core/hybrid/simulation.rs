@@ -99,26 +99,26 @@ pub struct HybridStatistics {
 /// # Ok::<(), tangency::core::hybrid::HybridError>(())
 /// ```
 pub struct HybridFlow<'a, S, T: Scalar> {
-    system: &'a S,
-    modes: Vec<Mode>,
-    guards: Vec<Guard>,
+    pub(super) system: &'a S,
+    pub(super) modes: Vec<Mode>,
+    pub(super) guards: Vec<Guard>,
     settings: HybridSettings,
     flow: Flow<T>,
     roots: Vec<Roots<T, GuardOf<'a, S>>>,
-    series: Vec<Series<T>>,
-    event: Event<T>,
+    pub(super) series: Vec<Series<T>>,
+    pub(super) event: Event<T>,
     /// Real parts of a state.
-    x: Vec<f64>,
+    pub(super) x: Vec<f64>,
     /// Real parts of the parameters.
-    p: Vec<f64>,
+    pub(super) p: Vec<f64>,
 }
 
 /// A motion under way: where it ends, and what it has cost.
-struct Run<'a, T, O> {
+pub(super) struct Run<'a, T, O> {
     end: T,
     p: &'a [T],
     observer: &'a mut O,
-    statistics: HybridStatistics,
+    pub statistics: HybridStatistics,
     /// When time moved last, and how many events have come since.
     still: (f64, usize),
 }
@@ -321,43 +321,8 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         self.x.extend(self.event.before.iter().map(T::real));
     }
 
-    /// Goes on from the accumulation of the events of a guard.
-    fn settle<O: HybridObserver<T>>(
-        &mut self,
-        accumulation: Accumulation<T>,
-        time: T,
-        state: &mut HybridState<T>,
-        run: &mut Run<T, O>,
-    ) -> Result<ControlFlow<()>, HybridError> {
-        let Event { guard, mode, .. } = self.event;
-        let series = &self.series[guard];
-        let before =
-            if accumulation == Accumulation::Here { &self.event.before } else { &series.limit };
-        self.x.clear();
-        self.x.extend(before.iter().map(T::real));
-        let Some(next) = self.system.settled(guard, time.real(), &self.x, &self.p) else {
-            return match accumulation {
-                Accumulation::At(_) => Err(HybridError::Accumulation {
-                    time: time.real(),
-                    mode: self.modes[mode].name.clone(),
-                    guard: self.guards[guard].name.clone(),
-                    events: series.events,
-                    ratio: series.ratio.real(),
-                    interval: series.interval.real(),
-                }),
-                _ => Ok(ControlFlow::Continue(())),
-            };
-        };
-        if accumulation != Accumulation::Here {
-            self.event.before.clone_from(&series.limit);
-        }
-        (self.event.time, self.event.approach, self.event.accumulation) = (time, 0.0, true);
-        run.statistics.accumulations += 1;
-        self.pass(next, state, run)
-    }
-
     /// Resets the state to the next mode and shows the event.
-    fn pass<O: HybridObserver<T>>(
+    pub(super) fn pass<O: HybridObserver<T>>(
         &mut self,
         next: usize,
         state: &mut HybridState<T>,

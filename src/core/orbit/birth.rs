@@ -106,7 +106,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
     fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, EvaluationError> {
         let mut nearest: Option<Touch> = None;
         for leg in 0..self.itinerary().legs.len() {
-            for guard in self.guards_of(leg) {
+            for guard in self.guards_in(self.itinerary().legs[leg].mode) {
                 let watch = OnLeg { orbit: self, leg, guard };
                 let found = self.dip(&watch, &starts[self.of_leg(leg)], q)?;
                 let nearer =

@@ -18,6 +18,7 @@ use crate::core::zero::LeftDomain;
 /// | `forward`, `backward` | `u₁' = −(R ± μ_d N)/m₁, u₂' = R − u₁'` | `−δ < q₂ < δ`, `±u₁ > 0` |
 /// | `contact` | at rest at `q₂ = δ` | `R > 0` |
 /// | `riding_forward`, `riding_backward` | `u₁' = ∓μ_d N/(m₁ + 1)`, at `q₂ = δ` | `±u₁ > 0`, `R ± μ_d N/(m₁ + 1) > 0` |
+/// | `riding_back` | `u₁' = μ_d N/(m₁ + 1)`, at `q₂ = −δ` | `u₁ < 0`, `R − μ_d N/(m₁ + 1) < 0` |
 ///
 /// An impact at `q₂ = ±δ` conserves momentum and leaves the part `e` of the relative velocity,
 ///
@@ -26,8 +27,8 @@ use crate::core::zero::LeftDomain;
 /// ```
 ///
 /// and sets the frame in motion. Where the frame comes to rest it sticks if `|R| ≤ μ_s N`, and is moved against `R`
-/// otherwise. Where impacts on the front stopper accumulate, the block stays in contact if it is pressed against
-/// it. (The force never presses it against the back one.)
+/// otherwise. Where impacts accumulate, the block stays in contact if it is pressed against the stopper: by the
+/// force, or because friction brakes the frame. (The force alone never presses it against the back stopper.)
 ///
 /// Every mode has the state `displacement`, all but those in contact `velocity`; where the frame slips there are
 /// `frame_velocity` and `frame_displacement`, which is counted from the start of the mode: no equation reads it.
@@ -88,8 +89,9 @@ impl<T: Scalar> Parameters<T> {
         if Actuator::moves_forward(mode) { -friction } else { friction }
     }
 
-    /// The part of the force `R`, in excess of which the block is pressed against the front stopper.
-    fn pressing(&self, mode: usize, r: T) -> T {
+    /// The force `R` in excess of what takes the block along with the frame: positive where the block is pressed
+    /// against the front stopper, negative where against the back one.
+    fn excess(&self, mode: usize, r: T) -> T {
         match Actuator::slips(mode) {
             true => r - self.on_the_frame(mode) / self.mass(),
             false => r,
@@ -123,7 +125,7 @@ impl Cause {
 
 /// The guards by what they tell and the mode that they end. What comes first counts among events that come
 /// together.
-const GUARDS: [(Cause, usize); 15] = [
+const GUARDS: [(Cause, usize); 17] = [
     (Cause::Front, Actuator::STICK),
     (Cause::Front, Actuator::FORWARD),
     (Cause::Front, Actuator::BACKWARD),
@@ -134,11 +136,13 @@ const GUARDS: [(Cause, usize); 15] = [
     (Cause::Rest, Actuator::BACKWARD),
     (Cause::Rest, Actuator::RIDING_FORWARD),
     (Cause::Rest, Actuator::RIDING_BACKWARD),
+    (Cause::Rest, Actuator::RIDING_BACK),
     (Cause::SlideForward, Actuator::STICK),
     (Cause::SlideBackward, Actuator::STICK),
     (Cause::Leave, Actuator::CONTACT),
     (Cause::Leave, Actuator::RIDING_FORWARD),
     (Cause::Leave, Actuator::RIDING_BACKWARD),
+    (Cause::Leave, Actuator::RIDING_BACK),
 ];
 
 impl Actuator {
@@ -152,20 +156,22 @@ impl Actuator {
     pub const BACKWARD: usize = 2;
     /// The frame at rest, the block in contact with the front stopper.
     pub const CONTACT: usize = 3;
-    /// The frame moves forward, the block in contact.
+    /// The frame moves forward, the block in contact with the front stopper.
     pub const RIDING_FORWARD: usize = 4;
-    /// The frame moves backward, the block in contact.
+    /// The frame moves backward, the block in contact with the front stopper.
     pub const RIDING_BACKWARD: usize = 5;
+    /// The frame moves backward, the block in contact with the back stopper.
+    pub const RIDING_BACK: usize = 6;
     /// Impacts on the front stopper, by mode.
     pub const FRONT: [usize; 3] = [0, 1, 2];
     /// Impacts on the back stopper, by mode.
     pub const BACK: [usize; 3] = [3, 4, 5];
-    /// The end of slip: forward, backward, riding forward and backward.
-    pub const REST: [usize; 4] = [6, 7, 8, 9];
+    /// The end of slip: forward, backward, riding forward, riding backward, and on the back stopper.
+    pub const REST: [usize; 5] = [6, 7, 8, 9, 10];
     /// The beginning of slip without an impact: forward and backward.
-    pub const SLIDE: [usize; 2] = [10, 11];
-    /// The end of contact: at rest, riding forward and backward.
-    pub const LEAVE: [usize; 3] = [12, 13, 14];
+    pub const SLIDE: [usize; 2] = [11, 12];
+    /// The end of contact: at rest, riding forward, riding backward, and on the back stopper.
+    pub const LEAVE: [usize; 4] = [13, 14, 15, 16];
 
     fn moves_forward(mode: usize) -> bool {
         mode == Self::FORWARD || mode == Self::RIDING_FORWARD
@@ -176,7 +182,7 @@ impl Actuator {
         mode != Self::STICK && mode != Self::CONTACT
     }
 
-    /// Whether the block is in contact with the front stopper.
+    /// Whether the block is in contact with a stopper.
     fn touches(mode: usize) -> bool {
         mode >= Self::CONTACT
     }
@@ -188,6 +194,15 @@ impl Actuator {
             (false, false) => [x[0], x[1], T::zero()],
             (true, true) => [x[0], T::zero(), x[1]],
             (true, false) => [x[0], T::zero(), T::zero()],
+        }
+    }
+
+    /// The mode in which the block stays in contact with a stopper, the frame moving on as in a mode; if it can.
+    fn contact(cause: Cause, mode: usize) -> Option<usize> {
+        match (cause, mode) {
+            (Cause::Front, _) => Some(mode + Self::CONTACT),
+            (Cause::Back, Self::BACKWARD) => Some(Self::RIDING_BACK),
+            _ => None,
         }
     }
 
@@ -223,8 +238,15 @@ impl HybridSystem for Actuator {
     fn modes(&self) -> Vec<Mode> {
         let (block, frame) =
             (["displacement", "velocity"], ["frame_velocity", "frame_displacement"]);
-        let names =
-            ["stick", "forward", "backward", "contact", "riding_forward", "riding_backward"];
+        let names = [
+            "stick",
+            "forward",
+            "backward",
+            "contact",
+            "riding_forward",
+            "riding_backward",
+            "riding_back",
+        ];
         let mode = |(number, name): (usize, &str)| {
             let states = if Self::touches(number) { &block[..1] } else { &block[..] };
             let frame = if Self::slips(number) { &frame[..] } else { &[] };
@@ -234,13 +256,11 @@ impl HybridSystem for Actuator {
     }
 
     fn guards(&self) -> Vec<Guard> {
-        let contact =
-            |guard: usize| Self::FRONT.contains(&guard).then(|| GUARDS[guard].1 + Self::CONTACT);
-        let guard = |(number, (cause, mode)): (usize, (Cause, usize))| Guard {
-            contact: contact(number),
+        let guard = |(cause, mode): (Cause, usize)| Guard {
+            contact: Self::contact(cause, mode),
             ..Guard::new(cause.name(), mode)
         };
-        GUARDS.into_iter().enumerate().map(guard).collect()
+        GUARDS.map(guard).into()
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -293,7 +313,8 @@ impl HybridSystem for Actuator {
             }
             Cause::SlideForward => holding() + force(),
             Cause::SlideBackward => holding() - force(),
-            Cause::Leave => parameters.pressing(mode, force()),
+            Cause::Leave if mode == Self::RIDING_BACK => -parameters.excess(mode, force()),
+            Cause::Leave => parameters.excess(mode, force()),
         }
     }
 
@@ -309,7 +330,8 @@ impl HybridSystem for Actuator {
         let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
         let [q, u, v] = Self::motion(mode, x);
         if Self::touches(next) {
-            after[0] = parameters.clearance;
+            let front = next != Self::RIDING_BACK;
+            after[0] = if front { parameters.clearance } else { -parameters.clearance };
             if Self::slips(next) {
                 (after[1], after[2]) = (v, T::zero());
             }
@@ -328,26 +350,33 @@ impl HybridSystem for Actuator {
 
     fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
-        let motion = Self::motion(mode, x);
+        let motion @ [q, ..] = Self::motion(mode, x);
         let r = Self::force(mode, t, x, &parameters);
         match cause {
             Cause::Front | Cause::Back => {
                 let [u, v] = Self::impact(motion, &parameters);
-                Self::of_velocity(v, force(t, motion[0], u, parameters.block), &parameters)
+                Self::of_velocity(v, force(t, q, u, parameters.block), &parameters)
             }
-            Cause::Rest if Self::touches(mode) && r > 0.0 => Self::CONTACT,
+            Cause::Rest if Self::touches(mode) && q > 0.0 && r > 0.0 => Self::CONTACT,
             Cause::Rest => Self::of_velocity(0.0, r, &parameters),
             Cause::SlideForward => Self::FORWARD,
             Cause::SlideBackward => Self::BACKWARD,
+            Cause::Leave if mode == Self::RIDING_BACK => Self::BACKWARD,
             Cause::Leave => mode - Self::CONTACT,
         }
     }
 
+    /// Contact, or the same mode where the block is not pressed against the stopper.
     fn settled(&self, guard: usize, t: f64, _x: &[f64], p: &[f64]) -> Option<usize> {
         let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
-        let r = force(t, parameters.clearance, 0.0, parameters.block);
-        let pressed = matches!(cause, Cause::Front) && parameters.pressing(mode, r) > 0.0;
-        pressed.then_some(mode + Self::CONTACT)
+        let Parameters { block, clearance, .. } = parameters;
+        let excess = |q: f64| parameters.excess(mode, force(t, q, 0.0, block));
+        let pressed = match cause {
+            Cause::Front => excess(clearance) > 0.0,
+            Cause::Back => excess(-clearance) < 0.0,
+            _ => return None,
+        };
+        Some(Self::contact(cause, mode).filter(|_| pressed).unwrap_or(mode))
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {

@@ -22,8 +22,15 @@ pub(super) struct Seen {
     pub dip: Option<Sighting>,
     /// The first place where it rises through zero: between these two, in one interval.
     pub rise: Option<[Sighting; 2]>,
-    falling: bool,
+    /// From where it falls, if it does.
+    falling_from: Option<f64>,
+    /// A local minimum, once it has risen enough from there.
+    turn: Option<Sighting>,
 }
+
+/// A local minimum is one if the scalar falls and rises by more than this: where a segment begins or ends
+/// tangent to a surface, rounding makes shallower ones.
+const DEPTH: f64 = 1e-12;
 
 impl Seen {
     const NOTHING: Seen = {
@@ -34,7 +41,8 @@ impl Seen {
             last: nowhere,
             dip: None,
             rise: None,
-            falling: false,
+            falling_from: None,
+            turn: None,
         }
     };
 
@@ -46,14 +54,22 @@ impl Seen {
         if value < self.smallest.value || self.smallest.value.is_nan() {
             self.smallest = here;
         }
-        if value > last.value && self.falling && self.dip.is_none_or(|d| last.value < d.value) {
-            self.dip = Some(last);
+        if value > last.value && self.falling_from.is_some_and(|from| from > last.value + DEPTH) {
+            self.turn = Some(last);
+        }
+        if let Some(turn) = self.turn.filter(|turn| value > turn.value + DEPTH) {
+            self.turn = None;
+            if self.dip.is_none_or(|dip| turn.value < dip.value) {
+                self.dip = Some(turn);
+            }
         }
         if last.value <= 0.0 && value > 0.0 && self.rise.is_none() {
             self.rise = Some([last, here]);
         }
-        if value != last.value {
-            self.falling = value < last.value;
+        if value > last.value {
+            self.falling_from = None;
+        } else if value < last.value && self.falling_from.is_none() {
+            self.falling_from = Some(last.value);
         }
         self.last = here;
     }

@@ -1,0 +1,59 @@
+//! Where motion goes on when events have accumulated.
+
+use super::chatter::Accumulation;
+use super::error::HybridError;
+use super::event::{Event, HybridObserver};
+use super::simulation::{HybridFlow, HybridState, Run};
+use super::system::HybridSystem;
+use crate::core::scalar::Scalar;
+use std::ops::ControlFlow;
+
+impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
+    /// Goes on from the accumulation of the events of a guard, unless another event of its mode comes before.
+    pub(super) fn settle<O: HybridObserver<T>>(
+        &mut self,
+        accumulation: Accumulation<T>,
+        time: T,
+        state: &mut HybridState<T>,
+        run: &mut Run<T, O>,
+    ) -> Result<ControlFlow<()>, HybridError> {
+        let (guard, here) = (self.event.guard, accumulation == Accumulation::Here);
+        let before = if here { &self.event.before } else { &self.series[guard].limit };
+        self.x.clear();
+        self.x.extend(before.iter().map(T::real));
+        if !here && self.another_comes_before(time.real()) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let Some(next) = self.system.settled(guard, time.real(), &self.x, &self.p) else {
+            let unsettled = Err(self.unsettled(time.real()));
+            return if here { Ok(ControlFlow::Continue(())) } else { unsettled };
+        };
+        if !here {
+            self.event.before.clone_from(&self.series[guard].limit);
+        }
+        (self.event.time, self.event.approach, self.event.accumulation) = (time, 0.0, true);
+        run.statistics.accumulations += 1;
+        self.pass(next, state, run)
+    }
+
+    /// Whether another guard of the mode is negative at the accumulation, the real parts of which are in `x`.
+    fn another_comes_before(&self, time: f64) -> bool {
+        let Event { guard, mode, .. } = self.event;
+        let mut others =
+            (0..self.guards.len()).filter(|g| *g != guard && self.guards[*g].mode == mode);
+        others.any(|g| self.system.guard(g, time, &self.x, &self.p) < 0.0)
+    }
+
+    fn unsettled(&self, time: f64) -> HybridError {
+        let Event { guard, mode, .. } = self.event;
+        let series = &self.series[guard];
+        HybridError::Accumulation {
+            time,
+            mode: self.modes[mode].name.clone(),
+            guard: self.guards[guard].name.clone(),
+            events: series.events,
+            ratio: series.ratio.real(),
+            interval: series.interval.real(),
+        }
+    }
+}
