@@ -287,11 +287,19 @@ impl Tracer<'_> {
                     && (!located.special.converged
                         || (other.along - located.along).abs() < 1e-3 * length)
             };
+            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
+            // point, which a fold defines.
+            let folds = |other: &Located| {
+                other.special.kind == Kind::LP
+                    && (other.along - located.along).abs() < 1e-3 * length
+            };
+            let on_grazings = self.branch.condition == Some(Kind::G);
+            let vertical = kind == Kind::PD && on_grazings && found.iter().any(folds);
             let pitchfork = at_start && self.from_branch_point;
             let double = kind == Kind::LP && (pitchfork || found.iter().any(same));
             let bound = index < self.sides.len();
             let of_the_start = at_start && !bound && located.along <= AT_START;
-            if !(double || of_the_start) {
+            if !(double || vertical || of_the_start) {
                 found.push(located);
             }
         }
