@@ -197,7 +197,7 @@ impl BoundaryProblem for Wrong {
         Return::of_states(1)
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        vec![("max".into(), Monitor::Maximum { segment: 0, state: self.monitor })]
+        vec![("max".into(), Monitor::maximum(0, self.monitor))]
     }
 }
 

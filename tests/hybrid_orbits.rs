@@ -130,11 +130,13 @@ fn the_belts_orbit_has_its_period() {
         let sticks = belt::stick(friction, kinetic);
         let sticking = 2.0 * (friction - kinetic) / belt;
         let period = belt::period(friction, kinetic, belt);
+        let largest = belt::largest(friction, kinetic, belt);
         let durations = [sticking, (period - sticking) * (1.0 + ASIDE)];
         let starts: [&[f64]; 2] = [&[sticks], &[friction, belt]];
         for start in by_both(Reference::Belt, "stick:slip slower:catch", &starts, &durations, &p) {
-            let orbit = start.solved();
-            close(orbit.first("duration[0]") + orbit.first("duration[1]"), period, DIGITS);
+            let mut orbit = start.solved();
+            close(orbit.monitor("period"), period, DIGITS);
+            close(orbit.monitor("max_displacement"), largest, DIGITS);
             close(orbit.first("displacement[0]"), sticks, DIGITS);
             has_multipliers(&orbit, &[]);
         }
@@ -150,9 +152,9 @@ fn den_hartogs_motion_has_its_amplitude() {
         let extras = [coulomb::phase(beta, friction) / beta, half, half];
         for start in by_both(Reference::Coulomb, "backward:low forward:high", &starts, &extras, &p)
         {
-            let orbit = start.solved();
-            close(orbit.first("displacement[0]"), x, DIGITS);
-            close(orbit.first("displacement[1]"), -x, DIGITS);
+            let mut orbit = start.solved();
+            close(orbit.monitor("max_displacement"), x, DIGITS);
+            close(orbit.monitor("min_displacement"), -x, DIGITS);
         }
     }
 }
@@ -165,9 +167,8 @@ fn the_piecewise_field_has_its_cycle() {
         let durations = [PI, cycle.right];
         let words = "left:rightwards right:leftwards";
         for start in by_both(Reference::Piecewise, words, &starts, &durations, &p) {
-            let orbit = start.solved();
-            let period = orbit.first("duration[0]") + orbit.first("duration[1]");
-            close(period, PI + cycle.right, DIGITS);
+            let mut orbit = start.solved();
+            close(orbit.monitor("period"), PI + cycle.right, DIGITS);
             close(orbit.first("x2[0]"), cycle.top, DIGITS);
             has_multipliers(&orbit, &[(cycle.multiplier, 0.0)]);
         }

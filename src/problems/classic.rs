@@ -116,6 +116,6 @@ impl BoundaryProblem for Bratu {
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        vec![("max_u".into(), Monitor::Maximum { segment: 0, state: 0 })]
+        vec![("max_u".into(), Monitor::maximum(0, 0))]
     }
 }

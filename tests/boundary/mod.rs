@@ -46,10 +46,7 @@ impl BoundaryProblem for TrivialBranch {
         b[1] = ends.end[0];
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        vec![
-            ("max".into(), Monitor::Maximum { segment: 0, state: 0 }),
-            ("min".into(), Monitor::Minimum { segment: 0, state: 0 }),
-        ]
+        vec![("max".into(), Monitor::maximum(0, 0)), ("min".into(), Monitor::minimum(0, 0))]
     }
 }
 
@@ -128,8 +125,8 @@ impl BoundaryProblem for Glued {
     fn monitors(&self) -> Vec<(String, Monitor)> {
         vec![
             ("duration".into(), Monitor::Duration),
-            ("highest".into(), Monitor::Maximum { segment: 1, state: 1 }),
-            ("lowest".into(), Monitor::Minimum { segment: 1, state: 0 }),
+            ("highest".into(), Monitor::maximum(1, 1)),
+            ("lowest".into(), Monitor::minimum(1, 0)),
         ]
     }
 }
@@ -166,9 +163,6 @@ impl BoundaryProblem for VanDerPol {
         Return::of_states(2)
     }
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        vec![
-            ("duration".into(), Monitor::Duration),
-            ("max".into(), Monitor::Maximum { segment: 0, state: 0 }),
-        ]
+        vec![("duration".into(), Monitor::Duration), ("max".into(), Monitor::maximum(0, 0))]
     }
 }

@@ -17,12 +17,12 @@ mod basis;
 
 use super::interpolation::lagrange;
 use super::method::left_domain;
-use super::{Block, BoundaryProblem, Interval, Method};
+use super::{Block, BoundaryProblem, Interval, Method, Observable};
 use crate::core::chunk::{parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 use basis::Basis;
-use num_dual::DualSVec64;
+use num_dual::{Dual2_64, DualSVec64};
 
 /// Collocation at `m` Gauss points, from 2 to 7.
 ///
@@ -107,6 +107,78 @@ fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
     }
 }
 
+/// An interval is looked at in so many places for each of its nodes, for extrema of functions of its states.
+const PLACES: usize = 4;
+/// The place of an extremum is improved this often at most.
+const ROUNDS: usize = 60;
+
+impl Collocation {
+    /// A scalar of the interpolating polynomials, its slope and its curvature at a place of an interval.
+    fn sight<P: BoundaryProblem>(
+        &self,
+        interval: &Interval<P, f64>,
+        observable: Observable,
+        place: f64,
+    ) -> Dual2_64 {
+        let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
+        let n = interval.nodes.len() / nodes.len();
+        let mut x = vec![Dual2_64::from(0.0); n];
+        for (j, values) in interval.nodes.chunks_exact(n).enumerate() {
+            let weight = lagrange(nodes, j, place);
+            x.iter_mut().zip(values).for_each(|(x, value)| *x += weight * *value);
+        }
+        let t = (place * interval.length() + interval.span.start) * interval.duration();
+        let q: Vec<Dual2_64> = interval.q.iter().map(|q| Dual2_64::from(*q)).collect();
+        interval.problem.observe(observable, interval.span.segment, t, &x, &q)
+    }
+
+    /// Visits the ends of an interval and the local extrema of a function of its states: where its slope
+    /// changes sign between two of many places.
+    fn extrema_of<P: BoundaryProblem>(
+        &self,
+        interval: &Interval<P, f64>,
+        k: usize,
+        observable: Observable,
+        visit: &mut dyn FnMut(usize, f64, f64),
+    ) {
+        let count = PLACES * self.basis.nodes.len();
+        let mut left = (0.0, self.sight(interval, observable, 0.0));
+        visit(k, 0.0, left.1.re);
+        for right in (1..=count).map(|c| c as f64 / count as f64) {
+            let right = (right, self.sight(interval, observable, right));
+            if left.1.v1 * right.1.v1 < 0.0 {
+                let place = self.turn(interval, observable, [left, right]);
+                visit(k, place, self.sight(interval, observable, place).re);
+            }
+            left = right;
+        }
+        visit(k, 1.0, left.1.re);
+    }
+
+    /// Where the slope of a scalar vanishes between two places: Newton's method, kept inside by bisection.
+    fn turn<P: BoundaryProblem>(
+        &self,
+        interval: &Interval<P, f64>,
+        observable: Observable,
+        [mut low, mut high]: [(f64, Dual2_64); 2],
+    ) -> f64 {
+        let mut place = 0.5 * (low.0 + high.0);
+        for _ in 0..ROUNDS {
+            let here = self.sight(interval, observable, place);
+            *(if here.v1 * low.1.v1 > 0.0 { &mut low } else { &mut high }) = (place, here);
+            let newton = place - here.v1 / here.v2;
+            let inside = newton > low.0 && newton < high.0;
+            let next = if inside { newton } else { 0.5 * (low.0 + high.0) };
+            let moved = (next - place).abs();
+            place = next;
+            if moved < 1e-14 {
+                break;
+            }
+        }
+        place
+    }
+}
+
 impl Method for Collocation {
     type Work<T: Scalar> = CollocationWork<T>;
 
@@ -177,19 +249,23 @@ impl Method for Collocation {
     fn extrema<P: BoundaryProblem>(
         &mut self,
         interval: Interval<P, f64>,
-        states: &[usize],
+        watched: &[Observable],
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         let (basis, nodes) = (&self.basis, interval.nodes);
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
-        for &state in states {
+        for (k, &observable) in watched.iter().enumerate() {
+            let Observable::State(state) = observable else {
+                self.extrema_of(&interval, k, observable, visit);
+                continue;
+            };
             let at = |j: usize| nodes[j * n + state];
-            visit(state, 0.0, at(0));
+            visit(k, 0.0, at(0));
             basis.stationary(at, |s| {
-                visit(state, s, (0..=m).map(|j| lagrange(&basis.nodes, j, s) * at(j)).sum());
+                visit(k, s, (0..=m).map(|j| lagrange(&basis.nodes, j, s) * at(j)).sum());
             });
-            visit(state, 1.0, at(m));
+            visit(k, 1.0, at(m));
         }
         match residual {
             Some(r) => self.residual(interval, &mut CollocationWork::default(), r),

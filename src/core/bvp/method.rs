@@ -1,6 +1,6 @@
 //! How the equations of a trajectory are discretised, interval by interval.
 
-use super::{BoundaryProblem, OnSegment};
+use super::problem::{BoundaryProblem, Observable, OnSegment, Watched, Watching};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -40,6 +40,12 @@ impl<'a, P: BoundaryProblem, T: Scalar> Interval<'a, P, T> {
     /// The field of its segment.
     pub fn field(&self) -> OnSegment<'a, P> {
         OnSegment { problem: self.problem, segment: self.span.segment }
+    }
+
+    /// A scalar along its segment.
+    pub(super) fn watching(&self, observable: Observable) -> Watching<'a, P> {
+        let watched = Watched { segment: self.span.segment, observable };
+        Watching { problem: self.problem, watched }
     }
 
     /// The duration of its segment.
@@ -130,7 +136,7 @@ pub trait Method {
         block: Block,
     ) -> Result<(), LeftDomain>;
 
-    /// Calls `visit` with number, place (from 0 to 1) and value of some states at every local extremum inside
+    /// Calls `visit` with number, place (from 0 to 1) and value of some scalars at every local extremum inside
     /// an interval, and at its ends; and writes the residual, where that is asked for.
     ///
     /// # Errors
@@ -138,7 +144,7 @@ pub trait Method {
     fn extrema<P: BoundaryProblem>(
         &mut self,
         interval: Interval<P, f64>,
-        states: &[usize],
+        watched: &[Observable],
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain>;

@@ -24,6 +24,8 @@ pub use collocation::{Collocation, CollocationWork, PointsError};
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
 pub use method::{Block, Interval, Method, Span};
-pub use problem::{Birth, BoundaryProblem, Ends, Monitor, OnSegment, Return, Unknown};
+pub use problem::{
+    Birth, BoundaryProblem, Ends, Monitor, Observable, OnSegment, Return, Unknown, Watched,
+};
 pub use shooting::Shooting;
 pub use system::BoundarySystem;

@@ -3,6 +3,7 @@
 use crate::core::condition::EvaluationError;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
+use crate::core::watch::Watch;
 use crate::core::zero::{LeftDomain, Names};
 
 /// States at the two ends of all segments, one segment after the other.
@@ -14,25 +15,84 @@ pub struct Ends<'a, T> {
     pub end: &'a [T],
 }
 
-/// A scalar of a solution that is recorded along a branch.
+/// A scalar of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observable {
+    /// A state.
+    State(usize),
+    /// A function of the problem's own ([`BoundaryProblem::watch`]), by number.
+    Function(usize),
+}
+
+/// A scalar that is watched along a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Watched {
+    /// The segment.
+    pub segment: usize,
+    /// The scalar.
+    pub observable: Observable,
+}
+
+impl Watched {
+    /// A state on a segment.
+    pub fn state(segment: usize, state: usize) -> Self {
+        Watched { segment, observable: Observable::State(state) }
+    }
+
+    /// A function of the problem's own on a segment.
+    pub fn function(segment: usize, function: usize) -> Self {
+        Watched { segment, observable: Observable::Function(function) }
+    }
+}
+
+/// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not of the mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Monitor {
     /// The duration of all segments together, in time.
     Duration,
-    /// The largest value of a state on a segment: that of the solution, not of the mesh.
-    Maximum {
-        /// The segment.
-        segment: usize,
-        /// The state.
-        state: usize,
+    /// The largest value.
+    Maximum(Vec<Watched>),
+    /// The smallest value.
+    Minimum(Vec<Watched>),
+    /// The difference between the largest and the smallest value.
+    Range(Vec<Watched>),
+    /// The least local minimum inside segments, or also at a segment's end, where that is said to count: a
+    /// distance that vanishes where a trajectory touches. Without any, the largest value.
+    Distance(Vec<(Watched, bool)>),
+    /// The value of a scalar where another one first rises through zero on its segment, the largest of all
+    /// segments; 0 where none rises through zero.
+    Rising {
+        /// Which scalar rises, on each segment.
+        through: Vec<Watched>,
+        /// Which one is taken, on the same segments.
+        value: Vec<Observable>,
     },
+    /// A function of the states at the ends and the numbers ([`BoundaryProblem::of_ends`]), by number.
+    Ends(usize),
+}
+
+impl Monitor {
+    /// The largest value of a state on a segment.
+    pub fn maximum(segment: usize, state: usize) -> Self {
+        Monitor::Maximum(vec![Watched::state(segment, state)])
+    }
+
     /// The smallest value of a state on a segment.
-    Minimum {
-        /// The segment.
-        segment: usize,
-        /// The state.
-        state: usize,
-    },
+    pub fn minimum(segment: usize, state: usize) -> Self {
+        Monitor::Minimum(vec![Watched::state(segment, state)])
+    }
+
+    /// All scalars that have to be watched for it.
+    pub fn watched(&self) -> Vec<Watched> {
+        match self {
+            Monitor::Duration | Monitor::Ends(_) => Vec::new(),
+            Monitor::Maximum(watched) | Monitor::Minimum(watched) | Monitor::Range(watched) => {
+                watched.clone()
+            }
+            Monitor::Distance(watched) => watched.iter().map(|(watched, _)| *watched).collect(),
+            Monitor::Rising { through, .. } => through.clone(),
+        }
+    }
 }
 
 /// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's start must be
@@ -151,6 +211,37 @@ pub trait BoundaryProblem {
         Vec::new()
     }
 
+    /// A function of the problem's own, at time `t` from the beginning of a segment.
+    fn watch<T: Scalar>(&self, _function: usize, _segment: usize, _t: T, _x: &[T], _q: &[T]) -> T {
+        T::zero()
+    }
+
+    /// A scalar at time `t` from the beginning of a segment.
+    fn observe<T: Scalar>(
+        &self,
+        observable: Observable,
+        segment: usize,
+        t: T,
+        x: &[T],
+        q: &[T],
+    ) -> T {
+        match observable {
+            Observable::State(i) => x[i],
+            Observable::Function(k) => self.watch(k, segment, t, x, q),
+        }
+    }
+
+    /// A function of the problem's own, of the states at the ends and the numbers.
+    fn of_ends<T: Scalar>(&self, _function: usize, _ends: Ends<T>, _q: &[T]) -> T {
+        T::zero()
+    }
+
+    /// Which monitors, by position, are positive on admissible solutions: where one vanishes, a solution
+    /// grazes.
+    fn grazings(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
     /// What is recorded along a branch, by name.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         Vec::new()
@@ -216,6 +307,25 @@ pub struct Birth<P> {
     pub starts: Vec<f64>,
     /// The extras.
     pub extras: Vec<f64>,
+}
+
+/// A scalar of a boundary-value problem on one segment.
+pub(super) struct Watching<'a, P> {
+    pub problem: &'a P,
+    pub watched: Watched,
+}
+
+impl<P: BoundaryProblem> Watch for Watching<'_, P> {
+    fn value<T: Scalar>(&self, t: T, x: &[T], q: &[T]) -> T {
+        self.problem.observe(self.watched.observable, self.watched.segment, t, x, q)
+    }
+
+    fn state(&self) -> Option<usize> {
+        match self.watched.observable {
+            Observable::State(i) => Some(i),
+            Observable::Function(_) => None,
+        }
+    }
 }
 
 /// The field of one segment of a boundary-value problem.

@@ -1,11 +1,10 @@
 //! Shooting: the trajectory of an interval is flowed from its left end.
 
 use super::method::{Block, Interval, Method};
-use super::problem::BoundaryProblem;
+use super::problem::{BoundaryProblem, Observable};
 use crate::core::chunk::{parts, seeded};
 use crate::core::flow::{Extrema, Flow, Scheme, Settings, SettingsError};
 use crate::core::scalar::Scalar;
-use crate::core::watch::State;
 use crate::core::zero::LeftDomain;
 use num_dual::DualSVec64;
 use std::ops::ControlFlow;
@@ -241,28 +240,37 @@ impl Method for Shooting {
     fn extrema<P: BoundaryProblem>(
         &mut self,
         interval: Interval<P, f64>,
-        states: &[usize],
+        watched: &[Observable],
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         let Shooting { plain, extrema, x, .. } = self;
         plain.settings = self.settings;
-        extrema.resize_with(states.len(), Extrema::default);
+        extrema.resize_with(watched.len(), Extrema::default);
         extrema.iter_mut().for_each(Extrema::restart);
         let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
         x.clear();
         x.extend_from_slice(left);
-        states.iter().for_each(|&state| visit(state, 0.0, x[state]));
+        let observe = |observable, t, x: &[f64]| {
+            interval.problem.observe(observable, interval.span.segment, t, x, interval.q)
+        };
         let (start, length) = times(&interval);
+        let ends = |place: f64, x: &[f64], visit: &mut dyn FnMut(usize, f64, f64)| {
+            for (k, &observable) in watched.iter().enumerate() {
+                visit(k, place, observe(observable, start + place * length, x));
+            }
+        };
+        ends(0.0, x, visit);
         plain.observe(&interval.field(), start, length, x, interval.q, |step| {
-            for (extrema, &state) in extrema.iter_mut().zip(states) {
-                extrema.search(&State(state), step, |extremum| {
-                    visit(state, extremum.place, extremum.value)
+            for (k, (extrema, &observable)) in extrema.iter_mut().zip(watched).enumerate() {
+                let watch = interval.watching(observable);
+                extrema.search(&watch, step, |extremum| {
+                    visit(k, extremum.place, extremum.value);
                 });
             }
             ControlFlow::Continue(())
         })?;
-        states.iter().for_each(|&state| visit(state, 1.0, x[state]));
+        ends(1.0, x, visit);
         if let Some(r) = residual {
             r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
         }

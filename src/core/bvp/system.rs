@@ -3,6 +3,7 @@
 mod adaptation;
 mod carry;
 mod equations;
+mod extremes;
 mod face;
 mod factorisation;
 mod layout;
@@ -66,7 +67,7 @@ const MOST_REFINEMENTS: usize = 5;
 ///         b[1] = ends.end[0];
 ///     }
 ///     fn monitors(&self) -> Vec<(String, Monitor)> {
-///         vec![("max".into(), Monitor::Maximum { segment: 0, state: 0 })]
+///         vec![("max".into(), Monitor::maximum(0, 0))]
 ///     }
 /// }
 /// let mut bratu = BoundarySystem::new(Bratu, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
@@ -105,6 +106,8 @@ pub struct BoundarySystem<P, M: Method> {
     chunk: Passes<Chunk, M>,
     nested: Passes<Dual<Chunk>, M>,
     nested_twice: Passes<Dual2<Chunk>, M>,
+    /// Monitors that are positive on admissible solutions.
+    grazings: Vec<usize>,
     /// Components of `q` by which a gradient is taken.
     numbers: Vec<usize>,
     /// How many points of a branch were followed.
@@ -142,6 +145,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             chunk: Passes::new(layout),
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
+            grazings: equations.problem.grazings(),
             numbers: Vec::new(),
             followed: 0,
             refinements: 0,

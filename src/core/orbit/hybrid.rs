@@ -1,7 +1,7 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, BoundaryProblem, Ends, Return, Unknown};
+use crate::core::bvp::{Birth, BoundaryProblem, Ends, Monitor, Return, Unknown};
 use crate::core::condition::EvaluationError;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
 use crate::core::scalar::Scalar;
@@ -69,6 +69,16 @@ impl<H: HybridSystem> HybridOrbit<H> {
         self.guards_in(mode).filter(move |guard| exit != Some(*guard))
     }
 
+    /// The name of a guard.
+    pub(super) fn guard_name(&self, guard: usize) -> &str {
+        &self.guards[guard].name
+    }
+
+    /// The position of a state among those of a leg, by name.
+    pub(super) fn state_on(&self, leg: usize, state: &str) -> Option<usize> {
+        self.modes[self.legs()[leg].mode].states.iter().position(|known| known == state)
+    }
+
     /// The name of a mode.
     pub(super) fn mode_name(&self, mode: usize) -> &str {
         &self.modes[mode].name
@@ -105,7 +115,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// Parameters and further unknowns.
-    fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
+    pub(super) fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
         q.split_at(self.parameters.len())
     }
 
@@ -209,6 +219,22 @@ impl<H: HybridSystem + Clone> BoundaryProblem for HybridOrbit<H> {
             returns.push(Return { condition, unknown: Unknown::Extra(0) });
         }
         returns
+    }
+
+    fn watch<T: Scalar>(&self, function: usize, segment: usize, t: T, x: &[T], q: &[T]) -> T {
+        self.guard_on(segment, function, t, x, q)
+    }
+
+    fn of_ends<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        self.number(function, ends, q)
+    }
+
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        self.all_monitors()
+    }
+
+    fn grazings(&self) -> Vec<usize> {
+        self.grazing_monitors()
     }
 
     fn itinerary(&self) -> String {

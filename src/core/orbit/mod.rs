@@ -15,6 +15,7 @@
 mod birth;
 mod hybrid;
 mod itinerary;
+mod measures;
 mod periodic;
 mod simulation;
 

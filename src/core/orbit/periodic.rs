@@ -82,12 +82,9 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let extreme = |(k, name): (usize, String)| {
-            let (segment, state) = (0, k / 2);
-            match k % 2 {
-                0 => (name, Monitor::Maximum { segment, state }),
-                _ => (name, Monitor::Minimum { segment, state }),
-            }
+        let extreme = |(k, name): (usize, String)| match k % 2 {
+            0 => (name, Monitor::maximum(0, k / 2)),
+            _ => (name, Monitor::minimum(0, k / 2)),
         };
         let period = ("period".to_string(), Monitor::Duration);
         std::iter::once(period)

@@ -1,8 +1,8 @@
 //! The equations of a boundary-value problem on its meshes, in any scalar type.
 
+use super::extremes::Extremes;
 use super::layout::{Layout, span};
 use super::mesh_error::highest_derivative;
-use super::monitors::Extremes;
 use crate::core::bvp::interpolation::lagrange;
 use crate::core::bvp::method::left_domain;
 use crate::core::bvp::{
@@ -47,7 +47,7 @@ pub(super) struct Work<T: Scalar, M: Method> {
     /// `q = (p, e)`.
     pub q: Vec<T>,
     pub r: Vec<T>,
-    ends: Vec<T>,
+    pub ends: Vec<T>,
     pub local: Local<T, M>,
 }
 

@@ -179,6 +179,10 @@ where
         }
     }
 
+    fn grazings(&self) -> &[usize] {
+        &self.grazings
+    }
+
     fn orientation(&self) -> f64 {
         self.orientation
     }

@@ -1,7 +1,7 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, Mesh, Method, Monitor, Return, Span, Unknown,
+    BoundaryError, BoundaryProblem, Mesh, Method, Observable, Return, Span, Unknown, Watched,
 };
 
 /// The places of one segment's unknowns and equations.
@@ -102,11 +102,13 @@ impl Layout {
     fn check<P: BoundaryProblem>(&self, problem: &P) -> Result<(), BoundaryError> {
         self.check_returns()?;
         for (name, monitor) in problem.monitors() {
-            if let Monitor::Maximum { segment, state } | Monitor::Minimum { segment, state } =
-                monitor
-            {
-                let there_is = self.segments.get(segment).is_some_and(|s| state < s.states);
-                if !there_is {
+            for Watched { segment, observable } in monitor.watched() {
+                let states = self.segments.get(segment).map_or(0, |s| s.states);
+                let state = match observable {
+                    Observable::State(state) => state,
+                    Observable::Function(_) => 0,
+                };
+                if state >= states {
                     return Err(BoundaryError::Monitor { name, segment, state });
                 }
             }

@@ -1,85 +1,23 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
-use super::equations::{Equations, Work};
-use super::layout::{Layout, span};
+use super::equations::{Equations, Work, gather_ends};
+use super::extremes::Sighting;
+use super::layout::span;
 use super::local::{Dependence, Passes};
-use crate::core::bvp::{BoundaryProblem, Interval, Method, Monitor};
+use crate::core::bvp::{BoundaryProblem, Ends, Interval, Method, Monitor, Observable, Watched};
 use crate::core::chunk::{CHUNK, Chunk, parts};
+use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
+use num_dual::Dual64;
 
 /// The name of the monitor that estimates the error of the mesh.
 pub(super) const MESH_ERROR: &str = "mesh_error";
 
-/// Where a state on a segment is extremal.
-#[derive(Clone, Copy, Default)]
-struct Extremum {
-    interval: usize,
-    place: f64,
-    value: f64,
-}
+/// A scalar at a place, with the factor by which it counts.
+type Term = (Watched, Sighting, f64);
 
-/// The extremes of the states that monitors ask for.
-#[derive(Default)]
-pub(super) struct Extremes {
-    /// The states asked for, for each segment.
-    states: Vec<Vec<usize>>,
-    /// The largest and the smallest value of each state of all segments.
-    found: Vec<[Extremum; 2]>,
-    /// The values at the nodes and the numbers for which they were found.
-    at: Vec<f64>,
-}
-
-impl Extremes {
-    /// What these monitors ask for.
-    pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
-        let mut states = vec![Vec::new(); layout.segments.len()];
-        for monitor in monitors {
-            if let Monitor::Maximum { segment, state } | Monitor::Minimum { segment, state } =
-                *monitor
-                && !states[segment].contains(&state)
-            {
-                states[segment].push(state);
-            }
-        }
-        Extremes { states, found: vec![Default::default(); layout.states], at: Vec::new() }
-    }
-
-    /// Whether they are known at these values and numbers.
-    fn known(&self, nodes: &[f64], q: &[f64]) -> bool {
-        self.at.iter().eq(nodes.iter().chain(q))
-    }
-
-    fn begin(&mut self) {
-        let none = Extremum { value: f64::NAN, ..Extremum::default() };
-        self.found.fill([none; 2]);
-        self.at.clear();
-    }
-
-    fn end(&mut self, nodes: &[f64], q: &[f64]) {
-        self.at.extend(nodes.iter().chain(q));
-    }
-
-    /// The states asked for on a segment, and what takes in the extrema of an interval.
-    fn visitor(
-        &mut self,
-        layout: &Layout,
-        segment: usize,
-        interval: usize,
-    ) -> (&[usize], impl FnMut(usize, f64, f64)) {
-        let (ends, found) = (layout.segments[segment].ends, &mut self.found);
-        let visit = move |state: usize, place: f64, value: f64| {
-            let here = Extremum { interval, place, value };
-            let [largest, smallest] = &mut found[ends + state];
-            if value > largest.value || largest.value.is_nan() {
-                *largest = here;
-            }
-            if value < smallest.value || smallest.value.is_nan() {
-                *smallest = here;
-            }
-        };
-        (&self.states[segment], visit)
-    }
-}
+/// The place of a rise through zero is improved this often at most.
+const ROUNDS: usize = 60;
 
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// The values of all monitors at the arguments of `work`.
@@ -88,13 +26,24 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         work: &mut Work<f64, M>,
         values: &mut [f64],
     ) -> Result<(), LeftDomain> {
-        let count = self.monitors.len();
         self.find_extremes(&work.nodes, &work.q, None)?;
-        for k in 0..count {
-            values[k] = match self.monitors[k] {
+        let count = self.monitors.len();
+        for (monitor, value) in self.monitors.iter().zip(values.iter_mut()) {
+            *value = match monitor {
                 Monitor::Duration => self.duration(&work.q),
-                Monitor::Maximum { segment, state } => self.extremum(segment, state, 0).value,
-                Monitor::Minimum { segment, state } => self.extremum(segment, state, 1).value,
+                Monitor::Ends(function) => {
+                    gather_ends(&self.layout, &work.nodes, &mut work.ends);
+                    self.of_ends(*function, &work.ends, &work.q)
+                }
+                Monitor::Rising { .. } => {
+                    self.rising(monitor, work)?.map_or(0.0, |(_, place, _)| place.value)
+                }
+                _ => self
+                    .terms(monitor)
+                    .iter()
+                    .flatten()
+                    .map(|(_, s, factor)| factor * s.value)
+                    .sum(),
             };
         }
         if let Some(error) = values.get_mut(count) {
@@ -108,41 +57,84 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         &mut self,
         monitor: usize,
         x: &[f64],
-        work: &Work<f64, M>,
+        work: &mut Work<f64, M>,
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
+        if monitor < self.monitors.len() {
+            self.find_extremes(&work.nodes, &work.q, None)?;
+        }
+        let numbers = &self.layout.all_numbers;
         match self.monitors.get(monitor) {
             Some(Monitor::Duration) => {
-                let dependence = Dependence { unknowns: &[], numbers: &self.layout.all_numbers };
+                let dependence = Dependence { unknowns: &[], numbers };
                 self.add_slopes(dependence, x, passes, out, |passes| Ok(self.duration(&passes.q)))
             }
-            Some(&Monitor::Maximum { segment, state }) => {
-                self.find_extremes(&work.nodes, &work.q, None)?;
-                let extremum = self.extremum(segment, state, 0);
-                self.add_extremum(segment, state, &extremum, x, passes, out)
+            Some(Monitor::Ends(function)) => {
+                let dependence = Dependence { unknowns: &self.layout.ends, numbers };
+                self.add_slopes(dependence, x, passes, out, |passes| {
+                    Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
+                })
             }
-            Some(&Monitor::Minimum { segment, state }) => {
-                self.find_extremes(&work.nodes, &work.q, None)?;
-                let extremum = self.extremum(segment, state, 1);
-                self.add_extremum(segment, state, &extremum, x, passes, out)
-            }
+            Some(monitor @ Monitor::Rising { .. }) => match self.rising(monitor, work)? {
+                Some(found) => self.add_rising(monitor, found, x, passes, out),
+                None => Ok(()),
+            },
+            Some(monitor) => self
+                .terms(monitor)
+                .iter()
+                .flatten()
+                .try_for_each(|term| self.add_term(term, x, passes, out)),
             None => self.add_error_gradient(x, work, passes, out),
         }
     }
 
     /// The duration of all segments together.
-    fn duration<T: crate::core::scalar::Scalar>(&self, q: &[T]) -> T {
+    fn duration<T: Scalar>(&self, q: &[T]) -> T {
         let each = self.meshes.iter().enumerate();
         each.fold(T::zero(), |sum, (s, mesh)| sum + self.problem.duration(s, q) * mesh.end())
     }
 
-    /// The largest (0) or smallest (1) value of a state, found last.
-    fn extremum(&self, segment: usize, state: usize, which: usize) -> Extremum {
-        self.extremes.found[self.layout.segments[segment].ends + state][which]
+    /// A function of states at the ends, those where segments begin coming first.
+    fn of_ends<T: Scalar>(&self, function: usize, ends: &[T], q: &[T]) -> T {
+        let (start, end) = ends.split_at(self.layout.states);
+        self.problem.of_ends(function, Ends { start, end }, q)
     }
 
-    /// Finds the extremes of all states that monitors ask for, in one pass over the intervals, and writes the
+    /// The watched scalars and places whose values make up a monitor.
+    fn terms(&self, monitor: &Monitor) -> [Option<Term>; 2] {
+        let extreme = |watched: &[Watched], sign: f64| {
+            let of = |w: &Watched| {
+                let seen = self.extremes.seen(*w);
+                (*w, if sign > 0.0 { seen.largest } else { seen.smallest }, sign)
+            };
+            let size = |term: &Term| sign * term.1.value;
+            watched.iter().map(of).max_by(|a, b| size(a).total_cmp(&size(b)))
+        };
+        match monitor {
+            Monitor::Maximum(watched) => [extreme(watched, 1.0), None],
+            Monitor::Minimum(watched) => {
+                [extreme(watched, -1.0).map(|(w, place, _)| (w, place, 1.0)), None]
+            }
+            Monitor::Range(watched) => [extreme(watched, 1.0), extreme(watched, -1.0)],
+            Monitor::Distance(watched) => [self.nearest(watched), None],
+            _ => [None, None],
+        }
+    }
+
+    /// The least local minimum of scalars, at ends where that counts; where there is none, the largest value.
+    fn nearest(&self, watched: &[(Watched, bool)]) -> Option<Term> {
+        let candidates = watched.iter().flat_map(|(w, at_end)| {
+            let seen = self.extremes.seen(*w);
+            let places = seen.dip.into_iter().chain(at_end.then_some(seen.last));
+            places.map(|place| (*w, place, 1.0))
+        });
+        let largest = watched.iter().map(|(w, _)| (*w, self.extremes.seen(*w).largest, 1.0));
+        let by_value = |a: &Term, b: &Term| a.1.value.total_cmp(&b.1.value);
+        candidates.min_by(by_value).or_else(|| largest.max_by(by_value))
+    }
+
+    /// Finds what is seen of all scalars that monitors ask for, in one pass over the intervals, and writes the
     /// intervals' residuals where these are asked for.
     pub(super) fn find_extremes(
         &mut self,
@@ -158,33 +150,127 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         for (s, j) in layout.intervals() {
             let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
             let (span, nodes) = (span(meshes, s, j), &nodes[layout.interval(s, j)]);
-            let (states, mut visit) = extremes.visitor(layout, s, j);
-            method.extrema(Interval { problem, span, nodes, q }, states, r, &mut visit)?;
+            let (watched, mut visit) = extremes.visitor(s, j);
+            method.extrema(Interval { problem, span, nodes, q }, watched, r, &mut visit)?;
         }
         extremes.end(nodes, q);
         Ok(())
     }
 
-    /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
-    /// gradient is that of the value at a fixed place.
-    fn add_extremum(
+    /// Where a scalar rises through zero, with the largest value of another one; the ratio of their rates.
+    fn rising(
+        &self,
+        monitor: &Monitor,
+        work: &mut Work<f64, M>,
+    ) -> Result<Option<(usize, Sighting, f64)>, LeftDomain> {
+        let Monitor::Rising { through, value } = monitor else { return Ok(None) };
+        let mut best: Option<(usize, Sighting, f64)> = None;
+        for (k, (watched, value)) in through.iter().zip(value).enumerate() {
+            let Some([below, above]) = self.extremes.seen(*watched).rise else { continue };
+            let below = if below.interval == above.interval {
+                below
+            } else {
+                Sighting { interval: above.interval, place: 0.0, ..below }
+            };
+            let found = self.rise(*watched, *value, [below, above], work)?;
+            if best.is_none_or(|(_, b, _)| found.0.value > b.value) {
+                best = Some((k, found.0, found.1));
+            }
+        }
+        Ok(best)
+    }
+
+    /// The value of a scalar where another one rises through zero, and the ratio of its rate to the other's.
+    fn rise(
+        &self,
+        watched: Watched,
+        value: Observable,
+        [mut low, mut high]: [Sighting; 2],
+        work: &mut Work<f64, M>,
+    ) -> Result<(Sighting, f64), LeftDomain> {
+        let Watched { segment, observable } = watched;
+        let mut place = high.place;
+        let mut out = (high, 0.0);
+        for _ in 0..ROUNDS {
+            // False position (of the Illinois kind).
+            let next = (low.place * high.value - high.place * low.value) / (high.value - low.value);
+            let moved = (next - place).abs();
+            place = next;
+            let rates = self.rates(segment, (low.interval, place), [observable, value], work)?;
+            let [height, level] = rates;
+            out = (Sighting { place, value: level.re, ..low }, level.eps / height.eps);
+            if moved < 1e-14 || height.re == 0.0 {
+                break;
+            }
+            let here = Sighting { place, value: height.re, ..low };
+            if height.re * high.value < 0.0 {
+                low = high;
+            } else {
+                low.value *= 0.5;
+            }
+            high = here;
+        }
+        Ok(out)
+    }
+
+    /// Two scalars at a place of an interval, and their rates.
+    fn rates(
         &self,
         segment: usize,
-        state: usize,
-        extremum: &Extremum,
+        (interval, place): (usize, f64),
+        observables: [Observable; 2],
+        work: &mut Work<f64, M>,
+    ) -> Result<[Dual64; 2], LeftDomain> {
+        let n = self.layout.segments[segment].states;
+        let nodes = &work.nodes[self.layout.interval(segment, interval)];
+        let at = self.interval((segment, interval), nodes, &work.q);
+        let mut x = vec![0.0; n];
+        self.method.value(at, place, &mut work.local.method, &mut x)?;
+        let t = at.duration() * (at.span.start + at.length() * place);
+        let mut f = vec![0.0; n];
+        self.problem.field(segment, t, &x, &work.q, &mut f);
+        let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
+        let q: Vec<Dual64> = work.q.iter().map(|q| Dual64::from(*q)).collect();
+        let t = Dual64::new(t, 1.0);
+        Ok(observables.map(|o| self.problem.observe(o, segment, t, &moving, &q)))
+    }
+
+    /// The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
+    fn add_rising(
+        &self,
+        monitor: &Monitor,
+        (k, sighting, ratio): (usize, Sighting, f64),
         x: &[f64],
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
-        let layout = &self.layout;
-        let (place, n) = ((segment, extremum.interval), layout.segments[segment].states);
-        let unknowns = &layout.order[layout.interval(segment, extremum.interval)];
+        let Monitor::Rising { through, value } = monitor else { return Ok(()) };
+        let Watched { segment, .. } = through[k];
+        let value = Watched { segment, observable: value[k] };
+        self.add_term(&(value, sighting, 1.0), x, passes, out)?;
+        self.add_term(&(through[k], sighting, -ratio), x, passes, out)
+    }
+
+    /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
+    /// gradient is that of the value at a fixed place.
+    fn add_term(
+        &self,
+        (watched, sighting, factor): &Term,
+        x: &[f64],
+        passes: &mut Passes<Chunk, M>,
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let (layout, Watched { segment, observable }) = (&self.layout, *watched);
+        let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
+        let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
         let dependence = Dependence { unknowns, numbers: &layout.all_numbers };
         self.add_slopes(dependence, x, passes, out, |passes| {
             let Passes { unknowns, q, local, .. } = passes;
-            let (interval, x) = (self.interval(place, unknowns, q), &mut local.x[..n]);
-            self.method.value(interval, extremum.place, &mut local.method, x)?;
-            Ok(x[state])
+            let (interval, x) = (self.interval(at, unknowns, q), &mut local.x[..n]);
+            self.method.value(interval, sighting.place, &mut local.method, x)?;
+            let t =
+                interval.duration() * (interval.span.start + interval.length() * sighting.place);
+            Ok(self.problem.observe(observable, segment, t, x, q) * *factor)
         })
     }
 

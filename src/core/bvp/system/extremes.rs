@@ -1,0 +1,124 @@
+//! What is seen of watched scalars along the segments, in one pass over the intervals.
+
+use super::layout::Layout;
+use crate::core::bvp::{Monitor, Observable, Watched};
+
+/// A place on a segment, and the value of a watched scalar there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sighting {
+    pub interval: usize,
+    pub place: f64,
+    pub value: f64,
+}
+
+/// What is seen of one scalar on one segment. Between the places that are visited it is monotone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub largest: Sighting,
+    pub smallest: Sighting,
+    /// The place visited last: at the end of all, the end of the segment.
+    pub last: Sighting,
+    /// The least local minimum inside.
+    pub dip: Option<Sighting>,
+    /// The first place where it rises through zero: between these two, in one interval.
+    pub rise: Option<[Sighting; 2]>,
+    falling: bool,
+}
+
+impl Seen {
+    const NOTHING: Seen = {
+        let nowhere = Sighting { interval: 0, place: 0.0, value: f64::NAN };
+        Seen {
+            largest: nowhere,
+            smallest: nowhere,
+            last: nowhere,
+            dip: None,
+            rise: None,
+            falling: false,
+        }
+    };
+
+    fn visit(&mut self, here: Sighting) {
+        let (value, last) = (here.value, self.last);
+        if value > self.largest.value || self.largest.value.is_nan() {
+            self.largest = here;
+        }
+        if value < self.smallest.value || self.smallest.value.is_nan() {
+            self.smallest = here;
+        }
+        if value > last.value && self.falling && self.dip.is_none_or(|d| last.value < d.value) {
+            self.dip = Some(last);
+        }
+        if last.value <= 0.0 && value > 0.0 && self.rise.is_none() {
+            self.rise = Some([last, here]);
+        }
+        if value != last.value {
+            self.falling = value < last.value;
+        }
+        self.last = here;
+    }
+}
+
+/// All that monitors ask for.
+#[derive(Default)]
+pub(super) struct Extremes {
+    /// The scalars asked for, for each segment.
+    watched: Vec<Vec<Observable>>,
+    /// What is seen of them.
+    seen: Vec<Vec<Seen>>,
+    /// The values at the nodes and the numbers for which they were found.
+    at: Vec<f64>,
+}
+
+impl Extremes {
+    /// What these monitors ask for.
+    pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
+        let mut watched = vec![Vec::new(); layout.segments.len()];
+        for Watched { segment, observable } in monitors.iter().flat_map(Monitor::watched) {
+            if !watched[segment].contains(&observable) {
+                watched[segment].push(observable);
+            }
+        }
+        let seen = watched.iter().map(|w| vec![Seen::NOTHING; w.len()]).collect();
+        Extremes { watched, seen, at: Vec::new() }
+    }
+
+    /// What is seen of a scalar that was asked for.
+    pub fn seen(&self, watched: Watched) -> Seen {
+        let of_segment = self.watched[watched.segment].iter();
+        let known = of_segment.zip(&self.seen[watched.segment]);
+        known
+            .filter(|(o, _)| **o == watched.observable)
+            .map(|(_, seen)| *seen)
+            .next()
+            .unwrap_or(Seen::NOTHING)
+    }
+
+    /// Whether all is known at these values and numbers.
+    pub fn known(&self, nodes: &[f64], q: &[f64]) -> bool {
+        self.at.iter().eq(nodes.iter().chain(q))
+    }
+
+    pub fn begin(&mut self) {
+        self.seen.iter_mut().for_each(|seen| seen.fill(Seen::NOTHING));
+        self.at.clear();
+    }
+
+    pub fn end(&mut self, nodes: &[f64], q: &[f64]) {
+        self.at.extend(nodes.iter().chain(q));
+    }
+
+    /// The scalars asked for on a segment, and what takes in the extrema of an interval, by the scalar's
+    /// position.
+    pub fn visitor(
+        &mut self,
+        segment: usize,
+        interval: usize,
+    ) -> (&[Observable], impl FnMut(usize, f64, f64)) {
+        let seen = &mut self.seen[segment];
+        let visit = move |k: usize, place: f64, value: f64| {
+            seen[k].visit(Sighting { interval, place, value });
+        };
+        (&self.watched[segment], visit)
+    }
+}

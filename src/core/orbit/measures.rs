@@ -1,0 +1,107 @@
+//! What is recorded along branches of hybrid orbits: the system's measures, and what says where they graze.
+
+use super::birth::rate;
+use super::hybrid::HybridOrbit;
+use crate::core::bvp::{Ends, Monitor, Observable, Watched};
+use crate::core::hybrid::{HybridSystem, Measure, Passage};
+use crate::core::scalar::Scalar;
+
+/// Functions of the states at the ends: the least approach speed, the shortest duration, and from here on the
+/// system's own.
+const APPROACH: usize = 0;
+const SHORTEST: usize = 1;
+const OWN: usize = 2;
+
+/// Names of the monitors that are positive on admissible orbits.
+const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
+
+impl<H: HybridSystem + Clone> HybridOrbit<H> {
+    /// All monitors by name. Guards are the functions that are watched.
+    pub(super) fn all_monitors(&self) -> Vec<(String, Monitor)> {
+        let measures = self.system().measures();
+        let known = measures.iter().map(|(name, measure)| (name.clone(), self.monitor(measure)));
+        let [approach, shortest, distance] = GRAZINGS.map(String::from);
+        let mut monitors = vec![("period".to_string(), Monitor::Duration)];
+        monitors.extend(known);
+        if !self.itinerary().is_smooth() {
+            monitors.push((approach, Monitor::Ends(APPROACH)));
+            monitors.push((shortest, Monitor::Ends(SHORTEST)));
+        }
+        let guards = self.watched_guards();
+        if !guards.is_empty() {
+            monitors.push((distance, Monitor::Distance(guards)));
+        }
+        monitors
+    }
+
+    /// The positions of those that are positive on admissible orbits.
+    pub(super) fn grazing_monitors(&self) -> Vec<usize> {
+        let names = self.all_monitors().into_iter().map(|(name, _)| name).enumerate();
+        names.filter(|(_, name)| GRAZINGS.contains(&name.as_str())).map(|(k, _)| k).collect()
+    }
+
+    fn monitor(&self, measure: &Measure) -> Monitor {
+        let all = |state: &str| -> Vec<Watched> {
+            let legs = 0..self.itinerary().legs.len();
+            legs.filter_map(|leg| Some(Watched::state(leg, self.state_on(leg, state)?))).collect()
+        };
+        match measure {
+            Measure::Maximum(state) => Monitor::Maximum(all(state)),
+            Measure::Minimum(state) => Monitor::Minimum(all(state)),
+            Measure::Range(state) => Monitor::Range(all(state)),
+            Measure::Rising { through, value } => {
+                let both = |w: &Watched| Some((*w, self.state_on(w.segment, value)?));
+                let (through, value) = all(through)
+                    .iter()
+                    .filter_map(both)
+                    .map(|(w, value)| (w, Observable::State(value)))
+                    .unzip();
+                Monitor::Rising { through, value }
+            }
+            Measure::Cycle(k) => Monitor::Ends(OWN + k),
+        }
+    }
+
+    /// The guards that a leg does not end at, along it; and the one at which it ends, inside. A guard counts at
+    /// a leg's end, too, but for the one of the event that began the leg, which may be as near there as a leg
+    /// is short.
+    fn watched_guards(&self) -> Vec<(Watched, bool)> {
+        let legs = &self.itinerary().legs;
+        let mut watched = Vec::new();
+        for (s, leg) in legs.iter().enumerate() {
+            let entry = legs[(s + legs.len() - 1) % legs.len()].exit.map(|g| self.guard_name(g));
+            for guard in self.guards_in(leg.mode) {
+                let at_end = leg.exit != Some(guard) && entry != Some(self.guard_name(guard));
+                watched.push((Watched::function(s, guard), at_end));
+            }
+        }
+        watched
+    }
+
+    /// A function of the states at the ends of all legs.
+    pub(super) fn number<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        let (p, extras) = self.split(q);
+        let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
+        let infinite = T::from(f64::INFINITY);
+        match function {
+            APPROACH => {
+                let approach = |(s, leg): (usize, &super::Leg)| {
+                    let x = &ends.end[self.of_leg(s)];
+                    let time = self.time(s, q) + self.durations(extras)[s];
+                    leg.exit.map(|guard| -rate(self.system(), (guard, leg.mode), time, x, p))
+                };
+                self.itinerary().legs.iter().enumerate().filter_map(approach).fold(infinite, least)
+            }
+            SHORTEST => self.durations(extras).iter().copied().fold(infinite, least),
+            own => {
+                let passage = |(s, leg): (usize, &super::Leg)| {
+                    let (start, end) = (&ends.start[self.of_leg(s)], &ends.end[self.of_leg(s)]);
+                    Passage { mode: leg.mode, exit: leg.exit, start, end }
+                };
+                let legs: Vec<Passage<T>> =
+                    self.itinerary().legs.iter().enumerate().map(passage).collect();
+                self.system().measure(own - OWN, &legs, self.itinerary().periods, p)
+            }
+        }
+    }
+}
