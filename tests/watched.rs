@@ -58,7 +58,7 @@ fn falls<T: Scalar>(
         .unwrap()
         .observe(&Oscillator, T::zero(), T::constant(length), &mut x, &[p], |step| {
             roots.search(step, |step, Root { fraction, rate }| {
-                found.push((step.time(fraction), rate));
+                found.push((step.time(fraction), rate.real()));
                 ControlFlow::Continue(())
             })
         })

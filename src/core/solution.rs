@@ -39,6 +39,8 @@ pub struct Adopted {
 pub enum Leaving {
     /// Along the curve through it.
     Along,
+    /// Along the curve through it, which is the other one already.
+    Switched,
     /// It is a branch point, whose tangents solve the algebraic bifurcation equation, and both sides of the
     /// other branch are the same.
     BranchPoint,

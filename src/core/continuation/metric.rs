@@ -147,7 +147,7 @@ const ZERO: f64 = 1e-9;
 const TINY: f64 = 1e-8;
 
 /// Unknowns this small in their own units, that the tangent does not change either, are rounding.
-const NOTHING: f64 = 1e-12;
+const NOTHING: f64 = 1e-9;
 
 /// A parameter's part of the tangent this small, compared with that of the unknowns, is rounding.
 const VERTICAL: f64 = 1e-12;

@@ -38,6 +38,10 @@ impl<'a> Continuation<'a> {
         self.x = [&z[..], &solution.parameters].concat();
         self.tangent = tangent;
         self.at_branch_point |= leaving == Leaving::BranchPoint;
+        if leaving == Leaving::Switched {
+            self.switched = false;
+            return Ok(Leaving::Along);
+        }
         Ok(leaving)
     }
 
@@ -372,7 +376,7 @@ impl<'a> Continuation<'a> {
             slopes,
             // Both sides are the same where a branch of periodic orbits is born.
             directions: match how {
-                Leaving::Along => [self.backward, self.forward],
+                Leaving::Along | Leaving::Switched => [self.backward, self.forward],
                 Leaving::BranchPoint | Leaving::Direction => [false, true],
             },
             from_branch_point: !correct,

@@ -41,6 +41,7 @@ pub use control::Size;
 pub use error::{FlowError, SettingsError};
 pub use extrema::{Extrema, Extremum};
 pub use integrate::{Flow, Statistics};
+pub(in crate::core) use roots::NEGATIVE;
 pub use roots::{Root, Roots};
 pub use settings::{Scheme, Settings};
 pub use step::Step;

@@ -11,10 +11,10 @@ use std::ops::ControlFlow;
 /// A place where a watched function falls through zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root<T> {
-    /// Where it is in the step, from 0 to 1.
+    /// Where it is in the step, from 0 to 1; negative if it is in an earlier one.
     pub fraction: T,
     /// `dh/dt` there: zero or less.
-    pub rate: f64,
+    pub rate: T,
 }
 
 /// Values up to this size are zero where a flow begins: a function that is no larger counts as positive only
@@ -40,8 +40,8 @@ enum Sign {
     Unknown,
     /// It has been positive: it counts where it falls through zero.
     Positive,
-    /// It began at zero and has not been positive since: it counts at once if it falls below this level.
-    Zero(f64),
+    /// It began at zero and has not been positive since: the highest level, and its place in the flow.
+    Zero { level: f64, top: f64 },
     /// It has fallen through zero: it counts again after it was positive.
     Fallen,
 }
@@ -55,7 +55,8 @@ enum Sign {
 /// place where the function vanishes.
 ///
 /// A function that is zero where the flow begins counts at once if it falls, and otherwise after it was
-/// positive.
+/// positive. That it falls may be seen in a later step only: the root is then before this one, at a negative
+/// fraction.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -129,7 +130,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
             self.sign = match value {
                 value if value > ZERO => Sign::Positive,
                 value if value < -NEGATIVE => Sign::Fallen,
-                value => Sign::Zero(value),
+                level => Sign::Zero { level, top: 0.0 },
             };
         }
     }
@@ -177,13 +178,20 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
                 self.between(step, [left, right])
             }
             Sign::Positive if right.value < 0.0 => self.at_once(step, left.fraction),
-            Sign::Zero(level) if right.value < level - ZERO => self.at_once(step, left.fraction),
-            Sign::Zero(_) if right.value > ZERO => {
+            Sign::Zero { level, top } if right.value < level - ZERO => {
+                // What rises so little falls as long as it has risen.
+                let place = (2.0 * top).min(step.sigma + step.h * left.fraction);
+                self.at_once(step, (place - step.sigma) / step.h)
+            }
+            Sign::Zero { .. } if right.value > ZERO => {
                 self.sign = Sign::Positive;
                 return ControlFlow::Continue(());
             }
-            Sign::Zero(level) => {
-                self.sign = Sign::Zero(level.max(right.value));
+            Sign::Zero { level, .. } => {
+                if right.value > level {
+                    let top = step.sigma + step.h * right.fraction;
+                    self.sign = Sign::Zero { level: right.value, top };
+                }
                 return ControlFlow::Continue(());
             }
             Sign::Fallen if right.value > 0.0 => {
@@ -231,13 +239,15 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         let mut theta = T::constant(fraction);
         for _ in 0..T::NDERIV {
             let (value, slope) = self.sight.exact(step, &self.watch, theta);
-            if slope.real() == 0.0 {
+            let curvature = self.sight.curvature(step, &self.watch, fraction).real();
+            // Tangent to working accuracy: the place has no derivatives.
+            if slope.real().powi(2) <= 2.0 * ZERO * curvature.abs() {
                 break;
             }
             theta -= (value - value.real()) / slope;
         }
         let (_, slope) = self.sight.exact(step, &self.watch, theta);
-        let rate = slope.real() / (step.h * step.motion.length.real());
+        let rate = slope / (step.motion.length * step.h);
         Root { fraction: theta, rate }
     }
 }

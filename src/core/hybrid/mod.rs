@@ -9,9 +9,26 @@
 //!
 //! at an **event**: a **reset** `x⁺ = r_g(t, x, p)` takes the state to that of the next mode. An impact is a
 //! reset of velocity, sticking is a mode, and the end of sticking is a guard.
+//!
+//! A [`HybridFlow`] follows such motions from event to event. Guards are searched inside steps, so that a motion
+//! that touches a surface and turns away is told from one that falls through it; of guards that vanish together
+//! the one stated first counts, and the others at once after it, if they still fall. Where the events of one
+//! guard accumulate (complete chatter), the motion goes on from their accumulation.
 
+mod chatter;
+mod error;
+mod event;
+mod landing;
+mod leg;
 mod measure;
+mod recurrence;
+mod simulation;
 mod system;
 
+pub use error::{After, HybridError};
+pub use event::{Event, History, HybridObserver, Piece};
+pub use leg::{GuardOf, InMode};
 pub use measure::{Measure, Passage};
+pub use recurrence::{Cycle, CycleLeg, Recurrence, RecurrenceError};
+pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
 pub use system::{Guard, HybridSystem, Mode};

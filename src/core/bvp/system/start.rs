@@ -121,7 +121,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         };
         self.change_to(birth.problem)?;
         let z = self.flowed(&birth.starts, &birth.extras, p)?;
-        Ok(Adopted { z, tangent: None, leaving: Leaving::Along })
+        Ok(Adopted { z, tangent: None, leaving: Leaving::Switched })
     }
 
     /// The unknowns of trajectories that flow from the states where segments begin.

@@ -1,0 +1,143 @@
+//! Events as observers see them, and what observers of a motion are.
+
+use crate::core::field::VectorField;
+use crate::core::flow::Step;
+use crate::core::scalar::Scalar;
+use std::ops::ControlFlow;
+
+/// An event: the end of one mode and the beginning of the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event<T> {
+    /// The guard that vanished.
+    pub guard: usize,
+    /// When, with the derivatives of the time of the event.
+    pub time: T,
+    /// The mode before.
+    pub mode: usize,
+    /// The mode after.
+    pub next: usize,
+    /// The state just before, in the mode before.
+    pub before: Vec<T>,
+    /// The state just after, in the mode after.
+    pub after: Vec<T>,
+    /// The approach speed `−dh/dt` at which the guard vanished.
+    pub approach: f64,
+    /// Whether it stands for all the rest of a series of infinitely many events, at its accumulation.
+    pub accumulation: bool,
+}
+
+impl<T: Scalar> Event<T> {
+    pub(super) fn empty() -> Self {
+        Event {
+            guard: 0,
+            time: T::zero(),
+            mode: 0,
+            next: 0,
+            before: Vec::new(),
+            after: Vec::new(),
+            approach: 0.0,
+            accumulation: false,
+        }
+    }
+}
+
+/// Watches a hybrid motion. A closure that takes an event watches events only; `()` watches nothing.
+pub trait HybridObserver<T: Scalar> {
+    /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an event ended it.
+    fn step<F: VectorField>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
+
+    /// An event; the motion may be ended just after it.
+    fn event(&mut self, _event: &Event<T>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+impl<T: Scalar> HybridObserver<T> for () {}
+
+impl<T: Scalar, C: FnMut(&Event<T>) -> ControlFlow<()>> HybridObserver<T> for C {
+    fn event(&mut self, event: &Event<T>) -> ControlFlow<()> {
+        self(event)
+    }
+}
+
+/// A stretch of a motion in one mode: times and states.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Piece {
+    /// The mode.
+    pub mode: usize,
+    /// The times.
+    pub times: Vec<f64>,
+    /// The states at these times.
+    pub states: Vec<Vec<f64>>,
+}
+
+/// An observer that keeps the history of a motion: its events, and states sampled in every step.
+///
+/// ```
+/// use tangency::core::hybrid::{History, HybridFlow, HybridSettings, HybridState};
+/// # use tangency::core::{hybrid::{Guard, HybridSystem, Mode}, scalar::Scalar};
+/// # struct Ball;
+/// # impl HybridSystem for Ball {
+/// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
+/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", 0)] }
+/// #     fn parameters(&self) -> Vec<String> { vec!["gravity".into(), "restitution".into()] }
+/// #     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+/// #         (f[0], f[1]) = (x[1], -p[0]);
+/// #     }
+/// #     fn guard<T: Scalar>(&self, _g: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
+/// #     fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+/// #         (after[0], after[1]) = (x[0], -p[1] * x[1]);
+/// #     }
+/// #     fn next(&self, _g: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
+/// # }
+/// let mut flow = HybridFlow::new(&Ball, HybridSettings::default())?;
+/// let mut ball = HybridState { mode: 0, time: 0.0, x: vec![0.5, 0.0] };
+/// let mut history = History::new(4);
+/// flow.advance(&mut ball, 1.5, &[1.0, 0.5], &mut history)?;
+/// // It falls for a time of 1, and is thrown back with half its speed: for 0.5 it rises.
+/// assert_eq!(history.events.len(), 1);
+/// assert!((history.events[0].time - 1.0).abs() < 1e-12);
+/// assert!(ball.x[1].abs() < 1e-12 && history.pieces.len() == 2);
+/// # Ok::<(), tangency::core::hybrid::HybridError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct History {
+    /// How many states are kept for each step.
+    samples: usize,
+    /// The pieces of the motion between events.
+    pub pieces: Vec<Piece>,
+    /// The events.
+    pub events: Vec<Event<f64>>,
+    begun: bool,
+}
+
+impl History {
+    /// A history with so many states for each step (at least 1).
+    pub fn new(samples: usize) -> Self {
+        History { samples: samples.max(1), pieces: Vec::new(), events: Vec::new(), begun: false }
+    }
+}
+
+impl HybridObserver<f64> for History {
+    fn step<F: VectorField>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
+        if !self.begun {
+            let (times, states) = (vec![step.time(0.0)], vec![step.start().to_vec()]);
+            self.pieces.push(Piece { mode, times, states });
+            self.begun = true;
+        }
+        let Some(piece) = self.pieces.last_mut() else { return };
+        for k in 1..=self.samples {
+            let fraction = end * k as f64 / self.samples as f64;
+            let mut x = vec![0.0; step.start().len()];
+            step.interpolate(fraction, &mut x);
+            piece.times.push(step.time(fraction));
+            piece.states.push(x);
+        }
+    }
+
+    fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
+        self.events.push(event.clone());
+        self.begun = false;
+        ControlFlow::Continue(())
+    }
+}
