@@ -33,17 +33,20 @@ impl Block {
     pub const DEFAULTS: [f64; 3] = [0.01, 0.45, 0.04];
 }
 
+/// The force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage, a frequency and a damping.
+pub(super) fn force<T: Scalar>(t: T, q: T, u: T, [voltage, frequency, damping]: [T; 3]) -> T {
+    let ratio = voltage * (frequency * t).sin() / (T::one() - q);
+    ratio * ratio - q - damping * u
+}
+
 impl VectorField for Block {
     fn names(&self) -> Names {
         Names::new(["displacement", "velocity"], ["voltage", "frequency", "damping"])
     }
 
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let [q, u] = [x[0], x[1]];
-        let [voltage, frequency, damping] = [p[0], p[1], p[2]];
-        let ratio = voltage * (frequency * t).sin() / (T::one() - q);
-        f[0] = u;
-        f[1] = ratio * ratio - q - damping * u;
+        f[0] = x[1];
+        f[1] = force(t, x[0], x[1], [p[0], p[1], p[2]]);
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {

@@ -3,6 +3,8 @@
 //!
 //! All quantities are nondimensional: the block's mass, the spring's stiffness and the electrode gap are 1.
 
+mod actuator;
 mod block;
 
+pub use actuator::Actuator;
 pub use block::Block;

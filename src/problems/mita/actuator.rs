@@ -1,0 +1,405 @@
+//! The actuator with impacts and dry friction.
+
+use super::block::{Block, force};
+use crate::core::field::VectorField;
+use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry friction.
+///
+/// With the displacement `q₂` and velocity `u₂` of the block relative to the frame, the velocity `u₁` of the frame,
+/// the mass `m₁` of the frame (that of the block is 1), `N = (m₁ + 1) g`, and the force
+/// `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
+///
+/// | mode | | while |
+/// |---|---|---|
+/// | `stick` | `q₂' = u₂, u₂' = R` | `−δ < q₂ < δ`, `|R| < μ_s N` |
+/// | `forward`, `backward` | `u₁' = −(R ± μ_d N)/m₁, u₂' = R − u₁'` | `−δ < q₂ < δ`, `±u₁ > 0` |
+/// | `contact` | at rest at `q₂ = δ` | `R > 0` |
+/// | `riding_forward`, `riding_backward` | `u₁' = ∓μ_d N/(m₁ + 1)`, at `q₂ = δ` | `±u₁ > 0`, `R ± μ_d N/(m₁ + 1) > 0` |
+///
+/// An impact at `q₂ = ±δ` conserves momentum and leaves the part `e` of the relative velocity,
+///
+/// ```text
+///     u₁ ← u₁ + (1 + e) u₂/(m₁ + 1),    u₂ ← −e u₂,
+/// ```
+///
+/// and sets the frame in motion. Where the frame comes to rest it sticks if `|R| ≤ μ_s N`, and is moved against `R`
+/// otherwise. Where impacts on the front stopper accumulate, the block stays in contact if it is pressed against
+/// it. (The force never presses it against the back one.)
+///
+/// Every mode has the state `displacement`, all but those in contact `velocity`; where the frame slips there are
+/// `frame_velocity` and `frame_displacement`, which is counted from the start of the mode: no equation reads it.
+/// The voltage enters squared, so the forcing has the period `π/ω`.
+///
+/// ```
+/// use tangency::core::hybrid::HybridSystem;
+/// use tangency::problems::mita::Actuator;
+/// let p = Actuator::DEFAULTS;
+/// // The block hits the front stopper with a velocity of 0.3; the frame is 5 times as heavy.
+/// let (front, forward) = (Actuator::FRONT[Actuator::STICK], Actuator::FORWARD);
+/// assert_eq!(Actuator.next(front, 0.0, &[0.5, 0.3], &p), forward);
+/// let mut after = [0.0; 4];
+/// Actuator.reset(front, forward, 0.0, &[0.5, 0.3], &p, &mut after);
+/// assert!((after[1] + 0.24_f64).abs() < 1e-15 && (after[2] - 0.09_f64).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Actuator;
+
+/// The parameters by name.
+struct Parameters<T> {
+    /// Voltage, frequency, damping: those of the block.
+    block: [T; 3],
+    clearance: T,
+    restitution: T,
+    static_friction: T,
+    dynamic_friction: T,
+    frame_mass: T,
+    gravity: T,
+}
+
+impl<T: Scalar> Parameters<T> {
+    fn of(p: &[T]) -> Self {
+        Parameters {
+            block: [p[0], p[1], p[4]],
+            clearance: p[2],
+            restitution: p[3],
+            static_friction: p[5],
+            dynamic_friction: p[6],
+            frame_mass: p[7],
+            gravity: p[8],
+        }
+    }
+
+    /// The mass of all.
+    fn mass(&self) -> T {
+        self.frame_mass + 1.0
+    }
+
+    /// `μ N`.
+    fn friction(&self, coefficient: T) -> T {
+        coefficient * self.mass() * self.gravity
+    }
+
+    /// Friction on a frame that moves in a mode.
+    fn on_the_frame(&self, mode: usize) -> T {
+        let friction = self.friction(self.dynamic_friction);
+        if Actuator::moves_forward(mode) { -friction } else { friction }
+    }
+
+    /// The part of the force `R`, in excess of which the block is pressed against the front stopper.
+    fn pressing(&self, mode: usize, r: T) -> T {
+        match Actuator::slips(mode) {
+            true => r - self.on_the_frame(mode) / self.mass(),
+            false => r,
+        }
+    }
+}
+
+/// What ends a mode.
+#[derive(Clone, Copy, Debug)]
+enum Cause {
+    Front,
+    Back,
+    Rest,
+    SlideForward,
+    SlideBackward,
+    Leave,
+}
+
+impl Cause {
+    fn name(self) -> &'static str {
+        match self {
+            Cause::Front => "front",
+            Cause::Back => "back",
+            Cause::Rest => "rest",
+            Cause::SlideForward => "slide_forward",
+            Cause::SlideBackward => "slide_backward",
+            Cause::Leave => "leave",
+        }
+    }
+}
+
+/// The guards by what they tell and the mode that they end. What comes first counts among events that come
+/// together.
+const GUARDS: [(Cause, usize); 15] = [
+    (Cause::Front, Actuator::STICK),
+    (Cause::Front, Actuator::FORWARD),
+    (Cause::Front, Actuator::BACKWARD),
+    (Cause::Back, Actuator::STICK),
+    (Cause::Back, Actuator::FORWARD),
+    (Cause::Back, Actuator::BACKWARD),
+    (Cause::Rest, Actuator::FORWARD),
+    (Cause::Rest, Actuator::BACKWARD),
+    (Cause::Rest, Actuator::RIDING_FORWARD),
+    (Cause::Rest, Actuator::RIDING_BACKWARD),
+    (Cause::SlideForward, Actuator::STICK),
+    (Cause::SlideBackward, Actuator::STICK),
+    (Cause::Leave, Actuator::CONTACT),
+    (Cause::Leave, Actuator::RIDING_FORWARD),
+    (Cause::Leave, Actuator::RIDING_BACKWARD),
+];
+
+impl Actuator {
+    /// The default values of the parameters.
+    pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
+    /// The frame at rest.
+    pub const STICK: usize = 0;
+    /// The frame moves forward.
+    pub const FORWARD: usize = 1;
+    /// The frame moves backward.
+    pub const BACKWARD: usize = 2;
+    /// The frame at rest, the block in contact with the front stopper.
+    pub const CONTACT: usize = 3;
+    /// The frame moves forward, the block in contact.
+    pub const RIDING_FORWARD: usize = 4;
+    /// The frame moves backward, the block in contact.
+    pub const RIDING_BACKWARD: usize = 5;
+    /// Impacts on the front stopper, by mode.
+    pub const FRONT: [usize; 3] = [0, 1, 2];
+    /// Impacts on the back stopper, by mode.
+    pub const BACK: [usize; 3] = [3, 4, 5];
+    /// The end of slip: forward, backward, riding forward and backward.
+    pub const REST: [usize; 4] = [6, 7, 8, 9];
+    /// The beginning of slip without an impact: forward and backward.
+    pub const SLIDE: [usize; 2] = [10, 11];
+    /// The end of contact: at rest, riding forward and backward.
+    pub const LEAVE: [usize; 3] = [12, 13, 14];
+
+    fn moves_forward(mode: usize) -> bool {
+        mode == Self::FORWARD || mode == Self::RIDING_FORWARD
+    }
+
+    /// Whether the frame moves.
+    fn slips(mode: usize) -> bool {
+        mode != Self::STICK && mode != Self::CONTACT
+    }
+
+    /// Whether the block is in contact with the front stopper.
+    fn touches(mode: usize) -> bool {
+        mode >= Self::CONTACT
+    }
+
+    /// Displacement and velocity of the block, and the velocity of the frame, in a mode.
+    fn motion<T: Scalar>(mode: usize, x: &[T]) -> [T; 3] {
+        match (Self::touches(mode), Self::slips(mode)) {
+            (false, true) => [x[0], x[1], x[2]],
+            (false, false) => [x[0], x[1], T::zero()],
+            (true, true) => [x[0], T::zero(), x[1]],
+            (true, false) => [x[0], T::zero(), T::zero()],
+        }
+    }
+
+    /// `R` in a mode.
+    fn force<T: Scalar>(mode: usize, t: T, x: &[T], parameters: &Parameters<T>) -> T {
+        let [q, u, _] = Self::motion(mode, x);
+        force(t, q, u, parameters.block)
+    }
+
+    /// Velocities of block and frame after an impact.
+    fn impact<T: Scalar>([_, u, v]: [T; 3], parameters: &Parameters<T>) -> [T; 2] {
+        let Parameters { restitution, .. } = *parameters;
+        [-restitution * u, v + (restitution + 1.0) * u / parameters.mass()]
+    }
+
+    /// The mode in which a frame of a velocity goes on, off the stopper.
+    fn of_velocity(velocity: f64, r: f64, parameters: &Parameters<f64>) -> usize {
+        if velocity > 0.0 {
+            Self::FORWARD
+        } else if velocity < 0.0 {
+            Self::BACKWARD
+        } else if r.abs() <= parameters.friction(parameters.static_friction) {
+            Self::STICK
+        } else if r < 0.0 {
+            Self::FORWARD
+        } else {
+            Self::BACKWARD
+        }
+    }
+}
+
+impl HybridSystem for Actuator {
+    fn modes(&self) -> Vec<Mode> {
+        let (block, frame) =
+            (["displacement", "velocity"], ["frame_velocity", "frame_displacement"]);
+        let names =
+            ["stick", "forward", "backward", "contact", "riding_forward", "riding_backward"];
+        let mode = |(number, name): (usize, &str)| {
+            let states = if Self::touches(number) { &block[..1] } else { &block[..] };
+            let frame = if Self::slips(number) { &frame[..] } else { &[] };
+            Mode::new(name, states.iter().chain(frame).copied())
+        };
+        names.into_iter().enumerate().map(mode).collect()
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        let contact =
+            |guard: usize| Self::FRONT.contains(&guard).then(|| GUARDS[guard].1 + Self::CONTACT);
+        let guard = |(number, (cause, mode)): (usize, (Cause, usize))| Guard {
+            contact: contact(number),
+            ..Guard::new(cause.name(), mode)
+        };
+        GUARDS.into_iter().enumerate().map(guard).collect()
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        [
+            "voltage",
+            "frequency",
+            "clearance",
+            "restitution",
+            "damping",
+            "static_friction",
+            "dynamic_friction",
+            "frame_mass",
+            "gravity",
+        ]
+        .map(String::from)
+        .into()
+    }
+
+    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let parameters = Parameters::of(p);
+        if Self::touches(mode) {
+            f[0] = T::zero();
+            if Self::slips(mode) {
+                f[1] = parameters.on_the_frame(mode) / parameters.mass();
+                f[2] = x[1];
+            }
+            return;
+        }
+        let r = Self::force(mode, t, x, &parameters);
+        f[0] = x[1];
+        f[1] = r;
+        if Self::slips(mode) {
+            let acceleration = (parameters.on_the_frame(mode) - r) / parameters.frame_mass;
+            f[1] = r - acceleration;
+            f[2] = acceleration;
+            f[3] = x[2];
+        }
+    }
+
+    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+        let force = || Self::force(mode, t, x, &parameters);
+        let holding = || parameters.friction(parameters.static_friction);
+        match cause {
+            Cause::Front => parameters.clearance - x[0],
+            Cause::Back => parameters.clearance + x[0],
+            Cause::Rest => {
+                let [_, _, velocity] = Self::motion(mode, x);
+                if Self::moves_forward(mode) { velocity } else { -velocity }
+            }
+            Cause::SlideForward => holding() + force(),
+            Cause::SlideBackward => holding() - force(),
+            Cause::Leave => parameters.pressing(mode, force()),
+        }
+    }
+
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        next: usize,
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
+        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+        let [q, u, v] = Self::motion(mode, x);
+        if Self::touches(next) {
+            after[0] = parameters.clearance;
+            if Self::slips(next) {
+                (after[1], after[2]) = (v, T::zero());
+            }
+            return;
+        }
+        let [u, v] = match cause {
+            Cause::Front | Cause::Back => Self::impact([q, u, v], &parameters),
+            Cause::Leave => [u, v],
+            _ => [u, T::zero()],
+        };
+        (after[0], after[1]) = (q, u);
+        if Self::slips(next) {
+            (after[2], after[3]) = (v, T::zero());
+        }
+    }
+
+    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+        let motion = Self::motion(mode, x);
+        let r = Self::force(mode, t, x, &parameters);
+        match cause {
+            Cause::Front | Cause::Back => {
+                let [u, v] = Self::impact(motion, &parameters);
+                Self::of_velocity(v, force(t, motion[0], u, parameters.block), &parameters)
+            }
+            Cause::Rest if Self::touches(mode) && r > 0.0 => Self::CONTACT,
+            Cause::Rest => Self::of_velocity(0.0, r, &parameters),
+            Cause::SlideForward => Self::FORWARD,
+            Cause::SlideBackward => Self::BACKWARD,
+            Cause::Leave => mode - Self::CONTACT,
+        }
+    }
+
+    fn settled(&self, guard: usize, t: f64, _x: &[f64], p: &[f64]) -> Option<usize> {
+        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+        let r = force(t, parameters.clearance, 0.0, parameters.block);
+        let pressed = matches!(cause, Cause::Front) && parameters.pressing(mode, r) > 0.0;
+        pressed.then_some(mode + Self::CONTACT)
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+        VectorField::period(&Block, &Parameters::of(p).block)
+    }
+
+    /// `max_displacement`; `displacement_range`; `poincare_velocity`, that of the block where it passes through
+    /// the middle, going up; `impact_velocity`, the largest one at the front stopper; `step`, that of the frame in
+    /// a period; and `average_velocity`, `ω` times the step.
+    fn measures(&self) -> Vec<(String, Measure)> {
+        let displacement = || "displacement".to_string();
+        let rising = Measure::Rising { through: displacement(), value: "velocity".into() };
+        [
+            ("max_displacement", Measure::Maximum(displacement())),
+            ("displacement_range", Measure::Range(displacement())),
+            ("poincare_velocity", rising),
+            ("impact_velocity", Measure::Cycle(0)),
+            ("step", Measure::Cycle(1)),
+            ("average_velocity", Measure::Cycle(2)),
+        ]
+        .map(|(name, measure)| (name.to_string(), measure))
+        .into()
+    }
+
+    fn measure<T: Scalar>(
+        &self,
+        position: usize,
+        legs: &[Passage<T>],
+        periods: usize,
+        p: &[T],
+    ) -> T {
+        if position == 0 {
+            let front = |leg: &&Passage<T>| leg.exit.is_some_and(|g| Self::FRONT.contains(&g));
+            let speeds = legs.iter().filter(front).map(|leg| leg.end[1]);
+            return speeds.fold(T::zero(), |most, u| if u.real() > most.real() { u } else { most });
+        }
+        let slips = legs.iter().filter(|leg| Self::slips(leg.mode));
+        let way = |x: &[T]| x[x.len() - 1];
+        let total = slips.fold(T::zero(), |sum, leg| sum + way(leg.end) - way(leg.start));
+        let step = total / periods as f64;
+        if position == 1 { step } else { step * Parameters::of(p).block[1] }
+    }
+
+    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        let Parameters { block, clearance, frame_mass, .. } = Parameters::of(p);
+        if !(clearance > 0.0 && clearance < 1.0) {
+            let remedy = "the stoppers are between the middle, 0, and the electrode, 1";
+            return Err(LeftDomain::new("clearance", clearance, remedy));
+        }
+        if frame_mass <= 0.0 {
+            return Err(LeftDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
+        }
+        VectorField::domain(&Block, &x[..1], &block)
+    }
+}
