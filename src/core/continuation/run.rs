@@ -215,7 +215,7 @@ impl Tracer<'_> {
                 }
                 continue;
             };
-            let last = at.as_ref().map_or(start.point.clone(), |last| point_of(&last.special));
+            let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
             // The branch ends here anyhow, whatever the observer says.
             let _ = observer.point(&last);
             half.points.push(last);
@@ -230,6 +230,15 @@ impl Tracer<'_> {
                 None => *place = start.clone(),
             }
             return end;
+        }
+    }
+
+    fn point_of(&mut self, special: &SpecialPoint) -> Point {
+        Point {
+            parameters: special.parameters.clone(),
+            monitors: special.monitors.clone(),
+            unstable: special.unstable,
+            admissible: self.stepper.is_admissible(&special.monitors),
         }
     }
 
@@ -418,14 +427,5 @@ impl Tracer<'_> {
         self.branch.points.extend(ahead.points);
         self.branch.special = special;
         self.branch.ends = [behind.end, ahead.end];
-    }
-}
-
-fn point_of(special: &SpecialPoint) -> Point {
-    Point {
-        parameters: special.parameters.clone(),
-        monitors: special.monitors.clone(),
-        unstable: special.unstable,
-        admissible: true,
     }
 }
