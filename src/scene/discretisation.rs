@@ -1,13 +1,14 @@
 //! How the solutions of a field or of a boundary-value problem are discretised.
 
 use super::SceneError;
-use super::slot::{Plain, Slots};
+use super::slot::{Plain, Slots, Words};
 use crate::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Mesh, Shooting};
 use crate::core::continuation::SettingError;
 use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::Scheme;
-use crate::core::orbit::Orbit;
+use crate::core::hybrid::HybridSystem;
+use crate::core::orbit::{HybridOrbit, Itinerary, Orbit};
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +52,9 @@ pub struct Discretisation {
     pub scheme: Scheme,
     /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
     pub flow_tolerance: f64,
+    /// What hybrid orbits go through, where a run starts from none that exists: by default an orbit without
+    /// events, in the first mode.
+    pub itinerary: String,
 }
 
 impl Default for Discretisation {
@@ -63,13 +67,20 @@ impl Default for Discretisation {
             segments: 1,
             scheme: Scheme::DormandPrince8,
             flow_tolerance: 1e-12,
+            itinerary: String::new(),
         }
     }
 }
 
 impl Discretisation {
-    /// The settings by name.
-    pub(super) fn slots(&mut self) -> Slots<'_> {
+    /// The settings by name, but for some that have no meaning for a problem.
+    pub(super) fn slots_but(&mut self, without: &str) -> Slots<'_> {
+        let mut slots = self.slots();
+        slots.retain(|(name, _)| without.split(' ').all(|other| other != *name));
+        slots
+    }
+
+    fn slots(&mut self) -> Slots<'_> {
         vec![
             ("solution", Box::new(Plain(&mut self.solution))),
             ("method", Box::new(Plain(&mut self.method))),
@@ -78,6 +89,7 @@ impl Discretisation {
             ("segments", Box::new(Plain(&mut self.segments))),
             ("scheme", Box::new(Plain(&mut self.scheme))),
             ("flow_tolerance", Box::new(Plain(&mut self.flow_tolerance))),
+            ("itinerary", Box::new(Words(&mut self.itinerary))),
         ]
     }
 
@@ -128,6 +140,22 @@ impl Discretisation {
                 Err(self.no_equilibria("a boundary-value problem has none; leave `solution` out"))
             }
         }
+    }
+
+    /// The periodic orbits of a hybrid system.
+    pub(super) fn of_hybrid<H>(&self, system: H) -> Result<Box<dyn System>, SceneError>
+    where
+        H: HybridSystem + Clone + 'static,
+    {
+        let itinerary = match self.itinerary.as_str() {
+            "" => Itinerary::smooth(0, 1),
+            words => Itinerary::read(words, &system).map_err(|cause| SceneError::Value {
+                name: "itinerary".into(),
+                value: words.into(),
+                reason: cause.to_string(),
+            })?,
+        };
+        self.discretise(HybridOrbit::of(system, itinerary))
     }
 
     fn no_equilibria(&self, reason: &str) -> SceneError {

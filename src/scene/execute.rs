@@ -170,6 +170,9 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for (name, level) in &run.grazings {
         curve = curve.graze(name, *level);
     }
+    if run.beyond_grazings {
+        curve = curve.beyond_grazings();
+    }
     if let Some(kind) = run.hold {
         curve = curve.hold(kind);
     }

@@ -83,6 +83,9 @@ pub struct Run {
     /// on behind them, as if nothing were touched.
     #[serde(default)]
     pub grazings: Vec<(String, f64)>,
+    /// Whether the branch goes on where solutions graze, and pass through surfaces beyond: virtual ones.
+    #[serde(default)]
+    pub beyond_grazings: bool,
     /// Which way it is traced.
     #[serde(default)]
     pub direction: Way,

@@ -1,14 +1,15 @@
 //! The problems that a scene can name.
 
 use super::discretisation::Discretisation;
-use super::slot::{Letters, Plain, Slots, Usual};
+use super::slot::{Capitals, Plain, Slots, Usual};
 use super::{SceneError, slot};
 use crate::core::bvp::BoundaryProblem;
 use crate::core::continuation::SettingError;
 use crate::core::field::VectorField;
+use crate::core::hybrid::HybridSystem;
 use crate::core::zero::System;
-use crate::problems::classic::{Bratu, Isothermal, Lure};
-use crate::problems::mita::Block;
+use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
+use crate::problems::mita::{Actuator, Block};
 use crate::problems::plate::PlateSettings;
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +18,12 @@ use serde::{Deserialize, Serialize};
 pub enum Problem {
     /// An electrically actuated microplate.
     Plate(PlateSettings),
-    /// The block of Mita's impact microactuator, its frame at rest, without impacts.
+    /// Mita's impact microactuator.
     Mita(Discretisation),
+    /// Its block alone, the frame at rest, without impacts.
+    Block(Discretisation),
+    /// The forced linear oscillator with a stop.
+    ImpactOscillator(Discretisation),
     /// A feedback control system of Lur'e type.
     Lure(Discretisation),
     /// Seydel's isothermal reaction.
@@ -35,7 +40,11 @@ impl Problem {
                 let names = plate.units.names().iter().map(|name| name.to_string());
                 (names.collect(), plate.units.defaults())
             }
-            Problem::Mita(_) => (Block.names().parameters, &Block::DEFAULTS[..]),
+            Problem::Mita(_) => (Actuator.parameters(), &Actuator::DEFAULTS[..]),
+            Problem::Block(_) => (Block.names().parameters, &Block::DEFAULTS[..]),
+            Problem::ImpactOscillator(_) => {
+                (ImpactOscillator.parameters(), &ImpactOscillator::DEFAULTS[..])
+            }
             Problem::Lure(_) => (Lure.names().parameters, &Lure::DEFAULTS[..]),
             Problem::Isothermal(_) => (Isothermal.names().parameters, &Isothermal::DEFAULTS[..]),
             Problem::Bratu(_) => (Bratu.parameters(), &Bratu::DEFAULTS[..]),
@@ -57,14 +66,13 @@ impl Problem {
     fn slots(&mut self) -> Slots<'_> {
         match self {
             Problem::Plate(plate) => plate_slots(plate),
-            Problem::Mita(settings) | Problem::Lure(settings) | Problem::Isothermal(settings) => {
-                settings.slots()
+            Problem::Block(settings) | Problem::Lure(settings) | Problem::Isothermal(settings) => {
+                settings.slots_but("itinerary")
             }
-            Problem::Bratu(settings) => {
-                let mut slots = settings.slots();
-                slots.retain(|(name, _)| *name != "solution");
-                slots
+            Problem::Mita(settings) | Problem::ImpactOscillator(settings) => {
+                settings.slots_but("solution")
             }
+            Problem::Bratu(settings) => settings.slots_but("solution itinerary"),
         }
     }
 
@@ -73,6 +81,8 @@ impl Problem {
         match self {
             Problem::Plate(_) => Ok(()),
             Problem::Mita(settings)
+            | Problem::Block(settings)
+            | Problem::ImpactOscillator(settings)
             | Problem::Lure(settings)
             | Problem::Isothermal(settings)
             | Problem::Bratu(settings) => settings.check(),
@@ -84,7 +94,9 @@ impl Problem {
     pub(super) fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self {
             Problem::Plate(plate) => Ok(plate.system(p, reach)?),
-            Problem::Mita(settings) => settings.of_field(Block),
+            Problem::Mita(settings) => settings.of_hybrid(Actuator),
+            Problem::Block(settings) => settings.of_field(Block),
+            Problem::ImpactOscillator(settings) => settings.of_hybrid(ImpactOscillator),
             Problem::Lure(settings) => settings.of_field(Lure),
             Problem::Isothermal(settings) => settings.of_field(Isothermal),
             Problem::Bratu(settings) => settings.of_problem(Bratu),
@@ -94,7 +106,7 @@ impl Problem {
 
 fn plate_slots(plate: &mut PlateSettings) -> Slots<'_> {
     vec![
-        ("supports", Box::new(Letters(&mut plate.supports))),
+        ("supports", Box::new(Capitals(&mut plate.supports))),
         ("in_plane", Box::new(Usual(&mut plate.in_plane))),
         ("theory", Box::new(Plain(&mut plate.theory))),
         ("model", Box::new(Plain(&mut plate.model))),

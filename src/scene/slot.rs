@@ -30,8 +30,11 @@ pub(super) struct Plain<'a, T>(pub &'a mut T);
 /// A setting that the problem chooses by itself unless it is given: `usual`.
 pub(super) struct Usual<'a, T>(pub &'a mut Option<T>);
 
-/// Letters without quotes, in either case.
-pub(super) struct Letters<'a>(pub &'a mut String);
+/// Letters without quotes, in either case: kept as capitals.
+pub(super) struct Capitals<'a>(pub &'a mut String);
+
+/// Words without quotes.
+pub(super) struct Words<'a>(pub &'a mut String);
 
 impl<T: Serialize + for<'d> Deserialize<'d>> Slot for Plain<'_, T> {
     fn written(&self) -> String {
@@ -58,7 +61,18 @@ impl<T: Serialize + for<'d> Deserialize<'d>> Slot for Usual<'_, T> {
     }
 }
 
-impl Slot for Letters<'_> {
+impl Slot for Words<'_> {
+    fn written(&self) -> String {
+        self.0.clone()
+    }
+
+    fn assign(&mut self, _name: &str, value: &str) -> Result<(), SceneError> {
+        *self.0 = value.into();
+        Ok(())
+    }
+}
+
+impl Slot for Capitals<'_> {
     fn written(&self) -> String {
         self.0.clone()
     }

@@ -18,6 +18,9 @@ use std::cmp::Ordering;
 /// to the first events.
 type Sides = Vec<f64>;
 
+/// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
+const VANISHES: f64 = 1e-6;
+
 impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
         let leaving = self.adopt()?;
@@ -100,9 +103,9 @@ impl<'a> Continuation<'a> {
 
     fn resolve_held(&mut self, parameter: usize) -> Result<Vec<MakeCondition>, TraceError> {
         if self.held.iter().any(|(kind, make)| *kind == Kind::G && make.is_none()) {
-            self.grazing = self.nearest_grazing()?;
+            self.grazing = self.vanishing()?;
         }
-        let grazing = self.grazing.map(|m| {
+        let grazing = self.grazing.first().map(|&m| {
             let event = Event::level_of_kind(Kind::G, "grazing", Quantity::Monitor(m), 0.0);
             event.condition
         });
@@ -118,21 +121,21 @@ impl<'a> Continuation<'a> {
             .collect()
     }
 
-    /// The monitor that vanishes at the start, of those that vanish where a solution grazes.
-    fn nearest_grazing(&mut self) -> Result<Option<usize>, TraceError> {
+    /// The monitors that vanish at the start, of those that vanish where a solution grazes: several do where an
+    /// event comes with a leg of no length.
+    fn vanishing(&mut self) -> Result<Vec<usize>, TraceError> {
         let (system, x) = (&mut *self.system, &self.x);
         let mut values = vec![0.0; system.names().monitors.len()];
         let outcome = system.assemble(x).and_then(|()| system.monitors(x, &mut values));
         outcome.map_err(|left| self.not_started(left.into()))?;
-        let by_size = |a: &&usize, b: &&usize| values[**a].abs().total_cmp(&values[**b].abs());
-        Ok(self.system.grazings().iter().min_by(by_size).copied())
+        let vanishes = |m: &&usize| values[**m].abs() < VANISHES;
+        Ok(self.system.grazings().iter().filter(vanishes).copied().collect())
     }
 
     /// Grazings: where a monitor that is positive on admissible solutions vanishes, but for the one that is
     /// held.
     fn grazings(&self) -> Vec<Event> {
-        let held = self.grazing;
-        let monitors = self.system.grazings().iter().filter(|m| held != Some(**m));
+        let monitors = self.system.grazings().iter().filter(|m| !self.grazing.contains(m));
         let event = |&m: &usize| {
             let name = self.system.names().monitors[m].clone();
             Event::level_of_kind(Kind::G, name, Quantity::Monitor(m), 0.0)

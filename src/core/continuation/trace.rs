@@ -53,8 +53,8 @@ pub struct Continuation<'a> {
     pub(super) switched: bool,
     /// Whether to go on beyond grazings.
     pub(super) beyond: bool,
-    /// The monitor of the grazing that is held along the curve.
-    pub(super) grazing: Option<usize>,
+    /// The monitors that vanish along the curve of grazings: the first one is held.
+    pub(super) grazing: Vec<usize>,
     pub(super) forward: bool,
     pub(super) backward: bool,
     errors: Vec<TraceError>,
@@ -82,7 +82,7 @@ impl<'a> Continuation<'a> {
             restarted_at: None,
             switched: false,
             beyond: false,
-            grazing: None,
+            grazing: Vec::new(),
             forward: true,
             backward: true,
             errors: Vec::new(),

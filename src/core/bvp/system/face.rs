@@ -202,7 +202,7 @@ where
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.profiles(&self.names.unknowns, &mut self.plain).unwrap_or_default()
+        self.equations.profiles(&mut self.plain).unwrap_or_default()
     }
 
     fn exact(&self) -> bool {

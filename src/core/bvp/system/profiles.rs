@@ -2,40 +2,49 @@
 
 use super::equations::{Equations, Work};
 use crate::core::bvp::{BoundaryProblem, Method};
-use crate::core::zero::{Group, LeftDomain, Profile};
+use crate::core::zero::{LeftDomain, Profile};
 
 /// A segment is drawn with at least as many points.
 const FEWEST_POINTS: usize = 100;
 
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
-    /// For each segment the time history of each state and, of two or more, the portrait of the first two.
-    pub fn profiles(
-        &self,
-        unknowns: &[Group],
-        work: &mut Work<f64, M>,
-    ) -> Result<Vec<Profile>, LeftDomain> {
-        let mut profiles = Vec::new();
-        for segment in 0..self.layout.segments.len() {
-            let s = &self.layout.segments[segment];
-            let names = &unknowns[s.ends..s.ends + s.states];
-            let history = self.history(segment, work)?;
-            let columns = |i: usize, j: usize| history.iter().map(|x| [x[i], x[j]]).collect();
-            for (i, group) in names.iter().enumerate() {
-                let points = columns(0, i + 1);
-                profiles.push(Profile { name: group.name.clone(), along: "time".into(), points });
+    /// The time history of each state and, of two or more on a segment, the portrait of the first two. Where
+    /// several segments have states of the same name, their curves are one: segments follow each other if the
+    /// solution is periodic, and begin together otherwise.
+    pub fn profiles(&self, work: &mut Work<f64, M>) -> Result<Vec<Profile>, LeftDomain> {
+        let mut profiles: Vec<Profile> = Vec::new();
+        let mut draw = |name: &str, along: &str, curve: Vec<[f64; 2]>| {
+            let same = |p: &&mut Profile| p.name == name && p.along == along;
+            match profiles.iter_mut().find(same) {
+                Some(profile) => profile.points.extend(curve),
+                None => {
+                    let (name, along) = (name.into(), along.into());
+                    profiles.push(Profile { name, along, points: curve });
+                }
             }
-            if let [first, second, ..] = names {
-                let (name, along) = (second.name.clone(), first.name.clone());
-                profiles.push(Profile { name, along, points: columns(1, 2) });
+        };
+        let mut begin = 0.0;
+        for (segment, names) in self.problem.segments().iter().enumerate() {
+            let history = self.history(segment, begin, work)?;
+            let columns = |i: usize, j: usize| history.iter().map(|x| [x[i], x[j]]).collect();
+            for (i, name) in names.iter().enumerate() {
+                draw(name, "time", columns(0, i + 1));
+            }
+            if let [first, second, ..] = &names[..] {
+                draw(second, first, columns(1, 2));
+            }
+            if !self.layout.returns.is_empty() {
+                begin = history.last().map_or(begin, |last| last[0]);
             }
         }
         Ok(profiles)
     }
 
-    /// Time and states along a segment, at places spread evenly over each interval.
+    /// Time (from `begin` on) and states along a segment, at places spread evenly over each interval.
     fn history(
         &self,
         segment: usize,
+        begin: f64,
         work: &mut Work<f64, M>,
     ) -> Result<Vec<Vec<f64>>, LeftDomain> {
         let s = &self.layout.segments[segment];
@@ -45,7 +54,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         for interval in 0..s.intervals {
             let span = self.span(segment, interval);
             let nodes = &work.nodes[self.layout.interval(segment, interval)];
-            let time = |place: f64| duration * (span.start + (span.end - span.start) * place);
+            let time =
+                |place: f64| begin + duration * (span.start + (span.end - span.start) * place);
             let mut visit = |place: f64, x: &[f64]| history.push([&[time(place)], x].concat());
             let place = self.interval((segment, interval), nodes, &work.q);
             self.method.trajectory(place, each, &mut work.local.method, &mut visit)?;
