@@ -130,7 +130,7 @@ fn branch<H: HybridSystem>(
         bracket: [p[0]; 2],
         converged: true,
         state: Vec::new(),
-        tangent: Vec::new(),
+        tangent: vec![0.0],
         mesh: Vec::new(),
         profiles: profiles(curves),
     };

@@ -1,6 +1,7 @@
 //! The actuator with impacts and dry friction.
 
 use super::block::{Block, force};
+use super::parameters::{NAMES, Parameters};
 use crate::core::field::VectorField;
 use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
 use crate::core::scalar::Scalar;
@@ -47,57 +48,6 @@ use crate::core::zero::LeftDomain;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Actuator;
-
-/// The parameters by name.
-struct Parameters<T> {
-    /// Voltage, frequency, damping: those of the block.
-    block: [T; 3],
-    clearance: T,
-    restitution: T,
-    static_friction: T,
-    dynamic_friction: T,
-    frame_mass: T,
-    gravity: T,
-}
-
-impl<T: Scalar> Parameters<T> {
-    fn of(p: &[T]) -> Self {
-        Parameters {
-            block: [p[0], p[1], p[4]],
-            clearance: p[2],
-            restitution: p[3],
-            static_friction: p[5],
-            dynamic_friction: p[6],
-            frame_mass: p[7],
-            gravity: p[8],
-        }
-    }
-
-    /// The mass of all.
-    fn mass(&self) -> T {
-        self.frame_mass + 1.0
-    }
-
-    /// `μ N`.
-    fn friction(&self, coefficient: T) -> T {
-        coefficient * self.mass() * self.gravity
-    }
-
-    /// Friction on a frame that moves in a mode.
-    fn on_the_frame(&self, mode: usize) -> T {
-        let friction = self.friction(self.dynamic_friction);
-        if Actuator::moves_forward(mode) { -friction } else { friction }
-    }
-
-    /// The force `R` in excess of what takes the block along with the frame: positive where the block is pressed
-    /// against the front stopper, negative where against the back one.
-    fn excess(&self, mode: usize, r: T) -> T {
-        match Actuator::slips(mode) {
-            true => r - self.on_the_frame(mode) / self.mass(),
-            false => r,
-        }
-    }
-}
 
 /// What ends a mode.
 #[derive(Clone, Copy, Debug)]
@@ -206,6 +156,15 @@ impl Actuator {
         }
     }
 
+    /// The force `R` in excess of what takes the block along with the frame: positive where the block is pressed
+    /// against the front stopper, negative where against the back one.
+    fn excess<T: Scalar>(mode: usize, r: T, parameters: &Parameters<T>) -> T {
+        if !Self::slips(mode) {
+            return r;
+        }
+        r - parameters.on_the_frame(Self::moves_forward(mode)) / parameters.mass()
+    }
+
     /// `R` in a mode.
     fn force<T: Scalar>(mode: usize, t: T, x: &[T], parameters: &Parameters<T>) -> T {
         let [q, u, _] = Self::motion(mode, x);
@@ -264,19 +223,7 @@ impl HybridSystem for Actuator {
     }
 
     fn parameters(&self) -> Vec<String> {
-        [
-            "voltage",
-            "frequency",
-            "clearance",
-            "restitution",
-            "damping",
-            "static_friction",
-            "dynamic_friction",
-            "frame_mass",
-            "gravity",
-        ]
-        .map(String::from)
-        .into()
+        NAMES.map(String::from).into()
     }
 
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
@@ -284,7 +231,7 @@ impl HybridSystem for Actuator {
         if Self::touches(mode) {
             f[0] = T::zero();
             if Self::slips(mode) {
-                f[1] = parameters.on_the_frame(mode) / parameters.mass();
+                f[1] = parameters.on_the_frame(Self::moves_forward(mode)) / parameters.mass();
                 f[2] = x[1];
             }
             return;
@@ -293,7 +240,8 @@ impl HybridSystem for Actuator {
         f[0] = x[1];
         f[1] = r;
         if Self::slips(mode) {
-            let acceleration = (parameters.on_the_frame(mode) - r) / parameters.frame_mass;
+            let acceleration =
+                (parameters.on_the_frame(Self::moves_forward(mode)) - r) / parameters.frame_mass;
             f[1] = r - acceleration;
             f[2] = acceleration;
             f[3] = x[2];
@@ -313,8 +261,8 @@ impl HybridSystem for Actuator {
             }
             Cause::SlideForward => holding() + force(),
             Cause::SlideBackward => holding() - force(),
-            Cause::Leave if mode == Self::RIDING_BACK => -parameters.excess(mode, force()),
-            Cause::Leave => parameters.excess(mode, force()),
+            Cause::Leave if mode == Self::RIDING_BACK => -Self::excess(mode, force(), &parameters),
+            Cause::Leave => Self::excess(mode, force(), &parameters),
         }
     }
 
@@ -370,7 +318,7 @@ impl HybridSystem for Actuator {
     fn settled(&self, guard: usize, t: f64, _x: &[f64], p: &[f64]) -> Option<usize> {
         let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
         let Parameters { block, clearance, .. } = parameters;
-        let excess = |q: f64| parameters.excess(mode, force(t, q, 0.0, block));
+        let excess = |q: f64| Self::excess(mode, force(t, q, 0.0, block), &parameters);
         let pressed = match cause {
             Cause::Front => excess(clearance) > 0.0,
             Cause::Back => excess(-clearance) < 0.0,

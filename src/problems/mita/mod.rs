@@ -5,6 +5,7 @@
 
 mod actuator;
 mod block;
+mod parameters;
 
 pub use actuator::Actuator;
 pub use block::Block;
