@@ -11,7 +11,7 @@ use hybrid::coulomb;
 use hybrid::dry_impact::{self, DryImpact};
 use hybrid::impact_oscillator::ClosedForm;
 use hybrid::multipliers;
-use hybrid::orbits::{Solved, Start, by_both, found};
+use hybrid::orbits::{ASIDE, Solved, by_both, found, impacting, resting};
 use hybrid::piecewise;
 use hybrid::reference::Reference;
 use std::f64::consts::{PI, TAU};
@@ -19,9 +19,6 @@ use tangency::core::continuation::Kind;
 
 /// What the closed forms promise is met to this.
 const DIGITS: f64 = 1e-10;
-
-/// First guesses are aside by this part.
-const ASIDE: f64 = 1e-4;
 
 /// Compares the multipliers, of which one more is zero since an orbit begins on a surface.
 #[track_caller]
@@ -32,14 +29,6 @@ fn has_multipliers(orbit: &Solved, expected: &[(f64, f64)]) {
         close(found.0, expected.0, DIGITS * size);
         close(found.1, expected.1, DIGITS * size);
     }
-}
-
-/// The orbit of the impact oscillator with one impact of speed `u` in a period.
-fn impacting(form: &ClosedForm, u: f64) -> [Start; 2] {
-    let p = [form.amplitude(u), form.frequency, form.restitution, form.damping, form.clearance];
-    let state = [form.clearance, -form.restitution * u * (1.0 + ASIDE)];
-    let extras = [form.time(u) * (1.0 + ASIDE), TAU / form.frequency];
-    by_both(Reference::ImpactOscillator, "flight:impact", &[&state], &extras, &p)
 }
 
 /// Along families of orbits with one impact, towards grazing, where a multiplier grows like `1/u`.
@@ -130,11 +119,13 @@ fn the_belts_orbit_has_its_period() {
         let sticks = belt::stick(friction, kinetic);
         let sticking = 2.0 * (friction - kinetic) / belt;
         let period = belt::period(friction, kinetic, belt);
+        let largest = belt::largest(friction, kinetic, belt);
         let durations = [sticking, (period - sticking) * (1.0 + ASIDE)];
         let starts: [&[f64]; 2] = [&[sticks], &[friction, belt]];
         for start in by_both(Reference::Belt, "stick:slip slower:catch", &starts, &durations, &p) {
-            let orbit = start.solved();
-            close(orbit.first("duration[0]") + orbit.first("duration[1]"), period, DIGITS);
+            let mut orbit = start.solved();
+            close(orbit.monitor("period"), period, DIGITS);
+            close(orbit.monitor("max_displacement"), largest, DIGITS);
             close(orbit.first("displacement[0]"), sticks, DIGITS);
             has_multipliers(&orbit, &[]);
         }
@@ -150,9 +141,9 @@ fn den_hartogs_motion_has_its_amplitude() {
         let extras = [coulomb::phase(beta, friction) / beta, half, half];
         for start in by_both(Reference::Coulomb, "backward:low forward:high", &starts, &extras, &p)
         {
-            let orbit = start.solved();
-            close(orbit.first("displacement[0]"), x, DIGITS);
-            close(orbit.first("displacement[1]"), -x, DIGITS);
+            let mut orbit = start.solved();
+            close(orbit.monitor("max_displacement"), x, DIGITS);
+            close(orbit.monitor("min_displacement"), -x, DIGITS);
         }
     }
 }
@@ -165,28 +156,12 @@ fn the_piecewise_field_has_its_cycle() {
         let durations = [PI, cycle.right];
         let words = "left:rightwards right:leftwards";
         for start in by_both(Reference::Piecewise, words, &starts, &durations, &p) {
-            let orbit = start.solved();
-            let period = orbit.first("duration[0]") + orbit.first("duration[1]");
-            close(period, PI + cycle.right, DIGITS);
+            let mut orbit = start.solved();
+            close(orbit.monitor("period"), PI + cycle.right, DIGITS);
             close(orbit.first("x2[0]"), cycle.top, DIGITS);
             has_multipliers(&orbit, &[(cycle.multiplier, 0.0)]);
         }
     }
-}
-
-/// The orbit of the mass that rests, is hit, moves up, down and rests again.
-fn resting(stiffness: f64) -> [Start; 2] {
-    let [_, friction, _, _, frequency, ..] = DryImpact::DEFAULTS;
-    let mut p = DryImpact::DEFAULTS;
-    p[0] = stiffness;
-    let form = dry_impact::ClosedForm::new(p);
-    let ([x, _], f, root) = (form.rest(), friction / stiffness, stiffness.sqrt());
-    let (t, v) = (form.time(x), form.velocity(x));
-    let (up, down) = ((v / root).atan2(x + f) / root, PI / root);
-    let begins = t + up + down - TAU / frequency;
-    let starts: [&[f64]; 3] = [&[x + ASIDE], &[x, v], &[(x + f).hypot(v / root) - f, 0.0]];
-    let extras = [begins, t - begins, up, down];
-    by_both(Reference::DryImpact, "stick:impact up:turn down:turn", &starts, &extras, &p)
 }
 
 #[test]

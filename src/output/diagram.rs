@@ -4,7 +4,7 @@ use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Mark, Series, Style, Symbol};
 use super::suggest::UnknownName;
-use crate::core::continuation::{Branch, Kind};
+use crate::core::continuation::{Branch, Kind, Point};
 
 /// The diagram of all branches of some documents, each given with a name that tells its branches
 /// from those of the others. Title, axes and labels are those of the first document; `x` and `y`
@@ -53,6 +53,9 @@ pub fn diagram(
     let stability = branches.iter().flat_map(|(_, branch)| &branch.points);
     if stability.into_iter().any(|point| point.unstable.is_some()) {
         figure.styles = vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())];
+    }
+    if branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| !point.admissible) {
+        figure.styles.push((Style::Thin, "virtual, beyond a grazing".into()));
     }
     Ok(figure)
 }
@@ -139,14 +142,14 @@ impl Curve<'_> {
         let points = &self.branch.points;
         for (index, point) in points.iter().enumerate() {
             let at = self.at(|column| point.value(column));
-            pieces.vertex(at, style(point.unstable));
+            pieces.vertex(at, style_of(point));
             // Beyond the last point there is nothing whose stability could be taken.
             let next = points.get(index + 1).unwrap_or(point);
             for special in self.branch.special.iter().filter(|special| special.after == index) {
                 pieces.vertex(
                     self.at(|column| special.value(column)),
                     match changes_stability(special.kind) {
-                        true => style(next.unstable),
+                        true => style_of(next),
                         false => pieces.style(),
                     },
                 );
@@ -191,6 +194,11 @@ impl Pieces<'_> {
     }
 }
 
+/// The style of a point's surroundings.
+fn style_of(point: &Point) -> Style {
+    if point.admissible { style(point.unstable) } else { Style::Thin }
+}
+
 /// The style of what has this number of unstable eigenvalues.
 pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
@@ -201,8 +209,10 @@ pub(super) fn style(unstable: Option<usize>) -> Style {
 
 fn changes_stability(kind: Kind) -> bool {
     match kind {
-        Kind::LP | Kind::BP | Kind::HB | Kind::CP | Kind::BT | Kind::PD | Kind::TR => true,
-        Kind::EP | Kind::UZ | Kind::MX | Kind::G => false,
+        Kind::LP | Kind::BP | Kind::HB | Kind::CP | Kind::BT | Kind::PD | Kind::TR | Kind::G => {
+            true
+        }
+        Kind::EP | Kind::UZ | Kind::MX => false,
     }
 }
 

@@ -51,6 +51,8 @@ pub enum Style {
     Solid,
     /// A dashed line.
     Dashed,
+    /// A thin line.
+    Thin,
     /// A dot at every point, and no line.
     Dots,
     /// A dot at every point, and a line through them.

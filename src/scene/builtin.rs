@@ -45,6 +45,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "mita-switching": "switch-on and switch-off in frequency and voltage (4.9, 5.5)",
     "mita-s-curve": "orbits with three impacts a period, between two folds (6.6)",
     "mita-ladder": "the ladder of chatter c₄, c₅, …: period doublings of orbits with n impacts (6.9)",
+    "mita-histories": "simulated histories: slow drive, settled motions, chatter and sticking (4.3, 4.4, 6.1, 6.4, 6.7, 6.8)",
     "impact-oscillator": "the forced linear impact oscillator: grazing, fold, period doubling",
     "lure": "Lur'e's control system: a Hopf point, periodic orbits, and their period doublings",
     "isothermal": "Seydel's isothermal reaction: a Hopf point and a cascade of period doublings",

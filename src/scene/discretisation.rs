@@ -1,13 +1,15 @@
 //! How the solutions of a field or of a boundary-value problem are discretised.
 
-use super::SceneError;
+use super::simulate::initial;
 use super::slot::{Plain, Slots, Words};
-use crate::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Mesh, Shooting};
+use super::{SceneError, Simulated};
+use crate::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Collocation, Mesh, Shooting};
+use crate::core::condition::EvaluationError;
 use crate::core::continuation::SettingError;
 use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::Scheme;
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::{HybridFlow, HybridSettings, HybridSystem, Recurrence, RecurrenceError};
 use crate::core::orbit::{HybridOrbit, Itinerary, Orbit};
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
@@ -161,6 +163,69 @@ impl Discretisation {
     fn no_equilibria(&self, reason: &str) -> SceneError {
         let (name, value) = ("solution".into(), "equilibrium".into());
         SceneError::Value { name, value, reason: reason.into() }
+    }
+
+    /// The orbits like the one on which a simulation settles, and that orbit.
+    pub(super) fn settled<H>(
+        &self,
+        system: H,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+    ) -> Result<(Box<dyn System>, Vec<f64>), SceneError>
+    where
+        H: HybridSystem + Clone + 'static,
+    {
+        let unsettled = |cause: RecurrenceError| SceneError::Unsettled {
+            run: run.into(),
+            cause: Box::new(cause),
+        };
+        let start = initial(&system, simulated)?;
+        let unit = system.period(p).unwrap_or(1.0);
+        let recurrence =
+            Recurrence { transient: simulated.transient * unit, ..Recurrence::default() };
+        let mut flow = HybridFlow::new(&system, HybridSettings::default())
+            .map_err(|cause| unsettled(cause.into()))?;
+        let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
+        let orbit =
+            HybridOrbit::of_cycle(system.clone(), &cycle).map_err(|cause| SceneError::Value {
+                name: "start".into(),
+                value: "Simulated".into(),
+                reason: cause.to_string(),
+            })?;
+        self.discretise_from(orbit, p)
+    }
+
+    fn discretise_from<P>(
+        &self,
+        orbit: Birth<P>,
+        p: &[f64],
+    ) -> Result<(Box<dyn System>, Vec<f64>), SceneError>
+    where
+        P: BoundaryProblem + Clone + 'static,
+    {
+        let Birth { problem, starts, extras } = orbit;
+        let segments = problem.segments().len();
+        let failed = |cause: EvaluationError| SceneError::Value {
+            name: "start".into(),
+            value: "Simulated".into(),
+            reason: cause.to_string(),
+        };
+        Ok(match self.method {
+            Discretised::Collocation => {
+                let meshes = vec![Mesh::uniform(self.intervals); segments];
+                let system = BoundarySystem::new(problem, Collocation::new(self.degree)?, meshes)?;
+                let z = system.flowed(&starts, &extras, p).map_err(failed)?;
+                (Box::new(system), z)
+            }
+            Discretised::Shooting => {
+                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
+                let meshes = vec![Mesh::uniform(self.segments); segments];
+                let system = BoundarySystem::new(problem, method, meshes)?;
+                let z = system.flowed(&starts, &extras, p).map_err(failed)?;
+                (Box::new(system), z)
+            }
+        })
     }
 
     fn discretise<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>

@@ -3,6 +3,7 @@
 use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
 use crate::core::flow::SettingsError as FlowSettingsError;
+use crate::core::hybrid::{HybridError, RecurrenceError};
 use crate::output::UnknownName;
 use crate::problems::plate::SettingsError;
 
@@ -83,6 +84,24 @@ pub enum SceneError {
         found: usize,
         /// Why that run ended.
         ends: String,
+    },
+    /// A simulation ended before its time.
+    #[error("run `{run}`: {cause}")]
+    Simulation {
+        /// The run.
+        run: String,
+        /// Why.
+        #[source]
+        cause: Box<HybridError>,
+    },
+    /// A simulation found no periodic motion to start from.
+    #[error("run `{run}`: {cause}")]
+    Unsettled {
+        /// The run.
+        run: String,
+        /// Why.
+        #[source]
+        cause: Box<RecurrenceError>,
     },
     /// A trace could not begin.
     #[error("run `{run}`: {cause}")]

@@ -1,7 +1,9 @@
 //! Tracing the runs of a scene, one after the other.
 
-use super::{Run, Scene, SceneError, Start, Way};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Observer};
+use super::simulate::Simulation;
+use super::{Run, Scene, SceneError, Simulated, Start, Way};
+use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
+use crate::core::hybrid::HybridState;
 use crate::core::zero::{Group, System};
 use crate::output::{Document, UnknownName};
 
@@ -55,6 +57,7 @@ pub fn execute(
     let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
     document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
     let mut done: Vec<Branch> = Vec::new();
+    let mut last = LastStates::new();
     let mut error = None;
     let runs: Vec<&Run> = match start {
         None => scene.runs.iter().collect(),
@@ -62,8 +65,13 @@ pub fn execute(
     };
     for (index, run) in runs.iter().enumerate() {
         observer.run(run, index, runs.len());
-        match trace(scene, run, start, &done, &mut *observer) {
-            Ok(branch) => {
+        let outcome = match (&run.start, run.along.is_empty()) {
+            (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut last),
+            _ => trace(scene, run, start, &done, &mut *observer),
+        };
+        match outcome {
+            Ok(mut branch) => {
+                join(&mut branch, &done);
                 let interrupted = branch.ends.contains(&End::Interrupted);
                 done.push(branch);
                 if interrupted {
@@ -79,6 +87,57 @@ pub fn execute(
     let shown = |branch: &Branch| runs.iter().any(|run| run.shown && run.name == branch.name);
     document.branches = done.into_iter().filter(shown).collect();
     Outcome { document, error }
+}
+
+/// The states in which simulated runs ended, by the run's name.
+type LastStates = Vec<(String, HybridState<f64>)>;
+
+/// A simulated history as a branch of one point.
+fn history(
+    scene: &Scene,
+    run: &Run,
+    simulated: &Simulated,
+    last: &mut LastStates,
+) -> Result<Branch, SceneError> {
+    let seen = scene.as_seen_by(run)?;
+    let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
+    let start = simulated.after.as_ref().and_then(before);
+    let Simulation { branch, end } =
+        seen.problem.history(&run.name, simulated, &seen.values(), start)?;
+    last.push((run.name.clone(), end));
+    Ok(branch)
+}
+
+/// Two grazings are one if no number of theirs differs by more than this part.
+const SAME: f64 = 1e-7;
+
+/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of this branch.
+/// Monitors that vanish at a grazing do so on one of the branches only.
+fn join(branch: &mut Branch, done: &[Branch]) {
+    let mine = |branch: &Branch, column: &str, special: &SpecialPoint| {
+        branch.column(column).and_then(|k| special.value(k))
+    };
+    let (columns, this) = (branch.columns().map(String::from).collect::<Vec<_>>(), branch.clone());
+    for special in branch.special.iter_mut().filter(|special| special.kind == Kind::G) {
+        let same = |other: &Branch, there: &SpecialPoint| {
+            columns.iter().all(|column| {
+                match (mine(&this, column, special), mine(other, column, there)) {
+                    (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
+                        (a - b).abs() <= SAME * a.abs().max(1.0)
+                    }
+                    _ => true,
+                }
+            })
+        };
+        let others =
+            done.iter().filter(|other| other.condition.is_none() && this.condition.is_none());
+        let met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
+        if let Some((other, there)) = met.into_iter().find(|(other, there)| same(other, there)) {
+            special.kind = Kind::EP;
+            special.event =
+                format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
+        }
+    }
 }
 
 /// The shown run that goes on with a branch.
@@ -111,10 +170,24 @@ fn trace(
     observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
     let seen = scene.as_seen_by(run)?;
-    let mut system = seen.system(scene)?;
-    let guess = match (start, &run.start) {
-        (None, Start::Guess(values)) => guess(&*system, values)?,
-        _ => vec![0.0; system.names().dimension()],
+    let settled = match (start, &run.start) {
+        (None, Start::Simulated(simulated)) => {
+            Some(seen.problem.settled(&run.name, simulated, &seen.values())?)
+        }
+        _ => None,
+    };
+    let (mut system, guess) = match (settled, start, &run.start) {
+        (Some(settled), ..) => settled,
+        (None, None, Start::Guess(values)) => {
+            let system = seen.system(scene)?;
+            let guess = guess(&*system, values)?;
+            (system, guess)
+        }
+        _ => {
+            let system = seen.system(scene)?;
+            let rest = vec![0.0; system.names().dimension()];
+            (system, rest)
+        }
     };
     let mut curve = Continuation::of(&mut *system)
         .named(&run.name)
@@ -125,7 +198,7 @@ fn trace(
     }
     curve = match (start, &run.start) {
         (Some(start), _) => start.begin(curve, scene, run),
-        (None, Start::Rest | Start::Guess(_)) => curve,
+        (None, Start::Rest | Start::Guess(_) | Start::Simulated(_)) => curve,
         (None, Start::From { run: from, kind, nth, switch }) => {
             let (branch, label) = point_of(run, done, from, *kind, *nth)?;
             let curve = begin_from(curve.restart(branch, label), &seen, run);

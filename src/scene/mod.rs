@@ -20,6 +20,7 @@ mod error;
 mod execute;
 mod problem;
 mod set;
+mod simulate;
 mod slot;
 
 pub use builtin::{BUILT_IN, BuiltIn};
@@ -71,7 +72,9 @@ pub struct Run {
     /// The parameter or monitor that is held at a level along the curve, where it is a curve of marks.
     #[serde(default)]
     pub hold_level: Option<(String, f64)>,
-    /// The parameters that are released, the continued one first, with their ranges.
+    /// The parameters that are released, the continued one first, with their ranges. A simulation that
+    /// releases none is kept as a history.
+    #[serde(default)]
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors, where the branch ends.
     #[serde(default)]
@@ -128,6 +131,9 @@ pub enum Start {
     Rest,
     /// Near a guess: values of unknowns by name, the others zero.
     Guess(Vec<(String, f64)>),
+    /// At the periodic motion on which a simulation of a hybrid system settles; or, where no parameter is
+    /// released, the simulated history itself.
+    Simulated(Simulated),
     /// At a special point of an earlier run.
     From {
         /// The run.
@@ -141,6 +147,27 @@ pub enum Start {
         #[serde(default)]
         switch: bool,
     },
+}
+
+/// A simulation, from the first mode of a hybrid system. Times are in periods of the forcing, or in units of
+/// time where there is none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Simulated {
+    /// The states at its beginning by name, where they are not zero.
+    pub state: Vec<(String, f64)>,
+    /// The simulated run in whose last state it begins instead.
+    pub after: Option<String>,
+    /// How long it runs before it is looked at.
+    pub transient: f64,
+    /// How long the history lasts.
+    pub duration: f64,
+}
+
+impl Default for Simulated {
+    fn default() -> Self {
+        Simulated { state: Vec::new(), after: None, transient: 200.0, duration: 1.0 }
+    }
 }
 
 /// Which way a branch is traced from its start.

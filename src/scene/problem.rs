@@ -1,12 +1,13 @@
 //! The problems that a scene can name.
 
 use super::discretisation::Discretisation;
+use super::simulate::{Simulation, simulate};
 use super::slot::{Capitals, Plain, Slots, Usual};
-use super::{SceneError, slot};
+use super::{SceneError, Simulated, slot};
 use crate::core::bvp::BoundaryProblem;
 use crate::core::continuation::SettingError;
 use crate::core::field::VectorField;
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::{HybridState, HybridSystem};
 use crate::core::zero::System;
 use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
@@ -89,6 +90,37 @@ impl Problem {
         }
     }
 
+    /// A simulated history.
+    pub(super) fn history(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        start: Option<HybridState<f64>>,
+    ) -> Result<Simulation, SceneError> {
+        match self {
+            Problem::Mita(_) => simulate(&Actuator, run, simulated, p, start),
+            Problem::ImpactOscillator(_) => simulate(&ImpactOscillator, run, simulated, p, start),
+            _ => Err(not_hybrid()),
+        }
+    }
+
+    /// The system of the orbits like the one on which a simulation settles, and that orbit.
+    pub(super) fn settled(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+    ) -> Result<(Box<dyn System>, Vec<f64>), SceneError> {
+        match self {
+            Problem::Mita(settings) => settings.settled(Actuator, run, simulated, p),
+            Problem::ImpactOscillator(settings) => {
+                settings.settled(ImpactOscillator, run, simulated, p)
+            }
+            _ => Err(not_hybrid()),
+        }
+    }
+
     /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes
     /// from there.
     pub(super) fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
@@ -102,6 +134,11 @@ impl Problem {
             Problem::Bratu(settings) => settings.of_problem(Bratu),
         }
     }
+}
+
+fn not_hybrid() -> SceneError {
+    let reason = "only hybrid systems are simulated by scenes: `Mita`, `ImpactOscillator`";
+    SceneError::Value { name: "start".into(), value: "Simulated".into(), reason: reason.into() }
 }
 
 fn plate_slots(plate: &mut PlateSettings) -> Slots<'_> {

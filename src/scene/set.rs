@@ -1,7 +1,7 @@
 //! Changing a scene by name, reading it, and checking it.
 
 use super::slot::{Plain, Slots, assign, options, read};
-use super::{Problem, Run, Scene, SceneError, Start};
+use super::{Problem, Run, Scene, SceneError, Simulated, Start};
 use crate::core::continuation::{SettingError, Settings};
 use crate::output::UnknownName;
 
@@ -187,6 +187,20 @@ impl Scene {
         for (name, value) in run.marks.iter().chain(&run.grazings).chain(&run.hold_level) {
             finite(&format!("run `{}`, mark of `{name}`", run.name), *value)?;
         }
+        let simulated = match &run.start {
+            Start::Simulated(simulated) => {
+                self.check_simulated(run, simulated, earlier)?;
+                true
+            }
+            _ => false,
+        };
+        if run.along.is_empty() && !simulated {
+            return Err(SceneError::Invalid {
+                place: format!("run `{}`, along", run.name),
+                found: "empty".into(),
+                rule: "a branch releases one parameter or more".into(),
+            });
+        }
         if let Start::Guess(values) = &run.start {
             unique("unknown", values.iter().map(|(name, _)| name.as_str()))?;
             for (name, value) in values {
@@ -198,6 +212,30 @@ impl Scene {
         {
             let names = earlier.iter().map(|run| run.name.as_str());
             return Err(UnknownName::new("earlier run", from.clone(), names).into());
+        }
+        Ok(())
+    }
+
+    fn check_simulated(
+        &self,
+        run: &Run,
+        simulated: &Simulated,
+        earlier: &[Run],
+    ) -> Result<(), SceneError> {
+        let place = |what: &str| format!("run `{}`, {what}", run.name);
+        for (name, value) in &simulated.state {
+            finite(&place(&format!("start of `{name}`")), *value)?;
+        }
+        let times = [("transient", simulated.transient), ("duration", simulated.duration)];
+        let bad = |time: &f64| !(time.is_finite() && *time >= 0.0);
+        if let Some((what, time)) = times.into_iter().find(|(_, time)| bad(time)) {
+            let rule = "must be a finite number, and not less than 0".into();
+            return Err(SceneError::Invalid { place: place(what), found: time.to_string(), rule });
+        }
+        let Some(after) = &simulated.after else { return Ok(()) };
+        if !earlier.iter().any(|run| run.name == *after) {
+            let names = earlier.iter().map(|run| run.name.as_str());
+            return Err(UnknownName::new("earlier run", after.clone(), names).into());
         }
         Ok(())
     }

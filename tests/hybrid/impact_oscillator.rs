@@ -69,17 +69,19 @@ impl ClosedForm {
         (phase + self.lag()).rem_euclid(TAU) / self.frequency
     }
 
+    /// The motion without impacts at a time.
+    pub fn motion<T: Scalar>(&self, amplitude: f64, t: T) -> [T; 2] {
+        let (size, phase) = (amplitude / self.stiffness, t * self.frequency - self.lag());
+        [phase.cos() * size, -phase.sin() * size * self.frequency]
+    }
+
     /// The motion so long after it left the stop at a time with a velocity: displacement and velocity.
     pub fn flight<T: Scalar>(&self, amplitude: f64, start: [T; 2], after: T) -> [T; 2] {
         let [left, velocity] = start;
-        let (size, omega) = (amplitude / self.stiffness, self.frequency);
-        let forced = |t: T| {
-            let phase = t * omega - self.lag();
-            [phase.cos() * size, -phase.sin() * size * omega]
-        };
-        let ([x, v], [[p, q], [r, s]]) = (forced(left), flow(after, self.damping));
+        let [x, v] = self.motion(amplitude, left);
         let free = [-x + self.clearance, velocity - v];
-        let [x, v] = forced(left + after);
+        let [[p, q], [r, s]] = flow(after, self.damping);
+        let [x, v] = self.motion(amplitude, left + after);
         [x + p * free[0] + q * free[1], v + r * free[0] + s * free[1]]
     }
 

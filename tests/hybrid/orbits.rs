@@ -1,7 +1,10 @@
 //! Hybrid orbits by both methods, from what closed forms know of them.
 
+use super::dry_impact::{self, DryImpact};
+use super::impact_oscillator::ClosedForm;
 use super::reference::Reference;
 use crate::common::solved;
+use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Mesh, Method, OnSegment, Shooting,
 };
@@ -9,6 +12,9 @@ use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::zero::{Spectrum, System};
+
+/// First guesses are aside by this part.
+pub const ASIDE: f64 = 1e-4;
 
 /// An orbit about to be solved: its system by one method, unknowns near the solution, parameters.
 pub struct Start {
@@ -30,7 +36,7 @@ pub fn by_both(
 ) -> [Start; 2] {
     let itinerary = Itinerary::read(itinerary, &hybrid).unwrap();
     let orbit = HybridOrbit::of(hybrid, itinerary);
-    let collocation = discretised(orbit.clone(), Collocation::new(5).unwrap(), 24);
+    let collocation = discretised(orbit.clone(), Collocation::new(7).unwrap(), 16);
     let shooting = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let shooting = discretised(orbit, shooting, 2);
     let z = [sampled(&collocation, starts, extras, p), sampled(&shooting, starts, extras, p)];
@@ -38,6 +44,37 @@ pub fn by_both(
         [("collocation", Box::new(collocation)), ("shooting", Box::new(shooting))];
     let mut z = z.into_iter();
     systems.map(|(method, system)| Start { method, system, z: z.next().unwrap(), p: p.to_vec() })
+}
+
+/// The orbit of the impact oscillator without impacts, at a part of the amplitude at which it grazes.
+pub fn nonimpacting(form: &ClosedForm, part: f64) -> [Start; 2] {
+    let amplitude = part * form.grazing();
+    let p = [amplitude, form.frequency, form.restitution, form.damping, form.clearance];
+    let state = form.motion(amplitude, 0.0).map(|x| x * (1.0 + ASIDE));
+    by_both(Reference::ImpactOscillator, "flight", &[&state], &[], &p)
+}
+
+/// The orbit of the impact oscillator with one impact of speed `u` in a period.
+pub fn impacting(form: &ClosedForm, u: f64) -> [Start; 2] {
+    let p = [form.amplitude(u), form.frequency, form.restitution, form.damping, form.clearance];
+    let state = [form.clearance, -form.restitution * u * (1.0 + ASIDE)];
+    let extras = [form.time(u) * (1.0 + ASIDE), TAU / form.frequency];
+    by_both(Reference::ImpactOscillator, "flight:impact", &[&state], &extras, &p)
+}
+
+/// The orbit of the mass that rests, is hit, moves up, down and rests again.
+pub fn resting(stiffness: f64) -> [Start; 2] {
+    let [_, friction, _, _, frequency, ..] = DryImpact::DEFAULTS;
+    let mut p = DryImpact::DEFAULTS;
+    p[0] = stiffness;
+    let form = dry_impact::ClosedForm::new(p);
+    let ([x, _], f, root) = (form.rest(), friction / stiffness, stiffness.sqrt());
+    let (t, v) = (form.time(x), form.velocity(x));
+    let (up, down) = ((v / root).atan2(x + f) / root, PI / root);
+    let begins = t + up + down - TAU / frequency;
+    let starts: [&[f64]; 3] = [&[x + ASIDE], &[x, v], &[(x + f).hypot(v / root) - f, 0.0]];
+    let extras = [begins, t - begins, up, down];
+    by_both(Reference::DryImpact, "stick:impact up:turn down:turn", &starts, &extras, &p)
 }
 
 fn discretised<P: BoundaryProblem, M: Method>(

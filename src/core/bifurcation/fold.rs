@@ -3,26 +3,30 @@
 use super::null::NullVectors;
 use crate::core::condition::{At, Condition, EvaluationError};
 use crate::core::kind::Kind;
+use crate::core::zero::Slot;
 
-/// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`.
+/// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`, taken with the sign of the
+/// bordered determinant: `g` is the ratio of `det F_z` to that, which may change sign far from any fold.
 ///
 /// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
 /// `v(1) = −v(0)`, which differs from `F_z` by a constant.
 pub struct Fold {
     kind: Kind,
     null: NullVectors,
+    /// The sign of the bordered determinant.
+    sign: f64,
 }
 
 impl Default for Fold {
     fn default() -> Self {
-        Fold { kind: Kind::LP, null: NullVectors::default() }
+        Fold { kind: Kind::LP, null: NullVectors::default(), sign: 1.0 }
     }
 }
 
 impl Fold {
     /// A period doubling of periodic orbits.
     pub fn antiperiodic() -> Self {
-        Fold { kind: Kind::PD, null: NullVectors::antiperiodic() }
+        Fold { kind: Kind::PD, null: NullVectors::antiperiodic(), sign: 1.0 }
     }
 }
 
@@ -42,7 +46,8 @@ impl Condition for Fold {
         values: &mut [f64],
     ) -> Result<(), EvaluationError> {
         self.null.update(&mut at)?;
-        values[0] = self.null.g;
+        self.sign = at.system.determinant_sign(Slot::Condition);
+        values[0] = self.sign * self.null.g;
         Ok(())
     }
 
@@ -54,7 +59,7 @@ impl Condition for Fold {
         _own: &mut [f64],
     ) -> Result<(), EvaluationError> {
         at.system.gradient(at.x, &self.null.left, &self.null.right, at.released, rows);
-        rows.iter_mut().for_each(|entry| *entry = -*entry);
+        rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())
     }
 

@@ -56,9 +56,11 @@ pub enum Monitor {
     Minimum(Vec<Watched>),
     /// The difference between the largest and the smallest value.
     Range(Vec<Watched>),
-    /// The least local minimum inside segments, or also at a segment's end, where that is said to count: a
-    /// distance that vanishes where a trajectory touches. Without any, the largest value.
-    Distance(Vec<(Watched, bool)>),
+    /// The least local minimum inside segments, or at a segment's end: a distance that vanishes where a
+    /// trajectory touches. Without any, the largest value. It is said of each scalar whether it vanishes in
+    /// the events that begin and end the segment. Then neither that end counts, nor a minimum to which the
+    /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the event.
+    Distance(Vec<(Watched, [bool; 2])>),
     /// The value of a scalar where another one first rises through zero on its segment, the largest of all
     /// segments; 0 where none rises through zero.
     Rising {

@@ -377,7 +377,7 @@ mod tests {
         }
         let mut found = Vec::new();
         let mut visit = |_, place, value| found.push((2.0 + 5.0 * place, value));
-        shooting.extrema(interval, &[0], None, &mut visit).unwrap();
+        shooting.extrema(interval, &[Observable::State(0)], None, &mut visit).unwrap();
         let exact = [2.0, std::f64::consts::PI, std::f64::consts::TAU, 7.0];
         assert_eq!(found.len(), exact.len(), "{found:?}");
         for ((t, x), exact) in found.iter().zip(exact) {

@@ -215,7 +215,7 @@ impl Tracer<'_> {
                 }
                 continue;
             };
-            let last = at.as_ref().map_or(start.point.clone(), |last| point_of(&last.special));
+            let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
             // The branch ends here anyhow, whatever the observer says.
             let _ = observer.point(&last);
             half.points.push(last);
@@ -230,6 +230,15 @@ impl Tracer<'_> {
                 None => *place = start.clone(),
             }
             return end;
+        }
+    }
+
+    fn point_of(&mut self, special: &SpecialPoint) -> Point {
+        Point {
+            parameters: special.parameters.clone(),
+            monitors: special.monitors.clone(),
+            unstable: special.unstable,
+            admissible: self.stepper.is_admissible(&special.monitors),
         }
     }
 
@@ -287,11 +296,19 @@ impl Tracer<'_> {
                     && (!located.special.converged
                         || (other.along - located.along).abs() < 1e-3 * length)
             };
+            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
+            // point, which a fold defines.
+            let folds = |other: &Located| {
+                other.special.kind == Kind::LP
+                    && (other.along - located.along).abs() < 1e-3 * length
+            };
+            let on_grazings = self.branch.condition == Some(Kind::G);
+            let vertical = kind == Kind::PD && on_grazings && found.iter().any(folds);
             let pitchfork = at_start && self.from_branch_point;
             let double = kind == Kind::LP && (pitchfork || found.iter().any(same));
             let bound = index < self.sides.len();
             let of_the_start = at_start && !bound && located.along <= AT_START;
-            if !(double || of_the_start) {
+            if !(double || vertical || of_the_start) {
                 found.push(located);
             }
         }
@@ -410,14 +427,5 @@ impl Tracer<'_> {
         self.branch.points.extend(ahead.points);
         self.branch.special = special;
         self.branch.ends = [behind.end, ahead.end];
-    }
-}
-
-fn point_of(special: &SpecialPoint) -> Point {
-    Point {
-        parameters: special.parameters.clone(),
-        monitors: special.monitors.clone(),
-        unstable: special.unstable,
-        admissible: true,
     }
 }

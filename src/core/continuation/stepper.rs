@@ -366,10 +366,14 @@ impl Stepper<'_> {
         let stability =
             spectrum.map(|spectrum| Stability::of(dynamics, &spectrum).oriented(orientation));
         let unstable = stability.map(|stability| stability.unstable);
-        let beyond = |&m: &usize| monitors[m] < -BEYOND;
-        let admissible = !at.system.grazings().iter().any(beyond);
         let parameters = at.x[n..].to_vec();
+        let admissible = self.is_admissible(&monitors);
         Ok((Point { parameters, monitors, unstable, admissible }, stability))
+    }
+
+    /// Whether no monitor says that the solution has passed through a surface.
+    pub fn is_admissible(&mut self, monitors: &[f64]) -> bool {
+        !self.equations.system().grazings().iter().any(|&m| monitors[m] < -BEYOND)
     }
 
     fn tests(

@@ -135,6 +135,11 @@ pub trait HybridSystem {
         measures
     }
 
+    /// The names of states that count from the start of every mode they are in: histories show their sum.
+    fn counted(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// The number at a position that [`Measure::Cycle`] names, from the legs of a cycle that takes so many
     /// periods of the forcing.
     fn measure<T: Scalar>(

@@ -9,7 +9,7 @@ use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, BoundaryProblem, OnSegment};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::{Cycle, HybridSystem};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
 use num_dual::{Dual, Dual64};
@@ -59,6 +59,30 @@ const NUDGE: f64 = 1e-6;
 const MOST_LEGS: usize = 32;
 
 impl<H: HybridSystem + Clone> HybridOrbit<H> {
+    /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if the cycle holds a series of infinitely many events, which is no itinerary.
+    pub fn of_cycle(system: H, cycle: &Cycle) -> Result<Birth<Self>, EvaluationError> {
+        if cycle.legs.iter().any(|leg| leg.accumulation) {
+            let reason =
+                "the simulated motion chatters completely: infinitely many events are no itinerary";
+            return Err(EvaluationError::NotApplicable(reason.into()));
+        }
+        let legs = cycle.legs.iter().map(|leg| Leg { mode: leg.mode, exit: leg.exit }).collect();
+        let itinerary = Itinerary { legs, periods: cycle.periods };
+        let starts = cycle.legs.iter().flat_map(|leg| leg.start.clone()).collect();
+        let durations = cycle.legs.iter().map(|leg| leg.duration);
+        let problem = HybridOrbit::of(system, itinerary);
+        // The time of the start comes first where it is an unknown.
+        let extras = match problem.extras().len().checked_sub(cycle.legs.len()) {
+            None => Vec::new(),
+            Some(0) => durations.collect(),
+            Some(_) => std::iter::once(cycle.start).chain(durations).collect(),
+        };
+        Ok(Birth { problem, starts, extras })
+    }
+
     /// The orbits that are born where this one touches a guard.
     pub(super) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, EvaluationError> {
         let touch = self.touch(starts, q)?;
@@ -106,7 +130,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
     fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, EvaluationError> {
         let mut nearest: Option<Touch> = None;
         for leg in 0..self.itinerary().legs.len() {
-            for guard in self.guards_of(leg) {
+            for guard in self.guards_in(self.itinerary().legs[leg].mode) {
                 let watch = OnLeg { orbit: self, leg, guard };
                 let found = self.dip(&watch, &starts[self.of_leg(leg)], q)?;
                 let nearer =

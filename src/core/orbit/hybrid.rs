@@ -63,12 +63,6 @@ impl<H: HybridSystem> HybridOrbit<H> {
         guards.filter(move |(_, guard)| guard.mode == mode).map(|(k, _)| k)
     }
 
-    /// The guards of a leg's mode but for the one that ends it.
-    pub(super) fn guards_of(&self, leg: usize) -> impl Iterator<Item = usize> + '_ {
-        let Leg { mode, exit } = self.legs()[leg];
-        self.guards_in(mode).filter(move |guard| exit != Some(*guard))
-    }
-
     /// The name of a guard.
     pub(super) fn guard_name(&self, guard: usize) -> &str {
         &self.guards[guard].name

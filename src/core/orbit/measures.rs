@@ -62,17 +62,15 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
         }
     }
 
-    /// The guards that a leg does not end at, along it; and the one at which it ends, inside. A guard counts at
-    /// a leg's end, too, but for the one of the event that began the leg, which may be as near there as a leg
-    /// is short.
-    fn watched_guards(&self) -> Vec<(Watched, bool)> {
+    /// All guards along the legs, and whether they belong to the events that begin and end the leg.
+    fn watched_guards(&self) -> Vec<(Watched, [bool; 2])> {
         let legs = &self.itinerary().legs;
         let mut watched = Vec::new();
         for (s, leg) in legs.iter().enumerate() {
             let entry = legs[(s + legs.len() - 1) % legs.len()].exit.map(|g| self.guard_name(g));
             for guard in self.guards_in(leg.mode) {
-                let at_end = leg.exit != Some(guard) && entry != Some(self.guard_name(guard));
-                watched.push((Watched::function(s, guard), at_end));
+                let own = [entry == Some(self.guard_name(guard)), leg.exit == Some(guard)];
+                watched.push((Watched::function(s, guard), own));
             }
         }
         watched

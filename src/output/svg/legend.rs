@@ -138,7 +138,7 @@ impl Entry<'_> {
                 let points = match style {
                     Style::Dots => vec![[x + SAMPLE / 2.0, y]],
                     Style::DottedLine => vec![[x, y], [x + SAMPLE / 2.0, y], [x + SAMPLE, y]],
-                    Style::Solid | Style::Dashed => vec![[x, y], [x + SAMPLE, y]],
+                    Style::Solid | Style::Dashed | Style::Thin => vec![[x, y], [x + SAMPLE, y]],
                 };
                 curve(canvas, style, &points, colour)?;
             }

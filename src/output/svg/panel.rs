@@ -176,6 +176,8 @@ pub(super) fn curve(
     match style {
         Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
         Style::Dashed => canvas.dashed(points, colour, 2.0),
+        Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
+        Style::Thin => Ok(()),
         Style::Solid => Ok(()),
         Style::Dots | Style::DottedLine => {
             if style == Style::DottedLine {

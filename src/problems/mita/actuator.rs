@@ -349,6 +349,10 @@ impl HybridSystem for Actuator {
         .into()
     }
 
+    fn counted(&self) -> Vec<String> {
+        vec!["frame_displacement".into()]
+    }
+
     fn measure<T: Scalar>(
         &self,
         position: usize,

@@ -18,12 +18,21 @@ pub(super) struct Seen {
     pub smallest: Sighting,
     /// The place visited last: at the end of all, the end of the segment.
     pub last: Sighting,
-    /// The least local minimum inside.
-    pub dip: Option<Sighting>,
+    /// Local minima inside: the one to which it falls from the beginning, the least one between two maxima,
+    /// and the one from which it rises to the end.
+    leading: Option<Sighting>,
+    between: Option<Sighting>,
+    trailing: Option<Sighting>,
     /// The first place where it rises through zero: between these two, in one interval.
     pub rise: Option<[Sighting; 2]>,
     falling: bool,
+    /// Whether it has risen before the minimum visited last, or at all.
+    risen: [bool; 2],
 }
+
+/// A scalar falls or rises if it changes by more than this: where a segment begins or ends tangent to a surface,
+/// rounding makes minima of its own.
+const DEPTH: f64 = 1e-12;
 
 impl Seen {
     const NOTHING: Seen = {
@@ -32,9 +41,12 @@ impl Seen {
             largest: nowhere,
             smallest: nowhere,
             last: nowhere,
-            dip: None,
+            leading: None,
+            between: None,
+            trailing: None,
             rise: None,
             falling: false,
+            risen: [false; 2],
         }
     };
 
@@ -46,16 +58,40 @@ impl Seen {
         if value < self.smallest.value || self.smallest.value.is_nan() {
             self.smallest = here;
         }
-        if value > last.value && self.falling && self.dip.is_none_or(|d| last.value < d.value) {
-            self.dip = Some(last);
-        }
+        self.visit_minimum(here);
         if last.value <= 0.0 && value > 0.0 && self.rise.is_none() {
             self.rise = Some([last, here]);
         }
-        if value != last.value {
+        if (value - last.value).abs() > DEPTH {
             self.falling = value < last.value;
         }
         self.last = here;
+    }
+
+    /// What became the trailing minimum is between two maxima as soon as the scalar falls again.
+    fn visit_minimum(&mut self, here: Sighting) {
+        let [before, now] = &mut self.risen;
+        if here.value < self.last.value - DEPTH
+            && let Some(dip) = self.trailing.take()
+        {
+            let place = if *before { &mut self.between } else { &mut self.leading };
+            if place.is_none_or(|least| dip.value < least.value) {
+                *place = Some(dip);
+            }
+        }
+        if here.value > self.last.value + DEPTH {
+            if self.falling {
+                (self.trailing, *before) = (Some(self.last), *now);
+            }
+            *now = true;
+        }
+    }
+
+    /// Local minima inside that count where the scalar vanishes in the events that begin or end the segment.
+    pub fn dips(self, [begins, ends]: [bool; 2]) -> impl Iterator<Item = Sighting> {
+        let leading = self.leading.filter(|_| !begins);
+        let trailing = self.trailing.filter(|_| !ends && (self.risen[0] || !begins));
+        leading.into_iter().chain(self.between).chain(trailing)
     }
 }
 

@@ -123,11 +123,11 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 
     /// The least local minimum of scalars, at ends where that counts; where there is none, the largest value.
-    fn nearest(&self, watched: &[(Watched, bool)]) -> Option<Term> {
-        let candidates = watched.iter().flat_map(|(w, at_end)| {
+    fn nearest(&self, watched: &[(Watched, [bool; 2])]) -> Option<Term> {
+        let candidates = watched.iter().flat_map(|(w, own)| {
             let seen = self.extremes.seen(*w);
-            let places = seen.dip.into_iter().chain(at_end.then_some(seen.last));
-            places.map(|place| (*w, place, 1.0))
+            let at_end = (*own == [false; 2]).then_some(seen.last);
+            seen.dips(*own).chain(at_end).map(|place| (*w, place, 1.0))
         });
         let largest = watched.iter().map(|(w, _)| (*w, self.extremes.seen(*w).largest, 1.0));
         let by_value = |a: &Term, b: &Term| a.1.value.total_cmp(&b.1.value);

@@ -124,8 +124,11 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         Ok(Adopted { z, tangent: None, leaving: Leaving::Switched })
     }
 
-    /// The unknowns of trajectories that flow from the states where segments begin.
-    fn flowed(
+    /// The unknowns `z` of trajectories that flow from the states where segments begin.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] where a trajectory leaves the domain of its field.
+    pub fn flowed(
         &self,
         starts: &[f64],
         extras: &[f64],

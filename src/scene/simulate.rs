@@ -1,0 +1,173 @@
+//! Histories by simulation: what a motion does that settles on no orbit of finitely many events, or has not
+//! settled yet.
+
+use super::{SceneError, Simulated};
+use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
+use crate::core::hybrid::{History, HybridFlow, HybridSettings, HybridState, HybridSystem, Piece};
+use crate::core::zero::Profile;
+use crate::output::UnknownName;
+
+/// A simulated history as a branch of one point, and the state in which it ends.
+pub(super) struct Simulation {
+    pub branch: Branch,
+    pub end: HybridState<f64>,
+}
+
+/// Names of what is counted: events a period of the forcing (or in the whole history).
+const EVENTS: &str = "events";
+
+/// Samples of a step in a history.
+const SAMPLES: usize = 8;
+
+/// A curve of values against time.
+struct Curve {
+    name: String,
+    points: Vec<[f64; 2]>,
+}
+
+/// Follows a system through a transient, and then for as long as the history is to last.
+pub(super) fn simulate<H: HybridSystem>(
+    system: &H,
+    name: &str,
+    simulated: &Simulated,
+    p: &[f64],
+    start: Option<HybridState<f64>>,
+) -> Result<Simulation, SceneError> {
+    let failed = |cause: crate::core::hybrid::HybridError| SceneError::Simulation {
+        run: name.into(),
+        cause: Box::new(cause),
+    };
+    let mut state = match start {
+        Some(state) => state,
+        None => initial(system, simulated)?,
+    };
+    let unit = system.period(p).unwrap_or(1.0);
+    let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
+    flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
+    // Long times have fewer digits, and a period more or less means nothing.
+    state.time %= unit;
+    let begin = state.time;
+    let mut history = History::new(SAMPLES);
+    flow.advance(&mut state, simulated.duration * unit, p, &mut history).map_err(failed)?;
+    let curves = curves(system, &history.pieces, begin);
+    let events = history.events.len() as f64 / simulated.duration;
+    Ok(Simulation { branch: branch(system, name, p, &curves, events), end: state })
+}
+
+pub(super) fn initial<H: HybridSystem>(
+    system: &H,
+    simulated: &Simulated,
+) -> Result<HybridState<f64>, SceneError> {
+    let mode = &system.modes()[0];
+    let mut x = vec![0.0; mode.states.len()];
+    for (name, value) in &simulated.state {
+        let known = || mode.states.iter().map(String::as_str);
+        let position = known().position(|known| known == name);
+        let unknown = || UnknownName::new("state", name.clone(), known());
+        x[position.ok_or_else(unknown)?] = *value;
+    }
+    Ok(HybridState { mode: 0, time: 0.0, x })
+}
+
+/// The history of every state; of those that count from the start of a mode, their sum.
+fn curves<H: HybridSystem>(system: &H, pieces: &[Piece], begin: f64) -> Vec<Curve> {
+    let (modes, counted) = (system.modes(), system.counted());
+    let mut curves: Vec<Curve> = Vec::new();
+    for name in modes.iter().flat_map(|mode| &mode.states) {
+        if curves.iter().any(|curve| curve.name == *name) {
+            continue;
+        }
+        let (mut points, mut before) = (Vec::new(), 0.0);
+        for piece in pieces {
+            let column = modes[piece.mode].states.iter().position(|state| state == name);
+            let sum = counted.contains(name);
+            let base = if sum { before } else { 0.0 };
+            match column {
+                Some(k) => {
+                    let values = piece.states.iter().map(|x| base + x[k]);
+                    points.extend(piece.times.iter().zip(values).map(|(t, v)| [t - begin, v]));
+                    before = points.last().map_or(before, |last: &[f64; 2]| last[1]);
+                }
+                None if sum => points.extend(piece.times.iter().map(|t| [t - begin, before])),
+                None => {}
+            }
+        }
+        curves.push(Curve { name: name.clone(), points });
+    }
+    curves
+}
+
+/// One point, with the extremes of all states as monitors, and the curves as profiles.
+fn branch<H: HybridSystem>(
+    system: &H,
+    name: &str,
+    p: &[f64],
+    curves: &[Curve],
+    events: f64,
+) -> Branch {
+    let (mut monitors, mut values) = (vec![EVENTS.to_string()], vec![events]);
+    for Curve { name, points } in curves.iter().filter(|curve| !curve.points.is_empty()) {
+        let extreme = |pick: fn(f64, f64) -> f64| points.iter().map(|q| q[1]).reduce(pick);
+        monitors.extend([format!("max_{name}"), format!("min_{name}")]);
+        values.extend([extreme(f64::max), extreme(f64::min)].into_iter().flatten());
+    }
+    let parameters = system.parameters();
+    let point = Point {
+        parameters: p.to_vec(),
+        monitors: values.clone(),
+        unstable: None,
+        admissible: true,
+    };
+    let special = SpecialPoint {
+        label: 1,
+        kind: Kind::UZ,
+        event: "history".into(),
+        after: 0,
+        parameters: p.to_vec(),
+        monitors: values,
+        unstable: None,
+        error: 0.0,
+        bracket: [p[0]; 2],
+        converged: true,
+        state: Vec::new(),
+        tangent: vec![0.0],
+        mesh: Vec::new(),
+        profiles: profiles(curves),
+    };
+    Branch {
+        name: name.into(),
+        condition: None,
+        itinerary: String::new(),
+        unknowns: Vec::new(),
+        released: vec![parameters[0].clone()],
+        parameters,
+        monitors,
+        points: vec![point],
+        special: vec![special],
+        ends: [End::Start, End::Start],
+        settings: Settings::default(),
+    }
+}
+
+/// Time histories, and the portrait of the first two states.
+fn profiles(curves: &[Curve]) -> Vec<Profile> {
+    let filled = curves.iter().filter(|curve| !curve.points.is_empty());
+    let mut profiles: Vec<Profile> = filled
+        .map(|Curve { name, points }| Profile {
+            name: name.clone(),
+            along: "time".into(),
+            points: points.clone(),
+        })
+        .collect();
+    if let [first, second, ..] = curves {
+        // A mode without the second state (contact) leaves no trace in the portrait.
+        let value = |t: f64| second.points.iter().find(|q| q[0] >= t).map(|q| q[1]);
+        let same = first.points.len() == second.points.len();
+        let points = match same {
+            true => first.points.iter().zip(&second.points).map(|(a, b)| [a[1], b[1]]).collect(),
+            false => first.points.iter().filter_map(|a| Some([a[1], value(a[0])?])).collect(),
+        };
+        profiles.push(Profile { name: second.name.clone(), along: first.name.clone(), points });
+    }
+    profiles
+}
