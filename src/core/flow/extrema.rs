@@ -78,7 +78,7 @@ impl<T: Scalar> Extrema<T> {
         step: &mut Step<F, T>,
         mut visit: impl FnMut(Extremum<T>),
     ) {
-        let slopes = self.sight.ends(step, watch).as_ref().map(slopes);
+        let slopes = self.sight.ends(step, watch, None).as_ref().map(slopes);
         if let Some([_, _, last]) = slopes.filter(keep_clear_of_zero)
             && self.slope * last >= 0.0
         {

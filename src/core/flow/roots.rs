@@ -90,18 +90,20 @@ enum Sign {
 pub struct Roots<T, W> {
     watch: W,
     sign: Sign,
+    /// The end of the last step, with the slope by its place in the flow.
+    end: Option<Sample>,
     sight: Sight<T>,
 }
 
 impl<T: Scalar, W: Watch> Roots<T, W> {
     /// A search for the roots of a watched function.
     pub fn of(watch: W) -> Self {
-        Roots { watch, sign: Sign::Unknown, sight: Sight::new() }
+        Roots { watch, sign: Sign::Unknown, end: None, sight: Sight::new() }
     }
 
     /// Begins a new flow, in which the roots of another function may be sought.
     pub fn restart(&mut self, watch: W) {
-        (self.watch, self.sign) = (watch, Sign::Unknown);
+        (self.watch, self.sign, self.end) = (watch, Sign::Unknown, None);
     }
 
     /// Calls `visit` with every root in a step, in their order, until it breaks.
@@ -110,7 +112,9 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         step: &mut Step<F, T>,
         mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let ends = self.sight.ends(step, &self.watch);
+        let start = self.end.map(|end| Sample { fraction: 0.0, slope: end.slope * step.h, ..end });
+        let ends = self.sight.ends(step, &self.watch, start);
+        self.end = ends.map(|[_, end]| Sample { slope: end.slope / step.h, ..end });
         if ends.is_some_and(|ends| self.keeps_positive(&ends)) {
             return ControlFlow::Continue(());
         }

@@ -76,17 +76,17 @@ impl<T: Scalar> Sight<T> {
         Sight { samples: Vec::new(), x: Vec::new(), slopes: Vec::new(), real, lifted }
     }
 
-    /// Values and slopes at both ends of the step, which cost no evaluation of the field. Slopes of a
-    /// Rosenbrock method are not known.
+    /// Values and slopes at both ends of the step, that at the start unless it is known; they cost no evaluation
+    /// of the field. Slopes of a Rosenbrock method are not known.
     pub fn ends<F: VectorField, W: Watch>(
         &mut self,
         step: &Step<F, T>,
         watch: &W,
+        start: Option<Sample>,
     ) -> Option<[Sample; 2]> {
         let end = step.scheme.tableau()?.end();
         let (stages, h, motion) = (&step.buffers.stages, step.h, step.motion);
-        let ends = [(0.0, &step.buffers.x, 0), (1.0, &stages.end, end)];
-        Some(ends.map(|(fraction, x, stage)| {
+        let mut sample = |fraction: f64, x: &[T], stage: usize| {
             let slopes = stages.slope(stage);
             let state = |i: usize| Dual2_64::new(x[i].real(), slopes[i].real() * h, 0.0);
             let value = match watch.state() {
@@ -99,7 +99,9 @@ impl<T: Scalar> Sight<T> {
                 }
             };
             Sample { fraction, value: value.re, slope: value.v1, curvature: 0.0 }
-        }))
+        };
+        let start = start.unwrap_or_else(|| sample(0.0, &step.buffers.x, 0));
+        Some([start, sample(1.0, &stages.end, end)])
     }
 
     /// The watched function by dense output, which must be prepared, in any scalar type.
