@@ -1,5 +1,5 @@
-//! Promise: a branch of hybrid orbits ends in one G where it grazes, neither a fold nor a period doubling comes with
-//! it, and the branch of orbits with the event begins there.
+//! Promise: a branch of hybrid orbits ends in one G where it grazes, neither a fold nor a period doubling
+//! comes with it, and the branch of orbits with the event begins there.
 
 mod common;
 mod hybrid;
@@ -7,11 +7,8 @@ mod hybrid;
 use common::close;
 use hybrid::dry_impact::{self, DryImpact};
 use hybrid::impact_oscillator::{ClosedForm, resonance};
-use hybrid::orbits::{Start, found, impacting, nonimpacting, resting};
+use hybrid::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Point};
-
-/// What the closed forms promise is met to this.
-const DIGITS: f64 = 1e-10;
 
 /// The branch without impacts to its grazing, with the label of that.
 fn to_grazing(start: &mut Start, grazing: f64) -> (Branch, usize) {
@@ -40,8 +37,8 @@ fn value(branch: &Branch, point: &Point, name: &str) -> f64 {
     point.value(branch.column(name).unwrap()).unwrap()
 }
 
-/// Without impacts up to G, at `A = D d` to the digits, and with impacts from there on: through the fold or the
-/// period doubling that closed forms know, and nothing else.
+/// Without impacts up to G, at `A = D d` to the digits, and with impacts from there on: through the fold or
+/// the period doubling that closed forms know, and nothing else.
 #[test]
 fn branches_meet_in_one_grazing() {
     for frequency in [1.0, 1.2, 2.2] {
@@ -117,8 +114,8 @@ fn branches_go_on_as_virtual() {
     }
 }
 
-/// Grazing orbits without impacts in two parameters: `A = D(ω) d`. Their multipliers are those of free motion, of
-/// modulus less than 1, so that nothing else happens on the curve.
+/// Grazing orbits without impacts in two parameters: `A = D(ω) d`. Their multipliers are those of free
+/// motion, of modulus less than 1, so that nothing else happens on the curve.
 #[test]
 fn grazing_curves_are_exact() {
     let form = ClosedForm::usual(1.2);
@@ -140,8 +137,8 @@ fn grazing_curves_are_exact() {
     }
 }
 
-/// On the same curve as one of orbits with an impact of no speed the resonant points are those where families are
-/// born upright: a fold and a period doubling at once.
+/// On the same curve as one of orbits with an impact of no speed the resonant points are those where families
+/// are born upright: a fold and a period doubling at once.
 #[test]
 fn resonant_grazings_are_found() {
     let form = ClosedForm::usual(1.2);
@@ -169,7 +166,8 @@ fn resonant_grazings_are_found() {
     }
 }
 
-/// The mass that rests, is hit, moves up and down: the branch ends where the spring would move it before it is hit.
+/// The mass that rests, is hit, moves up and down: the branch ends where the spring would move it before it
+/// is hit.
 #[test]
 fn dry_impacts_end_in_sliding() {
     let form = dry_impact::ClosedForm::new(DryImpact::DEFAULTS);

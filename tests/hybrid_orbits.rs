@@ -1,5 +1,5 @@
-//! Promise: hybrid orbits have the places, multipliers, folds and period doublings of their closed forms to 1e-10,
-//! by collocation and by shooting.
+//! Promise: hybrid orbits have the places, multipliers, folds and period doublings of their closed forms to
+//! 1e-10, by collocation and by shooting.
 
 mod common;
 mod hybrid;
@@ -11,14 +11,11 @@ use hybrid::coulomb;
 use hybrid::dry_impact::{self, DryImpact};
 use hybrid::impact_oscillator::ClosedForm;
 use hybrid::multipliers;
-use hybrid::orbits::{ASIDE, Solved, by_both, found, impacting, resting};
+use hybrid::orbits::{ASIDE, DIGITS, Solved, by_both, found, impacting, resting};
 use hybrid::piecewise;
 use hybrid::reference::Reference;
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::Kind;
-
-/// What the closed forms promise is met to this.
-const DIGITS: f64 = 1e-10;
 
 /// Compares the multipliers, of which one more is zero since an orbit begins on a surface.
 #[track_caller]

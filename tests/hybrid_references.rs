@@ -73,8 +73,8 @@ fn trace_and_determinant(map: impl Fn([Two; 2]) -> [Two; 2], at: [f64; 2]) -> [f
     [p[0] + q[1], p[0] * q[1] - p[1] * q[0]]
 }
 
-/// One period of the closed form's orbit is a solution of the equations that ends at its impact, and the map from
-/// impact to impact has the multipliers of the closed form.
+/// One period of the closed form's orbit is a solution of the equations that ends at its impact, and the map
+/// from impact to impact has the multipliers of the closed form.
 #[test]
 fn the_impact_oscillator_moves_as_its_closed_form() {
     for (frequency, u) in [(1.0, 0.3), (1.2, 0.8), (2.2, 0.83), (2.2, 2.0), (2.7, 0.1)] {

@@ -2,8 +2,8 @@
 //!
 //! The motion is the forced one, `p(t)` of amplitude `A/D`, and a free one `z`. An orbit with one impact in a
 //! period `T`, with the incoming speed `u`, has `z⁻ = Φ z⁺` and `z⁻ = z⁺ + (1 + e) u (0, 1)ᵀ`, so that
-//! `z⁺ = u (a, b)ᵀ` with `(a, b)ᵀ = (1 + e)(Φ − I)⁻¹ (0, 1)ᵀ`. At the impact `p = d − a u` and `p' = −(e + b) u`,
-//! and the sum of their squares, weighted, is the amplitude's.
+//! `z⁺ = u (a, b)ᵀ` with `(a, b)ᵀ = (1 + e)(Φ − I)⁻¹ (0, 1)ᵀ`. At the impact `p = d − a u` and
+//! `p' = −(e + b) u`, and the sum of their squares, weighted, is the amplitude's.
 
 use std::f64::consts::TAU;
 use tangency::core::scalar::Scalar;

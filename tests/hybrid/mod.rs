@@ -1,4 +1,5 @@
-//! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside its equations.
+//! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside its
+//! equations.
 #![allow(dead_code, missing_docs)]
 
 pub mod belt;

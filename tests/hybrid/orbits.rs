@@ -13,6 +13,9 @@ use tangency::core::flow::{Flow, Scheme};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::zero::{Spectrum, System};
 
+/// Closed forms are met to this, and so the methods agree to 1e-10.
+pub const DIGITS: f64 = 5e-11;
+
 /// First guesses are aside by this part.
 pub const ASIDE: f64 = 1e-4;
 
@@ -24,9 +27,9 @@ pub struct Start {
     pub p: Vec<f64>,
 }
 
-/// The orbits of an itinerary by collocation and by shooting. Legs start at given states, where trajectories begin
-/// that the methods' nodes are set on; the extras are the time of the first leg's start, if the system is forced, and
-/// the durations of the legs.
+/// The orbits of an itinerary by collocation and by shooting. Legs start at given states, where trajectories
+/// begin that the methods' nodes are set on; the extras are the time of the first leg's start, if the system
+/// is forced, and the durations of the legs.
 pub fn by_both(
     hybrid: Reference,
     itinerary: &str,

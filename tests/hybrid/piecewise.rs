@@ -6,9 +6,9 @@
 //! ```
 //!
 //! On either side `r` is logistic in time, and on the right `∫(β − r) dt = ln(r₁/r₀)/α`. An orbit that leaves
-//! the left side at `r₁` and the right side at `r₀` therefore spends the time `π` on the left, and `s` on the right
-//! with `γ s + ln(r₀/r₁)/α = π`. Its multiplier is the product over both sides of `g(r_end)/g(r_start)`,
-//! where `dr/dθ = g(r)`.
+//! the left side at `r₁` and the right side at `r₀` therefore spends the time `π` on the left, and `s` on the
+//! right with `γ s + ln(r₀/r₁)/α = π`. Its multiplier is the product over both sides of
+//! `g(r_end)/g(r_start)`, where `dr/dθ = g(r)`.
 
 use std::f64::consts::PI;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};

@@ -59,7 +59,8 @@ pub enum Monitor {
     /// The least local minimum inside segments, or at a segment's end: a distance that vanishes where a
     /// trajectory touches. Without any, the largest value. It is said of each scalar whether it vanishes in
     /// the events that begin and end the segment. Then neither that end counts, nor a minimum to which the
-    /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the event.
+    /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the
+    /// event.
     Distance(Vec<(Watched, [bool; 2])>),
     /// The value of a scalar where another one first rises through zero on its segment, the largest of all
     /// segments; 0 where none rises through zero.
