@@ -225,8 +225,9 @@ impl Newton {
                 return Ok(report);
             }
             previous = size;
-            if iteration == 1 && self.curvature > 0.0 && self.curvature * size <= NEARLY_LINEAR {
-                report.matrix_error = self.curvature * size;
+            let change = self.curvature * size;
+            if self.curvature > 0.0 && change <= NEARLY_LINEAR {
+                report.matrix_error = change;
                 if self.simplified_step(&mut problem, unknowns) {
                     return Ok(report);
                 }
@@ -265,6 +266,25 @@ impl Newton {
             .and_then(|()| problem.factor(unknowns))
             .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
         problem.equations.solve(&mut self.correction);
+        Ok(&self.correction)
+    }
+
+    /// The same with the matrix factored last, which was that of a point near by: the residual alone tells
+    /// the error left.
+    ///
+    /// # Errors
+    /// [`NewtonError`] if the equations cannot be evaluated there.
+    pub fn correction_again(
+        &mut self,
+        equations: &mut Extended,
+        unknowns: &[f64],
+        closing: Option<Closing>,
+    ) -> Result<&[f64], NewtonError> {
+        self.resize(unknowns.len());
+        equations
+            .residual(unknowns, closing, &mut self.correction)
+            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        equations.solve(&mut self.correction);
         Ok(&self.correction)
     }
 

@@ -15,30 +15,39 @@ pub(super) struct Knot<'a> {
 /// The most knots that a curve is put through.
 pub(super) const MOST_KNOTS: usize = 3;
 
-/// The polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`: Newton's divided
-/// differences with each knot twice.
+/// The polynomial of degree `2k − 1` through `k` knots with their slopes `dX/du`, at `u`.
 pub(super) fn hermite(knots: &[Knot], u: f64) -> Vec<f64> {
-    let count = 2 * knots.len().min(MOST_KNOTS);
+    let knots = &knots[..knots.len().min(MOST_KNOTS)];
+    let mut point = vec![0.0; knots.first().map_or(0, |knot| knot.x.len())];
+    for (k, Knot { x, tangent, speed, .. }) in knots.iter().enumerate() {
+        let of_value = interpolated(knots, u, |j| [if j == k { 1.0 } else { 0.0 }, 0.0]);
+        let of_slope = interpolated(knots, u, |j| [0.0, if j == k { 1.0 } else { 0.0 }]) / speed;
+        for (point, (x, t)) in point.iter_mut().zip(x.iter().zip(*tangent)) {
+            *point += of_value * x + of_slope * t;
+        }
+    }
+    point
+}
+
+/// The polynomial with these values and slopes at the knots, at `u`: Newton's divided differences with each knot
+/// twice.
+fn interpolated(knots: &[Knot], u: f64, datum: impl Fn(usize) -> [f64; 2]) -> f64 {
+    let count = 2 * knots.len();
     let place = |k: usize| knots[k / 2].u;
-    let length = knots.first().map_or(0, |knot| knot.x.len());
-    (0..length)
-        .map(|i| {
-            let mut differences = [0.0; 2 * MOST_KNOTS];
-            for (k, difference) in differences[..count].iter_mut().enumerate() {
-                *difference = knots[k / 2].x[i];
-            }
-            for order in 1..count {
-                for k in (order..count).rev() {
-                    differences[k] = if order == 1 && k % 2 == 1 {
-                        knots[k / 2].tangent[i] / knots[k / 2].speed
-                    } else {
-                        (differences[k] - differences[k - 1]) / (place(k) - place(k - order))
-                    };
-                }
-            }
-            (0..count).rev().fold(0.0, |sum, k| sum * (u - place(k)) + differences[k])
-        })
-        .collect()
+    let mut differences = [0.0; 2 * MOST_KNOTS];
+    for (k, difference) in differences[..count].iter_mut().enumerate() {
+        *difference = datum(k / 2)[0];
+    }
+    for order in 1..count {
+        for k in (order..count).rev() {
+            differences[k] = if order == 1 && k % 2 == 1 {
+                datum(k / 2)[1]
+            } else {
+                (differences[k] - differences[k - 1]) / (place(k) - place(k - order))
+            };
+        }
+    }
+    (0..count).rev().fold(0.0, |sum, k| sum * (u - place(k)) + differences[k])
 }
 
 #[cfg(test)]

@@ -29,13 +29,19 @@ struct Bracket {
 }
 
 impl Bracket {
-    /// Where the test function would vanish if it were linear; the middle if only its sign counts.
-    fn guess(&self, test: Test) -> Vec<f64> {
+    /// Where the test function would vanish if it were linear; the middle if only its sign counts. At a fold it
+    /// is the slope of the parameter (at this position in `X`), which a cubic knows better.
+    fn guess(&self, test: Test, parameter: usize) -> Vec<f64> {
+        let [low, high] = self.tests;
         let fraction = match test {
             Test::BranchPoint | Test::Hopf => 0.5,
-            _ => (self.tests[0] / (self.tests[0] - self.tests[1])).clamp(0.02, 0.98),
+            Test::Fold => {
+                let rise = self.ends[1][parameter] - self.ends[0][parameter];
+                turn_of_cubic(low, high, rise / (self.high - self.low))
+            }
+            _ => low / (low - high),
         };
-        self.between(fraction)
+        self.between(fraction.clamp(0.02, 0.98))
     }
 
     /// A place between the ends, on the cubic that has their tangents.
@@ -50,6 +56,17 @@ impl Bracket {
         ];
         hermite(&knots, fraction * length)
     }
+}
+
+/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the interval from 0
+/// to 1, with this `mean`.
+fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
+    // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
+    let c = mean - 0.5 * (low + high);
+    let (a, b) = (-6.0 * c, high - low + 6.0 * c);
+    let root = (b * b - 4.0 * a * low).sqrt();
+    // Of both roots the one without cancellation, which is the one inside.
+    -2.0 * low / (b + root.copysign(high - low))
 }
 
 impl Stepper<'_> {
@@ -73,7 +90,7 @@ impl Stepper<'_> {
         };
         let mut applicable = true;
         for _ in 0..MOST_HALVINGS {
-            match self.finish(&event, bracket.guess(event.test)) {
+            match self.finish(&event, bracket.guess(event.test, self.equations.parameters_at())) {
                 Ok((unknowns, error)) => {
                     let along: f64 = row
                         .iter()
@@ -270,7 +287,7 @@ pub(super) fn event_tolerances(settings: &super::Settings) -> Tolerances {
 }
 
 /// Newton on a defining system, and the estimated error of the first released parameter: several
-/// times what one more correction, with a fresh factorisation, changes.
+/// times what the second of two more corrections changes.
 pub(super) fn converge(
     equations: &mut Extended,
     unknowns: &mut [f64],
@@ -279,18 +296,21 @@ pub(super) fn converge(
 ) -> Result<f64, NewtonError> {
     // Its own iteration: the curvature that another has met is that of other equations.
     let mut newton = Newton::default();
-    newton.solve(equations, unknowns, None, weights, tolerances)?;
+    let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
-    let mut left = 0.0;
-    // The first correction is Newton's own last one; what the second one changes is the error left.
-    for _ in 0..2 {
-        let correction = newton.correction_left(equations, unknowns, None)?;
-        left = correction[parameter].abs();
+    let apply = |unknowns: &mut [f64], correction: &[f64]| {
         unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
-        if left <= rounding {
-            break;
-        }
+        correction[parameter].abs()
+    };
+    // The first correction is Newton's own last one; what the second one changes is the error left.
+    let first = match Matrix::after(&report) {
+        Matrix::Known => newton.correction_again(equations, unknowns, None)?,
+        Matrix::Unknown => newton.correction_left(equations, unknowns, None)?,
+    };
+    let mut left = apply(unknowns, first);
+    if left > rounding {
+        left = apply(unknowns, newton.correction_again(equations, unknowns, None)?);
     }
     Ok(4.0 * left + rounding)
 }

@@ -8,6 +8,7 @@ use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::Stability;
 use crate::core::newton::{Convergence, Newton, NewtonError, Tolerances, scaled_norm};
+use std::ops::Range;
 
 /// A point of the curve with everything that the next step, and the events, need of it.
 #[derive(Clone)]
@@ -63,9 +64,11 @@ const MATRIX_ERROR: f64 = 1e-4;
 /// is only nearly known.
 const UNCERTAIN: f64 = 0.05;
 
-/// A prediction that leaves the tangent by more than this share of the step, in any group of unknowns, is
-/// not trusted.
+/// A prediction that leaves the tangent by more than this share of the step is not trusted.
 const MOST_CURVED: f64 = 0.2;
+
+/// Of a group that turns, it may leave the tangent by this share of the group's size.
+const MOST_TURNED: f64 = 0.02;
 
 /// A place with a tangent that is this far from the present one is of no use to the predictor.
 const LEAST_SPEED: f64 = 0.5;
@@ -305,7 +308,7 @@ impl Stepper<'_> {
         while knots.len() > 1 {
             let curved = hermite(&knots, length);
             let bend: Vec<f64> = curved.iter().zip(line.clone()).map(|(x, l)| x - l).collect();
-            if self.is_trusted(&bend, &from.tangent, length) {
+            if self.is_trusted(&bend, from, length) {
                 return Some(curved);
             }
             knots.pop();
@@ -313,18 +316,24 @@ impl Stepper<'_> {
         None
     }
 
-    /// Whether a prediction's `bend` is small against the step along the tangent, in each group by itself:
-    /// a group that is small on this part of the branch hardly counts in the norm.
-    fn is_trusted(&self, bend: &[f64], tangent: &[f64], length: f64) -> bool {
+    /// Whether a prediction's `bend` away from the tangent is small against the step; and, since a group that
+    /// is small on this part of the branch hardly counts in the norm, in each group by itself: against the
+    /// group's part of the step, or, where the group turns, against its size.
+    fn is_trusted(&self, bend: &[f64], from: &Place, length: f64) -> bool {
         let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let small = |bend: &[f64], t: &[f64]| size(bend) <= MOST_CURVED * length * size(t);
+        let small = |place: Range<usize>| {
+            let step = length * size(&from.tangent[place.clone()]);
+            let turn = MOST_TURNED * size(&from.unknowns[place.clone()]);
+            size(&bend[place]) <= turn.max(MOST_CURVED * step)
+        };
         let mut start = 0;
         let groups = self.equations.names().unknowns.iter().all(|group| {
             let place = start..start + group.length;
             start = place.end;
-            small(&bend[place.clone()], &tangent[place])
+            small(place)
         });
-        groups && (start..bend.len()).all(|i| small(&bend[i..=i], &tangent[i..=i]))
+        let whole = scaled_norm(bend, &self.weights) <= MOST_CURVED * length;
+        whole && groups && (start..bend.len()).all(|i| small(i..i + 1))
     }
 
     /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the

@@ -86,12 +86,16 @@ impl<T: Scalar> Measure<T> {
 /// A step as long as is predicted to err by the tolerance is made shorter by this factor.
 const SAFETY: f64 = 0.9;
 
+/// An error smaller than this is remembered as this.
+const LEAST_ERROR: f64 = 1e-4;
+
 /// Ratios of steps by the predicted error and, where the method wants it, by the previous one (Gustafsson's
 /// proportional-integral control; Hairer and Wanner 1996, section IV.2).
 pub(super) struct Control {
     exponent: f64,
     memory: f64,
     ratios: (f64, f64),
+    /// The logarithm of the previous error.
     previous: f64,
     rejected: bool,
 }
@@ -105,15 +109,16 @@ impl Control {
             .tableau()
             .map_or((0.0, (0.2, 6.0)), |tableau| (tableau.memory, tableau.ratios));
         let exponent = 1.0 / order - 0.75 * memory;
-        Control { exponent, memory, ratios, previous: 1e-4, rejected: false }
+        Control { exponent, memory, ratios, previous: LEAST_ERROR.ln(), rejected: false }
     }
 
     /// The ratio of the next step to one that was accepted with this error.
     pub fn accepted(&mut self, error: f64) -> f64 {
-        let ratio = SAFETY * self.previous.powf(self.memory) / error.powf(self.exponent);
+        let logarithm = error.ln();
+        let ratio = SAFETY * (self.memory * self.previous - self.exponent * logarithm).exp();
         let largest = if self.rejected { 1.0 } else { self.ratios.1 };
         self.rejected = false;
-        self.previous = error.max(1e-4);
+        self.previous = logarithm.max(LEAST_ERROR.ln());
         ratio.clamp(self.ratios.0, largest)
     }
 
