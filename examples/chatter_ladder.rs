@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut rungs: Vec<f64> = Vec::new();
     println!(" n  c_n             error    (c_n − c_(n−1))/(c_(n−1) − c_(n−2))");
     for n in 4..=10 {
-        let branch = outcome.document.branch(&format!("P({n},1)")).ok_or("no branch")?;
+        let branch = outcome.document.branch(&format!("P({n},1)"))?;
         let doubling = branch.of_kind(Kind::PD).next().ok_or("no period doubling")?;
         rungs.push(doubling.parameters[0]);
         let ratio = match rungs[..] {

@@ -112,8 +112,8 @@ fn curves_meet_in_codimension_two_points() {
     near(&document, "PD of P(1,1), birth", Kind::G, degenerate);
 }
 
-/// `c_n`, where `P(n, 1)` becomes stable: `c_4` to its printed digits, the others as computed once by both
-/// methods, the last ones within 1e-9; their ratios fall towards the restitution of a chattering sequence.
+/// `c_n`, where `P(n, 1)` becomes stable: `c_4` to its printed digits, the others below what simulations print,
+/// with errors below 1e-9; and the ratios of their distances.
 #[test]
 fn the_ladder_of_chatter_has_its_rungs() {
     let document = traced(&built_in("mita-ladder"));
@@ -134,8 +134,11 @@ fn the_ladder_of_chatter_has_its_rungs() {
         // Simulations settle late: they are above by up to 6e-5.
         assert!((-1e-6..7e-5).contains(&(simulated - rung)), "{rung} {simulated}");
     }
-    let ratios: Vec<f64> = rungs.windows(3).map(|c| (c[2] - c[1]) / (c[1] - c[0])).collect();
-    assert!(ratios.windows(2).all(|r| r[1] != r[0]) && ratios.iter().all(|r| (0.4..0.6).contains(r)));
+    let ratios = rungs.windows(3).map(|c| (c[2] - c[1]) / (c[1] - c[0]));
+    // They rise, and fall again from n = 9 on.
+    for (ratio, expected) in ratios.zip([0.508138, 0.515115, 0.518232, 0.517988, 0.516010]) {
+        close(ratio, expected, 1e-6);
+    }
 }
 
 /// Simulated histories: impacts a period as the figures name them, and complete chatter at the end.
