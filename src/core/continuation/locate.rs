@@ -29,8 +29,8 @@ struct Bracket {
 }
 
 impl Bracket {
-    /// Where the test function would vanish if it were linear; the middle if only its sign counts. At a fold it
-    /// is the slope of the parameter (at this position in `X`), which a cubic knows better.
+    /// Where the test function would vanish if it were linear; the middle if only its sign counts. At a fold
+    /// it is the slope of the parameter (at this position in `X`), which a cubic knows better.
     fn guess(&self, test: Test, parameter: usize) -> Vec<f64> {
         let [low, high] = self.tests;
         let fraction = match test {
@@ -58,8 +58,8 @@ impl Bracket {
     }
 }
 
-/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the interval from 0
-/// to 1, with this `mean`.
+/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the interval
+/// from 0 to 1, with this `mean`.
 fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
     // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
     let c = mean - 0.5 * (low + high);

@@ -43,8 +43,8 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many
     /// intervals as before. The solution `x = (z, p)`, directions at it and the reference of the phase
-    /// condition are carried over by interpolation: `x` then needs to be corrected. Of directions what follows
-    /// the values at nodes is left as it is. A method whose mesh causes no error keeps it.
+    /// condition are carried over by interpolation: `x` then needs to be corrected. Of directions what
+    /// follows the values at nodes is left as it is. A method whose mesh causes no error keeps it.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.

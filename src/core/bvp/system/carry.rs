@@ -26,7 +26,8 @@ pub(super) struct Transfer {
 }
 
 impl Transfer {
-    /// Takes the values with which a vector begins, ordered as `z`, to the new nodes; what follows them stays.
+    /// Takes the values with which a vector begins, ordered as `z`, to the new nodes; what follows them
+    /// stays.
     pub fn apply(&mut self, layout: &Layout, vector: &mut [f64]) {
         let mut node = 0;
         for s in &layout.segments {
