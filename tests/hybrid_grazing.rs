@@ -138,7 +138,7 @@ fn grazing_curves_are_exact() {
 }
 
 /// On the same curve as one of orbits with an impact of no speed the resonant points are those where families
-/// are born upright: a fold and a period doubling at once.
+/// are born upright: there every multiplier solves the equations, and one fold is reported.
 #[test]
 fn resonant_grazings_are_found() {
     let form = ClosedForm::usual(1.2);
@@ -153,16 +153,16 @@ fn resonant_grazings_are_found() {
             .trace()
             .unwrap();
         let frequency = curve.column("frequency").unwrap();
-        for kind in [Kind::LP, Kind::PD] {
-            let points = curve.of_kind(kind).map(|point| point.value(frequency).unwrap());
-            let mut found: Vec<f64> = points.collect();
-            found.sort_by(|a, b| b.total_cmp(a));
-            assert_eq!(found.len(), 4, "{} {kind}: {found:?}", curve.name);
-            for (n, found) in found.iter().enumerate() {
-                close(*found, resonance(n + 1, form.damping), DIGITS);
-            }
+        let points = curve.of_kind(Kind::LP).map(|point| point.value(frequency).unwrap());
+        let mut found: Vec<f64> = points.collect();
+        found.sort_by(|a, b| b.total_cmp(a));
+        assert_eq!(found.len(), 4, "{}: {found:?}", curve.name);
+        for (n, found) in found.iter().enumerate() {
+            close(*found, resonance(n + 1, form.damping), DIGITS);
         }
-        assert_eq!(curve.of_kind(Kind::G).count(), 0, "{}", curve.name);
+        for kind in [Kind::PD, Kind::G] {
+            assert_eq!(curve.of_kind(kind).count(), 0, "{} {kind}", curve.name);
+        }
     }
 }
 

@@ -23,7 +23,13 @@ fn built_in_scenes_run_are_saved_and_drawn() {
         assert!(!document.branches.is_empty(), "{}", scene.name);
         for branch in &document.branches {
             let sound = branch.ends.iter().all(|end| {
-                matches!(end, End::ParameterBound { .. } | End::MonitorBound { .. } | End::Start)
+                matches!(
+                    end,
+                    End::ParameterBound { .. }
+                        | End::MonitorBound { .. }
+                        | End::Grazing { .. }
+                        | End::Start
+                )
             });
             assert!(sound, "{}, {}: {:?}", scene.name, branch.name, branch.ends);
         }

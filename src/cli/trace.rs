@@ -7,6 +7,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use tangency::core::flow::evaluations;
 use tangency::output::{Document, FileError, UnknownName, draw, figures, write_atomically};
 use tangency::scene::{BUILT_IN, Scene, StartPoint, execute};
 
@@ -76,6 +77,10 @@ impl Trace {
                 branch.ends[0],
                 branch.ends[1]
             )?;
+        }
+        let evaluations = evaluations();
+        if evaluations > 0 {
+            writeln!(out, "flows: {evaluations} evaluations of the field")?;
         }
         Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
     }

@@ -351,6 +351,15 @@ pub trait System {
     /// [`LeftDomain`] if a monitor has no meaning at `x`.
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain>;
 
+    /// Refuses a solution that a branch is to start from, though it solves the equations: what is decided, not
+    /// solved for, comes out otherwise on it. Not asked where a solution grazes, where nothing can be decided.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with what is decided otherwise.
+    fn check_start(&mut self, _x: &[f64]) -> Result<(), LeftDomain> {
+        Ok(())
+    }
+
     /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
     /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
     fn grazings(&self) -> &[usize] {

@@ -293,6 +293,14 @@ pub trait BoundaryProblem {
         Ok(None)
     }
 
+    /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the segment's end, its time, and where it leads.
+    fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), LeftDomain> {
+        Ok(())
+    }
+
     /// Refuses states at which a segment's field has no meaning.
     ///
     /// # Errors

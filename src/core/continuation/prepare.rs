@@ -364,6 +364,13 @@ impl<'a> Continuation<'a> {
             stepper.arrive_at_branch_point(unknowns, tangent)
         };
         let mut start = start.map_err(evaluation)?;
+        let monitors = &start.point.monitors;
+        let equations = &mut stepper.equations;
+        if equations.system().grazings().iter().all(|&m| monitors[m] > VANISHES) {
+            equations.load(&start.unknowns);
+            let at = equations.at();
+            at.system.check_start(at.x).map_err(|left| evaluation(left.into()))?;
+        }
         if how != Leaving::Along {
             stepper.forget_stability_at(&mut start);
         }

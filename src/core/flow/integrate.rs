@@ -25,6 +25,30 @@ pub struct Statistics {
     pub rejected: usize,
 }
 
+thread_local! {
+    static EVALUATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// How often this thread's flows have evaluated fields so far, on dual numbers or not: what tracing orbits by
+/// shooting costs.
+///
+/// ```
+/// use tangency::core::flow::{Flow, Settings, evaluations};
+/// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
+/// # struct Growth;
+/// # impl VectorField for Growth {
+/// #     fn names(&self) -> Names { Names::new(["x"], ["rate"]) }
+/// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) { f[0] = p[0] * x[0]; }
+/// # }
+/// let before = evaluations();
+/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
+/// let statistics = flow.advance(&Growth, 0.0, 1.0, &mut [1.0], &[1.0]).unwrap();
+/// assert_eq!(evaluations() - before, statistics.evaluations as u64);
+/// ```
+pub fn evaluations() -> u64 {
+    EVALUATIONS.get()
+}
+
 /// The flow of vector fields in one scalar type, with all buffers.
 ///
 /// ```
@@ -168,6 +192,7 @@ impl<T: Scalar> Flow<T> {
         let result = self.integrate(&motion, &mut statistics, &mut observe);
         x.copy_from_slice(&self.buffers.x);
         statistics.evaluations = evaluations.get();
+        EVALUATIONS.set(EVALUATIONS.get() + statistics.evaluations as u64);
         result.map(|()| statistics)
     }
 

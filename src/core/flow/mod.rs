@@ -40,7 +40,7 @@ mod tableau;
 pub use control::Size;
 pub use error::{FlowError, SettingsError};
 pub use extrema::{Extrema, Extremum};
-pub use integrate::{Flow, Statistics};
+pub use integrate::{Flow, Statistics, evaluations};
 pub(in crate::core) use roots::NEGATIVE;
 pub use roots::{Root, Roots};
 pub use settings::{Scheme, Settings};

@@ -215,6 +215,10 @@ impl<H: HybridSystem + Clone> BoundaryProblem for HybridOrbit<H> {
         returns
     }
 
+    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
+        self.check_events(ends, q)
+    }
+
     fn watch<T: Scalar>(&self, function: usize, segment: usize, t: T, x: &[T], q: &[T]) -> T {
         self.guard_on(segment, function, t, x, q)
     }

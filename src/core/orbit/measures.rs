@@ -5,12 +5,16 @@ use super::hybrid::HybridOrbit;
 use crate::core::bvp::{Ends, Monitor, Observable, Watched};
 use crate::core::hybrid::{HybridSystem, Measure, Passage};
 use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
 
 /// Functions of the states at the ends: the least approach speed, the shortest duration, and from here on the
 /// system's own.
 const APPROACH: usize = 0;
 const SHORTEST: usize = 1;
 const OWN: usize = 2;
+
+/// What follows an event that is approached faster is beyond doubt.
+const SURE: f64 = 1e-4;
 
 /// Names of the monitors that are positive on admissible orbits.
 const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
@@ -74,6 +78,34 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
             }
         }
         watched
+    }
+
+    /// Refuses an orbit with an event that leads to another mode than the itinerary says. At an event that
+    /// is tangent, or virtual, nothing can be told.
+    pub(super) fn check_events(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
+        let ((p, extras), legs) = (self.split(q), &self.itinerary().legs);
+        for (s, leg) in legs.iter().enumerate() {
+            let Some(guard) = leg.exit else { continue };
+            let (x, time) =
+                (&ends.end[self.of_leg(s)], self.time(s, q) + self.durations(extras)[s]);
+            let approach = -rate(self.system(), (guard, leg.mode), time, x, p);
+            let meant = legs[(s + 1) % legs.len()].mode;
+            let next = self.system().next(guard, time, x, p);
+            if approach > SURE && next != meant {
+                let (event, mode) = (self.guard_name(guard), self.mode_name(leg.mode));
+                return Err(LeftDomain {
+                    quantity: format!("the time of the event `{event}` of mode `{mode}`, leg {s},"),
+                    value: time,
+                    verdict: "leads to another mode than the itinerary says",
+                    remedy: format!(
+                        "it leads to `{}`, not to `{}`: write an itinerary that closes, or let a simulation find it",
+                        self.mode_name(next),
+                        self.mode_name(meant)
+                    ),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// A function of the states at the ends of all legs.

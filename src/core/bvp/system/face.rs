@@ -179,6 +179,11 @@ where
         }
     }
 
+    fn check_start(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        self.equations.check_ends(&mut self.plain)
+    }
+
     fn grazings(&self) -> &[usize] {
         &self.grazings
     }

@@ -41,6 +41,7 @@ pub(super) struct Layout {
     pub phase: bool,
     /// The conditions by which a period leads to the next.
     pub returns: Vec<Return>,
+    closes: bool,
     /// The number of unknowns, and of equations.
     pub dimension: usize,
     /// The position in `z` of each value, node by node.
@@ -89,11 +90,13 @@ impl Layout {
             integrals,
             phase,
             returns: problem.returns(),
+            closes: false,
             dimension: values + extras,
             order: Vec::new(),
             ends: Vec::new(),
             all_numbers: Vec::new(),
         };
+        layout.closes = layout.is_one_cycle();
         layout.check(problem)?;
         layout.tabulate();
         Ok(layout)
@@ -138,6 +141,10 @@ impl Layout {
 
     /// Whether the problem is one segment with the boundary conditions `x(0) − x(1) = 0` and no others.
     pub fn closes(&self) -> bool {
+        self.closes
+    }
+
+    fn is_one_cycle(&self) -> bool {
         let alone = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
         alone && self.returns == Return::of_states(self.states)
     }

@@ -52,6 +52,13 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         Ok(())
     }
 
+    /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
+    pub fn check_ends(&self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+        gather_ends(&self.layout, &work.nodes, &mut work.ends);
+        let (start, end) = work.ends.split_at(self.layout.states);
+        self.problem.check_ends(Ends { start, end }, &work.q)
+    }
+
     /// Adds the gradient of a monitor at `x`, which `work` has loaded, to `out`.
     pub fn add_monitor_gradient(
         &mut self,

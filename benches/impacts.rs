@@ -1,0 +1,48 @@
+//! What branches of impacting orbits cost: `mita-type-1`, and the grazing curve with both codimension-two points;
+//! and beside each as many evaluations of the field as it takes, in plain flows of one period. Tracing is
+//! dominated by flow evaluations: the rest is linear algebra of a few unknowns.
+#![allow(missing_docs)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use tangency::core::field::VectorField;
+use tangency::core::flow::{Flow, Settings, evaluations};
+use tangency::problems::mita::Block;
+use tangency::scene::{BUILT_IN, Scene, execute};
+
+const PARAMETERS: [f64; 3] = [0.2, 0.5, 0.04];
+
+/// Flows of one period each, until so many evaluations are made.
+fn flows(flow: &mut Flow<f64>, evaluations: u64) -> u64 {
+    let period = Block.period(&PARAMETERS).expect("a forcing");
+    let (mut made, mut periods) = (0, 0);
+    while made < evaluations {
+        let mut x = [-0.1, 0.0];
+        let statistics = flow.advance(&Block, 0.0, period, &mut x, &PARAMETERS);
+        made += statistics.expect("a flow").evaluations as u64;
+        periods += 1;
+        black_box(x);
+    }
+    periods
+}
+
+fn impacts(criterion: &mut Criterion) {
+    let mut flow = Flow::new(Settings::default()).expect("settings");
+    for name in ["mita-type-1", "mita-grazing-curve"] {
+        let built_in = BUILT_IN.iter().find(|scene| scene.name == name).expect("a scene");
+        let scene = Scene::parse(built_in.text).expect("a scene");
+        let before = evaluations();
+        assert_eq!(execute(&scene, None, &mut ()).error, None);
+        let count = evaluations() - before;
+        let periods = flows(&mut flow, count);
+        println!(
+            "{name}: {count} evaluations of the field, as many as {periods} flows of a period"
+        );
+        criterion.bench_function(name, |b| b.iter(|| black_box(execute(&scene, None, &mut ()))));
+        let plain = format!("{name}: its evaluations in plain flows");
+        criterion.bench_function(&plain, |b| b.iter(|| flows(&mut flow, count)));
+    }
+}
+
+criterion_group!(benches, impacts);
+criterion_main!(benches);
