@@ -7,7 +7,8 @@ use common::close;
 use proptest::prelude::*;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Cycle, Guard, History, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+    Cycle, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem,
+    Mode, Recurrence,
 };
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
@@ -93,6 +94,12 @@ fn settings(tolerance: f64) -> HybridSettings {
     HybridSettings { flow, ..HybridSettings::default() }
 }
 
+/// Whether a motion ends with the typed error that time stands still: once in thousands of random ones, where the
+/// block rests on the stopper just when the force on it vanishes.
+fn stalls<T>(outcome: &Result<T, HybridError>) -> bool {
+    matches!(outcome, Err(HybridError::Standstill { .. }))
+}
+
 /// Parameters about the device's: weak friction lets the frame slide without impacts.
 fn parameters() -> impl Strategy<Value = [f64; 9]> {
     let strength = (0.05..0.95f64, 0.3..1.2f64, 0.2..0.6f64, 0.0..0.95f64, 0.0..0.2f64);
@@ -134,7 +141,9 @@ proptest! {
         let mut state = HybridState { mode: Actuator::STICK, time: t, x: vec![q, u, 0.0] };
         prop_assume!(force(t, [q, u, 0.0], &p).abs() < p[5] * (p[7] + 1.0) * p[8]);
         let start = state.clone();
-        let events = flow.events(&mut state, 40.0, &p).unwrap();
+        let events = flow.events(&mut state, 40.0, &p);
+        prop_assume!(!stalls(&events));
+        let events = events.unwrap();
         let (mut mode, mut x) = (start.mode, start.x);
         for event in &events {
             // An accumulation follows the last event of its series from another mode, at once or nearly so.
@@ -157,7 +166,9 @@ proptest! {
         let mut flow = HybridFlow::new(&Actuator, settings(1e-11)).unwrap();
         let mut state = HybridState { mode: Actuator::STICK, time: t, x: vec![q, u] };
         let mut history = History::new(8);
-        flow.advance(&mut state, 40.0, &p, &mut history).unwrap();
+        let outcome = flow.advance(&mut state, 40.0, &p, &mut history);
+        prop_assume!(!stalls(&outcome));
+        outcome.unwrap();
         for piece in &history.pieces {
             for (t, x) in piece.times.iter().zip(&piece.states) {
                 let motion @ [q, _, v] = motion(piece.mode, x);

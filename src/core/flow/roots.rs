@@ -20,9 +20,6 @@ pub struct Root<T> {
 /// Values up to this size are zero where a flow begins: a function that is no larger counts as positive only
 /// when it has become larger, and as fallen when it has fallen by so much.
 const ZERO: f64 = 1e-13;
-/// What begins at zero has fallen when it is lower by this: a flow of many digits makes errors of this size, and
-/// what leaves zero as a cube of time must not be taken for falling.
-const BELOW: f64 = 1e-12;
 /// A function below zero by more than this where a flow begins has fallen before.
 pub(in crate::core) const NEGATIVE: f64 = 1e-9;
 /// How many times a root is improved at most: what bisection needs.
@@ -181,11 +178,11 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         visit: &mut impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let root = match self.sign {
-            Sign::Positive if right.value < 0.0 && left.value > 0.0 => {
+            Sign::Positive | Sign::Fallen if right.value < 0.0 && left.value > 0.0 => {
                 self.between(step, [left, right])
             }
             Sign::Positive if right.value < 0.0 => self.at_once(step, left.fraction),
-            Sign::Zero { level, top } if right.value < level - BELOW => {
+            Sign::Zero { level, top } if right.value < level - ZERO => {
                 // What rises so little falls as long as it has risen.
                 let place = (2.0 * top).min(step.sigma + step.h * left.fraction);
                 self.at_once(step, (place - step.sigma) / step.h)

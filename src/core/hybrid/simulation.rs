@@ -6,9 +6,38 @@ use super::event::{Event, HybridObserver};
 use super::landing::{Landing, first};
 use super::leg::{GuardOf, InMode};
 use super::system::{Guard, HybridSystem, Mode};
-use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics};
+use crate::core::field::VectorField;
+use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics, Step};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
+
+/// A guard that falls no faster at the beginning of a leg may be lifted.
+const RESTING: f64 = 1e-12;
+
+/// Fractions of a step at which a guard that is lifted is positive.
+const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+
+/// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
+/// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
+fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
+    system: &S,
+    landing: &Landing<T>,
+    step: &mut Step<F, T>,
+    p: &[f64],
+) -> bool {
+    let Landing { guard, root } = landing;
+    let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
+    if !begins || root.rate.real() < -RESTING {
+        return false;
+    }
+    let mut x = step.start().to_vec();
+    LIFTED.into_iter().all(|fraction| {
+        let fraction = T::constant(fraction);
+        step.interpolate(fraction, &mut x);
+        let real: Vec<f64> = x.iter().map(T::real).collect();
+        system.guard(*guard, step.time(fraction).real(), &real, p) > 0.0
+    })
+}
 
 /// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
 /// tells how fast things change.
@@ -254,13 +283,14 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         for (guard, roots) in self.roots.iter_mut().enumerate() {
             roots.restart(GuardOf { system, guard });
         }
-        let HybridFlow { guards, flow, roots, event, .. } = self;
+        let HybridFlow { guards, flow, roots, event, p: real, .. } = self;
         let mut landing = None;
         let (field, time) = (InMode { system, mode }, state.time);
         event.before.clear();
         event.before.extend_from_slice(&state.x);
         let outcome = flow.observe(&field, time, left, &mut state.x, run.p, |step| {
-            landing = first(guards, roots, mode, step);
+            landing = first(guards, roots, mode, step)
+                .filter(|landing| !lifts(system, landing, step, real));
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);
             if landing.is_some() {
                 event.time = step.time(end);
