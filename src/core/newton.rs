@@ -265,8 +265,7 @@ impl Newton {
             .residual(unknowns, &mut self.correction)
             .and_then(|()| problem.factor(unknowns))
             .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        problem.equations.solve(&mut self.correction);
-        Ok(&self.correction)
+        self.correction_again(equations, unknowns, closing)
     }
 
     /// The same with the matrix factored last, which was that of a point near by: the residual alone tells

@@ -3,7 +3,9 @@
 use super::simulate::initial;
 use super::slot::{Plain, Slots, Words};
 use super::{SceneError, Simulated};
-use crate::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Collocation, Mesh, Shooting};
+use crate::core::bvp::{
+    Birth, BoundaryProblem, BoundarySystem, Collocation, Mesh, Method, Shooting,
+};
 use crate::core::condition::EvaluationError;
 use crate::core::continuation::SettingError;
 use crate::core::dense::Dense;
@@ -172,7 +174,7 @@ impl Discretisation {
         run: &str,
         simulated: &Simulated,
         p: &[f64],
-    ) -> Result<(Box<dyn System>, Vec<f64>), SceneError>
+    ) -> Result<Started, SceneError>
     where
         H: HybridSystem + Clone + 'static,
     {
@@ -187,62 +189,58 @@ impl Discretisation {
         let mut flow = HybridFlow::new(&system, HybridSettings::default())
             .map_err(|cause| unsettled(cause.into()))?;
         let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
-        let orbit =
-            HybridOrbit::of_cycle(system.clone(), &cycle).map_err(|cause| SceneError::Value {
-                name: "start".into(),
-                value: "Simulated".into(),
-                reason: cause.to_string(),
-            })?;
-        self.discretise_from(orbit, p)
-    }
-
-    fn discretise_from<P>(
-        &self,
-        orbit: Birth<P>,
-        p: &[f64],
-    ) -> Result<(Box<dyn System>, Vec<f64>), SceneError>
-    where
-        P: BoundaryProblem + Clone + 'static,
-    {
-        let Birth { problem, starts, extras } = orbit;
-        let segments = problem.segments().len();
-        let failed = |cause: EvaluationError| SceneError::Value {
-            name: "start".into(),
-            value: "Simulated".into(),
-            reason: cause.to_string(),
-        };
-        Ok(match self.method {
-            Discretised::Collocation => {
-                let meshes = vec![Mesh::uniform(self.intervals); segments];
-                let system = BoundarySystem::new(problem, Collocation::new(self.degree)?, meshes)?;
-                let z = system.flowed(&starts, &extras, p).map_err(failed)?;
-                (Box::new(system), z)
-            }
-            Discretised::Shooting => {
-                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
-                let meshes = vec![Mesh::uniform(self.segments); segments];
-                let system = BoundarySystem::new(problem, method, meshes)?;
-                let z = system.flowed(&starts, &extras, p).map_err(failed)?;
-                (Box::new(system), z)
-            }
-        })
+        let Birth { problem, starts, extras } =
+            HybridOrbit::of_cycle(system.clone(), &cycle).map_err(no_start)?;
+        self.started(problem, Some([&starts, &extras, p]))
     }
 
     fn discretise<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>
     where
         P: BoundaryProblem + Clone + 'static,
     {
-        let meshes = |count: usize| vec![Mesh::uniform(count); problem.segments().len()];
-        Ok(match self.method {
+        self.started(problem, None).map(|(system, _)| system)
+    }
+
+    /// The system of a problem, and a start: flowed from states, extras and parameters, or at rest.
+    fn started<P>(&self, problem: P, start: Option<[&[f64]; 3]>) -> Result<Started, SceneError>
+    where
+        P: BoundaryProblem + Clone + 'static,
+    {
+        match self.method {
             Discretised::Collocation => {
-                let (method, meshes) = (Collocation::new(self.degree)?, meshes(self.intervals));
-                Box::new(BoundarySystem::new(problem, method, meshes)?)
+                started(problem, Collocation::new(self.degree)?, self.intervals, start)
             }
             Discretised::Shooting => {
                 let method = Shooting::new(self.scheme, self.flow_tolerance)?;
-                let meshes = meshes(self.segments);
-                Box::new(BoundarySystem::new(problem, method, meshes)?)
+                started(problem, method, self.segments, start)
             }
-        })
+        }
     }
+}
+
+/// A system, and unknowns to start from.
+type Started = (Box<dyn System>, Vec<f64>);
+
+fn started<P, M>(
+    problem: P,
+    method: M,
+    intervals: usize,
+    start: Option<[&[f64]; 3]>,
+) -> Result<Started, SceneError>
+where
+    P: BoundaryProblem + Clone + 'static,
+    M: Method + Clone + 'static,
+{
+    let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
+    let system = BoundarySystem::new(problem, method, meshes)?;
+    let z = match start {
+        Some([starts, extras, p]) => system.flowed(starts, extras, p).map_err(no_start)?,
+        None => vec![0.0; system.names().dimension()],
+    };
+    Ok((Box::new(system), z))
+}
+
+/// A simulated motion from which no branch can start.
+fn no_start(cause: EvaluationError) -> SceneError {
+    SceneError::Value { name: "start".into(), value: "Simulated".into(), reason: cause.to_string() }
 }
