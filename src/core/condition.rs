@@ -190,12 +190,7 @@ impl Condition for Level {
     fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
         values[0] = match self.quantity {
             Quantity::Parameter(p) => at.x[at.system.names().dimension() + p],
-            Quantity::Monitor(m) => {
-                // Monitors may need the assembled F_z (a frequency does).
-                at.system.assemble(at.x)?;
-                at.system.monitors(at.x, &mut self.monitors)?;
-                self.monitors[m]
-            }
+            Quantity::Monitor(m) => at.system.monitor(m, at.x, &mut self.monitors)?,
         } - self.level;
         Ok(())
     }
@@ -212,7 +207,7 @@ impl Condition for Level {
                 rows.fill(0.0);
                 rows[at.system.names().dimension() + p] = 1.0;
             }
-            Quantity::Monitor(m) => at.system.monitor_gradient(m, at.x, rows),
+            Quantity::Monitor(m) => at.system.monitor_gradient(m, at.x, at.released, rows),
         }
         Ok(())
     }

@@ -292,7 +292,13 @@ impl<P: ZeroProblem> System for Dense<P> {
         }
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        _released: &[usize],
+        out: &mut [f64],
+    ) {
         for start in (0..x.len()).step_by(CHUNK) {
             for (i, (slot, x)) in self.chunk.x.iter_mut().zip(x).enumerate() {
                 *slot = seeded(*x, i, start);

@@ -351,6 +351,20 @@ pub trait System {
     /// [`LeftDomain`] if a monitor has no meaning at `x`.
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain>;
 
+    /// The value of one monitor. `values` is room for all of them, of which the others come out as they may.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] if the monitor has no meaning at `x`.
+    fn monitor(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        values: &mut [f64],
+    ) -> Result<f64, LeftDomain> {
+        self.monitors(x, values)?;
+        Ok(values[monitor])
+    }
+
     /// Refuses a solution that a branch is to start from, though it solves the equations: what is decided, not
     /// solved for, comes out otherwise on it. Not asked where a solution grazes, where nothing can be decided.
     ///
@@ -366,8 +380,8 @@ pub trait System {
         &[]
     }
 
-    /// The gradient of one monitor with respect to `x` (all of it).
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]);
+    /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]);
 
     /// Curves that are kept with special points and drawn for them.
     fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {

@@ -1,163 +1,186 @@
-//! Hybrid orbits by both methods, from what closed forms know of them.
+//! Promise: hybrid orbits have the places, multipliers, folds and period doublings of their closed forms to
+//! 1e-10, by collocation and by shooting.
 
-use super::dry_impact::{self, DryImpact};
-use super::impact_oscillator::ClosedForm;
-use super::reference::Reference;
-use crate::common::solved;
+use crate::common::close;
+use crate::systems::belt;
+use crate::systems::bouncing_ball;
+use crate::systems::coulomb;
+use crate::systems::dry_impact::{self, DryImpact};
+use crate::systems::impact_oscillator::ClosedForm;
+use crate::systems::multipliers;
+use crate::systems::orbits::{ASIDE, DIGITS, Solved, by_both, found, impacting, resting};
+use crate::systems::piecewise;
+use crate::systems::reference::Reference;
 use std::f64::consts::{PI, TAU};
-use tangency::core::bvp::{
-    BoundaryProblem, BoundarySystem, Collocation, Mesh, Method, OnSegment, Shooting,
-};
-use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::flow::{Flow, Scheme};
-use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::{Spectrum, System};
+use tangency::core::continuation::Kind;
 
-/// Closed forms are met to this, and so the methods agree to 1e-10.
-pub const DIGITS: f64 = 5e-11;
-
-/// First guesses are aside by this part.
-pub const ASIDE: f64 = 1e-4;
-
-/// An orbit about to be solved: its system by one method, unknowns near the solution, parameters.
-pub struct Start {
-    pub method: &'static str,
-    pub system: Box<dyn System>,
-    pub z: Vec<f64>,
-    pub p: Vec<f64>,
-}
-
-/// The orbits of an itinerary by collocation and by shooting. Legs start at given states, where trajectories
-/// begin that the methods' nodes are set on; the extras are the time of the first leg's start, if the system
-/// is forced, and the durations of the legs.
-pub fn by_both(
-    hybrid: Reference,
-    itinerary: &str,
-    starts: &[&[f64]],
-    extras: &[f64],
-    p: &[f64],
-) -> [Start; 2] {
-    let itinerary = Itinerary::read(itinerary, &hybrid).unwrap();
-    let orbit = HybridOrbit::of(hybrid, itinerary);
-    let collocation = discretised(orbit.clone(), Collocation::new(7).unwrap(), 16);
-    let shooting = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
-    let shooting = discretised(orbit, shooting, 2);
-    let z = [sampled(&collocation, starts, extras, p), sampled(&shooting, starts, extras, p)];
-    let systems: [(&str, Box<dyn System>); 2] =
-        [("collocation", Box::new(collocation)), ("shooting", Box::new(shooting))];
-    let mut z = z.into_iter();
-    systems.map(|(method, system)| Start { method, system, z: z.next().unwrap(), p: p.to_vec() })
-}
-
-/// The orbit of the impact oscillator without impacts, at a part of the amplitude at which it grazes.
-pub fn nonimpacting(form: &ClosedForm, part: f64) -> [Start; 2] {
-    let amplitude = part * form.grazing();
-    let p = [amplitude, form.frequency, form.restitution, form.damping, form.clearance];
-    let state = form.motion(amplitude, 0.0).map(|x| x * (1.0 + ASIDE));
-    by_both(Reference::ImpactOscillator, "flight", &[&state], &[], &p)
-}
-
-/// The orbit of the impact oscillator with one impact of speed `u` in a period.
-pub fn impacting(form: &ClosedForm, u: f64) -> [Start; 2] {
-    let p = [form.amplitude(u), form.frequency, form.restitution, form.damping, form.clearance];
-    let state = [form.clearance, -form.restitution * u * (1.0 + ASIDE)];
-    let extras = [form.time(u) * (1.0 + ASIDE), TAU / form.frequency];
-    by_both(Reference::ImpactOscillator, "flight:impact", &[&state], &extras, &p)
-}
-
-/// The orbit of the mass that rests, is hit, moves up, down and rests again.
-pub fn resting(stiffness: f64) -> [Start; 2] {
-    let [_, friction, _, _, frequency, ..] = DryImpact::DEFAULTS;
-    let mut p = DryImpact::DEFAULTS;
-    p[0] = stiffness;
-    let form = dry_impact::ClosedForm::new(p);
-    let ([x, _], f, root) = (form.rest(), friction / stiffness, stiffness.sqrt());
-    let (t, v) = (form.time(x), form.velocity(x));
-    let (up, down) = ((v / root).atan2(x + f) / root, PI / root);
-    let begins = t + up + down - TAU / frequency;
-    let starts: [&[f64]; 3] = [&[x + ASIDE], &[x, v], &[(x + f).hypot(v / root) - f, 0.0]];
-    let extras = [begins, t - begins, up, down];
-    by_both(Reference::DryImpact, "stick:impact up:turn down:turn", &starts, &extras, &p)
-}
-
-fn discretised<P: BoundaryProblem, M: Method>(
-    problem: P,
-    method: M,
-    intervals: usize,
-) -> BoundarySystem<P, M> {
-    let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
-    BoundarySystem::new(problem, method, meshes).unwrap()
-}
-
-/// Unknowns on trajectories from the states where legs begin.
-fn sampled<P: BoundaryProblem, M: Method>(
-    system: &BoundarySystem<P, M>,
-    starts: &[&[f64]],
-    extras: &[f64],
-    p: &[f64],
-) -> Vec<f64> {
-    let (problem, q) = (system.problem(), [p, extras].concat());
-    let mut flow = Flow::<f64>::default();
-    system.sampled(extras, |segment, tau, x| {
-        x.copy_from_slice(starts[segment]);
-        let length = tau * problem.duration(segment, &q);
-        flow.advance(&OnSegment { problem, segment }, 0.0, length, x, &q).unwrap();
-    })
-}
-
-/// A solved orbit.
-pub struct Solved {
-    system: Box<dyn System>,
-    x: Vec<f64>,
-    /// Its multipliers, the largest first.
-    pub multipliers: Spectrum,
-}
-
-impl Start {
-    /// The solution at the start's parameters.
-    pub fn solved(mut self) -> Solved {
-        let x = solved(self.system.as_mut(), &self.z, &self.p)
-            .unwrap_or_else(|error| panic!("{}: {error}", self.method));
-        self.system.assemble(&x).unwrap();
-        let multipliers = self.system.spectrum(&x).unwrap();
-        Solved { system: self.system, x, multipliers }
-    }
-
-    /// The continuation from the start, in a parameter.
-    pub fn along(&mut self, parameter: &str, range: [f64; 2]) -> Continuation<'_> {
-        let names = self.system.names().parameters.clone();
-        let start = Continuation::of(self.system.as_mut()).named(self.method).from(&self.z);
-        let start = names.iter().zip(&self.p).fold(start, |run, (name, p)| run.at(name, *p));
-        start.along(parameter, range[0]..=range[1])
+/// Compares the multipliers, of which one more is zero since an orbit begins on a surface.
+#[track_caller]
+fn has_multipliers(orbit: &Solved, expected: &[(f64, f64)]) {
+    let zero = std::iter::repeat(&(0.0, 0.0));
+    let size = expected.iter().fold(1.0, |size: f64, mu| size.max(mu.0.hypot(mu.1)));
+    for (found, expected) in orbit.multipliers.iter().zip(expected.iter().chain(zero)) {
+        close(found.0, expected.0, DIGITS * size);
+        close(found.1, expected.1, DIGITS * size);
     }
 }
 
-impl Solved {
-    /// The value of an unknown where its leg begins.
-    pub fn first(&self, name: &str) -> f64 {
-        let mut position = 0;
-        for group in &self.system.names().unknowns {
-            if group.name == name {
-                return self.x[position];
+/// Along families of orbits with one impact, towards grazing, where a multiplier grows like `1/u`.
+#[test]
+fn impacting_orbits_have_their_speeds_and_multipliers() {
+    for (frequency, speeds) in [(1.0, [0.5, 0.05, 0.01]), (2.2, [3.0, 0.5, 0.01])] {
+        let form = ClosedForm::usual(frequency);
+        for u in speeds {
+            for start in impacting(&form, u) {
+                let orbit = start.solved();
+                close(-orbit.first("velocity") / form.restitution, u, DIGITS);
+                close(orbit.first("start"), form.time(u), DIGITS);
+                has_multipliers(&orbit, &multipliers(form.trace(u), form.determinant()));
             }
-            position += group.length;
         }
-        panic!("there is no unknown `{name}`: {:?}", self.system.names().unknowns)
-    }
-
-    /// The values of all monitors.
-    pub fn monitor(&mut self, name: &str) -> f64 {
-        let names = self.system.names().monitors.clone();
-        let mut values = vec![0.0; names.len()];
-        self.system.monitors(&self.x, &mut values).unwrap();
-        let position = names.iter().position(|known| known == name);
-        values[position.unwrap_or_else(|| panic!("no monitor `{name}`: {names:?}"))]
     }
 }
 
-/// The special points of a branch but for its ends: kinds, and values of the continued parameter.
-pub fn found(branch: &Branch) -> Vec<(Kind, f64)> {
-    let column = branch.column(&branch.released[0]).unwrap();
-    let inner = branch.special.iter().filter(|point| point.kind != Kind::EP);
-    inner.map(|point| (point.kind, point.value(column).unwrap())).collect()
+/// Where the impact has no speed the equations are as regular as elsewhere: only a multiplier is infinite.
+#[test]
+fn impacting_orbits_are_regular_where_they_graze() {
+    for frequency in [0.7, 2.2] {
+        let form = ClosedForm::usual(frequency);
+        for u in [1e-3, 1e-6, 0.0] {
+            for start in impacting(&form, u) {
+                let orbit = start.solved();
+                close(-orbit.first("velocity"), form.restitution * u, DIGITS);
+                let [large, small] = multipliers(form.trace(u), form.determinant());
+                let found = &orbit.multipliers;
+                close(found[0].0.recip(), large.0.recip(), DIGITS);
+                // Both others are zero where the speed is.
+                close(found[1].0, small.0, 1e-7);
+            }
+        }
+    }
+}
+
+/// Orbits with one impact fold, or double their period.
+#[test]
+fn impacting_orbits_fold_and_double() {
+    for frequency in [1.0, 1.2] {
+        let form = ClosedForm::usual(frequency);
+        for mut start in impacting(&form, 0.3) {
+            let branch = start.along("amplitude", [0.05, 0.5]).trace().unwrap();
+            let fold = found(&branch).into_iter().find(|(kind, _)| *kind == Kind::LP).unwrap();
+            close(fold.1, form.fold_amplitude(), DIGITS);
+        }
+    }
+    let form = ClosedForm::usual(2.2);
+    for mut start in impacting(&form, 1.3) {
+        let branch = start.along("amplitude", [3.0, 6.0]).trace().unwrap();
+        let doubling = found(&branch).into_iter().find(|(kind, _)| *kind == Kind::PD).unwrap();
+        close(doubling.1, form.amplitude(form.doubling()), DIGITS);
+    }
+}
+
+/// Orbits with one impact in `n` periods are born in a fold, and double their period.
+#[test]
+fn the_balls_orbits_are_born_and_double() {
+    for (n, gamma, e) in [(1, 0.7, 0.8), (2, 0.9, 0.8), (1, 1.3, 0.5)] {
+        let [t, v] = bouncing_ball::orbit(n, gamma, e);
+        let state = [gamma * t.sin(), v * (1.0 + ASIDE)];
+        let words = format!("{n}* flight:impact");
+        let extras = [t, TAU * n as f64];
+        let starts = || by_both(Reference::BouncingBall, &words, &[&state], &extras, &[gamma, e]);
+        let [trace, determinant] = bouncing_ball::map(n, gamma, e);
+        for start in starts() {
+            let orbit = start.solved();
+            close(orbit.first("start"), t, DIGITS);
+            close(orbit.first("velocity"), v, DIGITS);
+            has_multipliers(&orbit, &multipliers(trace, determinant));
+        }
+        for mut start in starts() {
+            let branch = start.along("acceleration", [0.1, 1.8]).trace().unwrap();
+            let [(Kind::LP, fold), (Kind::PD, doubling)] = found(&branch)[..] else {
+                panic!("{}: {:?}", branch.name, found(&branch))
+            };
+            close(fold, bouncing_ball::fold(n, e), DIGITS);
+            close(doubling, bouncing_ball::doubling(n, e), DIGITS);
+        }
+    }
+}
+
+/// An orbit that sticks forgets all before: its only multiplier is zero.
+#[test]
+fn the_belts_orbit_has_its_period() {
+    for p @ [friction, kinetic, belt] in [[1.0, 0.6, 0.3], [1.0, 0.9, 0.5], [2.0, 0.5, 1.0]] {
+        let sticks = belt::stick(friction, kinetic);
+        let sticking = 2.0 * (friction - kinetic) / belt;
+        let period = belt::period(friction, kinetic, belt);
+        let largest = belt::largest(friction, kinetic, belt);
+        let durations = [sticking, (period - sticking) * (1.0 + ASIDE)];
+        let starts: [&[f64]; 2] = [&[sticks], &[friction, belt]];
+        for start in by_both(Reference::Belt, "stick:slip slower:catch", &starts, &durations, &p) {
+            let mut orbit = start.solved();
+            close(orbit.monitor("period"), period, DIGITS);
+            close(orbit.monitor("max_displacement"), largest, DIGITS);
+            close(orbit.first("displacement[0]"), sticks, DIGITS);
+            has_multipliers(&orbit, &[]);
+        }
+    }
+}
+
+#[test]
+fn den_hartogs_motion_has_its_amplitude() {
+    for p @ [beta, friction] in [[1.5, 0.2], [0.8, 0.3], [2.5, 0.05]] {
+        let x = coulomb::amplitude(beta, friction);
+        let (aside, half) = (x * (1.0 + ASIDE), PI / beta);
+        let starts: [&[f64]; 2] = [&[aside, 0.0], &[-aside, 0.0]];
+        let extras = [coulomb::phase(beta, friction) / beta, half, half];
+        for start in by_both(Reference::Coulomb, "backward:low forward:high", &starts, &extras, &p)
+        {
+            let mut orbit = start.solved();
+            close(orbit.monitor("max_displacement"), x, DIGITS);
+            close(orbit.monitor("min_displacement"), -x, DIGITS);
+        }
+    }
+}
+
+#[test]
+fn the_piecewise_field_has_its_cycle() {
+    for p @ [alpha, beta, gamma] in [[1.0, 2.0, 1.5], [0.5, 1.5, 1.0], [1.0, 0.5, 2.0]] {
+        let cycle = piecewise::cycle(alpha, beta, gamma);
+        let starts: [&[f64]; 2] = [&[0.0, cycle.top * (1.0 + ASIDE)], &[0.0, -cycle.bottom]];
+        let durations = [PI, cycle.right];
+        let words = "left:rightwards right:leftwards";
+        for start in by_both(Reference::Piecewise, words, &starts, &durations, &p) {
+            let mut orbit = start.solved();
+            close(orbit.monitor("period"), PI + cycle.right, DIGITS);
+            close(orbit.first("x2[0]"), cycle.top, DIGITS);
+            has_multipliers(&orbit, &[(cycle.multiplier, 0.0)]);
+        }
+    }
+}
+
+#[test]
+fn dry_impacts_have_their_place_and_multiplier() {
+    for stiffness in [5.0, 5.5] {
+        let mut p = DryImpact::DEFAULTS;
+        p[0] = stiffness;
+        let form = dry_impact::ClosedForm::new(p);
+        let [x, _] = form.rest();
+        for start in resting(stiffness) {
+            let orbit = start.solved();
+            close(orbit.first("displacement[0]"), x, DIGITS);
+            close(orbit.first("start") + orbit.first("duration[0]"), form.time(x), DIGITS);
+            close(orbit.first("velocity[1]"), form.velocity(x), DIGITS);
+            has_multipliers(&orbit, &[(form.multiplier(x), 0.0)]);
+        }
+    }
+}
+
+#[test]
+fn dry_impacts_fold() {
+    let form = dry_impact::ClosedForm::new(DryImpact::DEFAULTS);
+    for mut start in resting(5.2) {
+        let branch = start.along("stiffness", [4.5, 5.2]).trace().unwrap();
+        let [(Kind::LP, fold)] = found(&branch)[..] else { panic!("{:?}", found(&branch)) };
+        close(fold, form.fold(), DIGITS);
+    }
 }

@@ -126,7 +126,7 @@ impl<'a> Continuation<'a> {
     fn vanishing(&mut self) -> Result<Vec<usize>, TraceError> {
         let (system, x) = (&mut *self.system, &self.x);
         let mut values = vec![0.0; system.names().monitors.len()];
-        let outcome = system.assemble(x).and_then(|()| system.monitors(x, &mut values));
+        let outcome = system.monitors(x, &mut values);
         outcome.map_err(|left| self.not_started(left.into()))?;
         let vanishes = |m: &&usize| values[**m].abs() < VANISHES;
         Ok(self.system.grazings().iter().filter(vanishes).copied().collect())

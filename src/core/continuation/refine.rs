@@ -98,7 +98,6 @@ impl Stepper<'_> {
         let x = equations.load(&unknowns).to_vec();
         let at = equations.at();
         let n = at.system.names().dimension();
-        at.system.assemble(at.x).ok()?;
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
         let parameters = x[n..].to_vec();

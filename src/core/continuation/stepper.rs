@@ -224,8 +224,7 @@ impl Stepper<'_> {
             slopes[i] = match quantity {
                 Quantity::Parameter(p) => direction[n + p],
                 Quantity::Monitor(m) => {
-                    system.assemble(x)?;
-                    system.monitor_gradient(m, x, &mut gradient);
+                    system.monitor_gradient(m, x, released, &mut gradient);
                     gradient.iter().zip(&direction).map(|(g, d)| g * d).sum()
                 }
             };

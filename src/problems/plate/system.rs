@@ -304,7 +304,13 @@ impl System for Ritz {
         Ok(())
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        _released: &[usize],
+        out: &mut [f64],
+    ) {
         let n = self.model.unknowns();
         out.fill(0.0);
         let done = match monitor {

@@ -197,11 +197,21 @@ where
         self.equations.evaluate_monitors(&mut self.plain, values)
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
+    fn monitor(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        _values: &mut [f64],
+    ) -> Result<f64, LeftDomain> {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        let Self { equations, plain, chunk, .. } = self;
-        let outcome = equations.add_monitor_gradient(monitor, x, plain, chunk, out);
+        self.equations.evaluate_monitor(monitor, &mut self.plain)
+    }
+
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
+        self.release(released, out);
+        self.plain.load(&self.equations.layout, |i| x[i]);
+        let Self { equations, plain, chunk, numbers, .. } = self;
+        let outcome = equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out);
         not_a_number(outcome, out);
     }
 

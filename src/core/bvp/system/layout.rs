@@ -48,8 +48,6 @@ pub(super) struct Layout {
     pub order: Vec<usize>,
     /// The positions in `z` of the states at the beginning of all segments, then at their ends.
     pub ends: Vec<usize>,
-    /// All components of `q`.
-    pub all_numbers: Vec<usize>,
 }
 
 impl Layout {
@@ -94,7 +92,6 @@ impl Layout {
             dimension: values + extras,
             order: Vec::new(),
             ends: Vec::new(),
-            all_numbers: Vec::new(),
         };
         layout.closes = layout.is_one_cycle();
         layout.check(problem)?;
@@ -158,7 +155,6 @@ impl Layout {
     }
 
     fn tabulate(&mut self) {
-        self.all_numbers = (0..self.numbers()).collect();
         for s in &self.segments {
             let at = |k: usize, i: usize| s.values + i * s.nodes + k;
             self.order.extend((0..s.nodes).flat_map(|k| (0..s.states).map(move |i| at(k, i))));

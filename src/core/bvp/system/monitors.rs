@@ -19,6 +19,9 @@ type Term = (Watched, Sighting, f64);
 /// The place of a rise through zero is improved this often at most.
 const ROUNDS: usize = 60;
 
+/// Newton's next step on the place of a rise is the square of one that is smaller than this: rounding.
+const SMALL: f64 = 1e-8;
+
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// The values of all monitors at the arguments of `work`.
     pub fn evaluate_monitors(
@@ -26,30 +29,33 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         work: &mut Work<f64, M>,
         values: &mut [f64],
     ) -> Result<(), LeftDomain> {
-        self.find_extremes(&work.nodes, &work.q, None)?;
-        let count = self.monitors.len();
-        for (monitor, value) in self.monitors.iter().zip(values.iter_mut()) {
-            *value = match monitor {
-                Monitor::Duration => self.duration(&work.q),
-                Monitor::Ends(function) => {
-                    gather_ends(&self.layout, &work.nodes, &mut work.ends);
-                    self.of_ends(*function, &work.ends, &work.q)
-                }
-                Monitor::Rising { .. } => {
-                    self.rising(monitor, work)?.map_or(0.0, |(_, place, _)| place.value)
-                }
-                _ => self
-                    .terms(monitor)
-                    .iter()
-                    .flatten()
-                    .map(|(_, s, factor)| factor * s.value)
-                    .sum(),
-            };
-        }
-        if let Some(error) = values.get_mut(count) {
-            *error = self.largest_error(&work.nodes).map_or(0.0, |largest| largest.error);
+        for (monitor, value) in values.iter_mut().enumerate() {
+            *value = self.evaluate_monitor(monitor, work)?;
         }
         Ok(())
+    }
+
+    /// The value of a monitor at the arguments of `work`.
+    pub fn evaluate_monitor(
+        &mut self,
+        monitor: usize,
+        work: &mut Work<f64, M>,
+    ) -> Result<f64, LeftDomain> {
+        self.watch_for(monitor, work)?;
+        Ok(match self.monitors.get(monitor) {
+            Some(Monitor::Duration) => self.duration(&work.q),
+            Some(Monitor::Ends(function)) => {
+                gather_ends(&self.layout, &work.nodes, &mut work.ends);
+                self.of_ends(*function, &work.ends, &work.q)
+            }
+            Some(monitor @ Monitor::Rising { .. }) => {
+                self.rising(monitor, work)?.map_or(0.0, |(_, place, _)| place.value)
+            }
+            Some(monitor) => {
+                self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
+            }
+            None => self.largest_error(&work.nodes).map_or(0.0, |largest| largest.error),
+        })
     }
 
     /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
@@ -59,19 +65,25 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         self.problem.check_ends(Ends { start, end }, &work.q)
     }
 
-    /// Adds the gradient of a monitor at `x`, which `work` has loaded, to `out`.
+    /// Finds the extremes, if a monitor asks for them.
+    fn watch_for(&mut self, monitor: usize, work: &Work<f64, M>) -> Result<(), LeftDomain> {
+        match self.monitors.get(monitor) {
+            None | Some(Monitor::Duration | Monitor::Ends(_)) => Ok(()),
+            Some(_) => self.find_extremes(&work.nodes, &work.q, None),
+        }
+    }
+
+    /// Adds the gradient of a monitor by the unknowns and some `numbers` at `x`, which `work` has loaded, to
+    /// `out`.
     pub fn add_monitor_gradient(
         &mut self,
         monitor: usize,
-        x: &[f64],
+        (x, numbers): (&[f64], &[usize]),
         work: &mut Work<f64, M>,
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
-        if monitor < self.monitors.len() {
-            self.find_extremes(&work.nodes, &work.q, None)?;
-        }
-        let numbers = &self.layout.all_numbers;
+        self.watch_for(monitor, work)?;
         match self.monitors.get(monitor) {
             Some(Monitor::Duration) => {
                 let dependence = Dependence { unknowns: &[], numbers };
@@ -84,14 +96,14 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 })
             }
             Some(monitor @ Monitor::Rising { .. }) => match self.rising(monitor, work)? {
-                Some(found) => self.add_rising(monitor, found, x, passes, out),
+                Some(found) => self.add_rising(monitor, found, (x, numbers), passes, out),
                 None => Ok(()),
             },
             Some(monitor) => self
                 .terms(monitor)
                 .iter()
                 .flatten()
-                .try_for_each(|term| self.add_term(term, x, passes, out)),
+                .try_for_each(|term| self.add_term(term, (x, numbers), passes, out)),
             None => self.add_error_gradient(x, work, passes, out),
         }
     }
@@ -187,7 +199,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         Ok(best)
     }
 
-    /// The value of a scalar where another one rises through zero, and the ratio of its rate to the other's.
+    /// The value of a scalar where another one rises through zero, and the ratio of its rate to the other's:
+    /// by Newton's method between two places, of which the first is that of the cubic that is flat at both.
     fn rise(
         &self,
         watched: Watched,
@@ -196,26 +209,27 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         work: &mut Work<f64, M>,
     ) -> Result<(Sighting, f64), LeftDomain> {
         let Watched { segment, observable } = watched;
-        let mut place = high.place;
+        let length = self.interval((segment, low.interval), &[], &work.q);
+        let length = length.duration() * length.length();
+        let share = low.value / (low.value - high.value);
+        // The middle root of 3 s² − 2 s³ = share.
+        let middle = 0.5 + ((2.0 * share - 1.0).clamp(-1.0, 1.0).asin() / 3.0).sin();
+        let mut place = low.place + middle * (high.place - low.place);
         let mut out = (high, 0.0);
         for _ in 0..ROUNDS {
-            // False position (of the Illinois kind).
-            let next = (low.place * high.value - high.place * low.value) / (high.value - low.value);
-            let moved = (next - place).abs();
-            place = next;
-            let rates = self.rates(segment, (low.interval, place), [observable, value], work)?;
-            let [height, level] = rates;
-            out = (Sighting { place, value: level.re, ..low }, level.eps / height.eps);
-            if moved < 1e-14 || height.re == 0.0 {
+            let [height, level] =
+                self.rates(segment, (low.interval, place), [observable, value], work)?;
+            let here = Sighting { place, value: height.re, ..low };
+            *(if height.re <= 0.0 { &mut low } else { &mut high }) = here;
+            let (step, ratio) = (-height.re / height.eps, level.eps / height.eps);
+            out = (Sighting { place, value: level.re + step * level.eps, ..low }, ratio);
+            let next = place + step / length;
+            if (next - place).abs() < SMALL {
+                out.0.place = next;
                 break;
             }
-            let here = Sighting { place, value: height.re, ..low };
-            if height.re * high.value < 0.0 {
-                low = high;
-            } else {
-                low.value *= 0.5;
-            }
-            high = here;
+            let inside = low.place < next && next < high.place;
+            place = if inside { next } else { 0.5 * (low.place + high.place) };
         }
         Ok(out)
     }
@@ -247,15 +261,15 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         &self,
         monitor: &Monitor,
         (k, sighting, ratio): (usize, Sighting, f64),
-        x: &[f64],
+        at: (&[f64], &[usize]),
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let Monitor::Rising { through, value } = monitor else { return Ok(()) };
         let Watched { segment, .. } = through[k];
         let value = Watched { segment, observable: value[k] };
-        self.add_term(&(value, sighting, 1.0), x, passes, out)?;
-        self.add_term(&(through[k], sighting, -ratio), x, passes, out)
+        self.add_term(&(value, sighting, 1.0), at, passes, out)?;
+        self.add_term(&(through[k], sighting, -ratio), at, passes, out)
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
@@ -263,14 +277,14 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     fn add_term(
         &self,
         (watched, sighting, factor): &Term,
-        x: &[f64],
+        (x, numbers): (&[f64], &[usize]),
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let (layout, Watched { segment, observable }) = (&self.layout, *watched);
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
-        let dependence = Dependence { unknowns, numbers: &layout.all_numbers };
+        let dependence = Dependence { unknowns, numbers };
         self.add_slopes(dependence, x, passes, out, |passes| {
             let Passes { unknowns, q, local, .. } = passes;
             let (interval, x) = (self.interval(at, unknowns, q), &mut local.x[..n]);

@@ -176,7 +176,7 @@ impl System for ModalSystem {
         self.dense.monitors(x, values)
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], out: &mut [f64]) {
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
         // Deflections are linear in the unknowns; only frequencies take dual numbers.
         let (z, p) = x.split_at(self.names().dimension());
         let problem = self.dense.problem();
@@ -186,7 +186,7 @@ impl System for ModalSystem {
                 let [_, x, y] = problem.largest(z);
                 [x, y]
             }
-            _ => return self.dense.monitor_gradient(monitor, x, out),
+            _ => return self.dense.monitor_gradient(monitor, x, released, out),
         };
         out.fill(0.0);
         let (of_z, of_p) = out.split_at_mut(z.len());

@@ -1,0 +1,177 @@
+//! Promise: every derivative that the core takes from a residual agrees with differences of what it
+//! differentiates, on random polynomials.
+
+use crate::common::{agree, difference, dot};
+use proptest::prelude::*;
+use tangency::core::bifurcation::{BogdanovTakens, BranchPoint, Cusp, Fold, Hopf};
+use tangency::core::condition::{At, Condition, Level, Quantity};
+use tangency::core::continuation::Kind;
+use tangency::core::dense::Dense;
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Names, System, ZeroProblem};
+
+const N: usize = 3;
+const LENGTH: usize = 5;
+
+/// `Fᵢ = Σⱼ aᵢⱼ xⱼ + bᵢ (cᵢ·x)² + dᵢ (eᵢ·x)³`, in three unknowns and two parameters.
+#[derive(Clone, Debug)]
+struct Polynomial {
+    linear: Vec<f64>,
+    quadratic: Vec<f64>,
+    cubic: Vec<f64>,
+}
+
+fn form<T: Scalar>(coefficients: &[f64], i: usize, z: &[T], p: &[T]) -> T {
+    let row = &coefficients[i * LENGTH..(i + 1) * LENGTH];
+    z.iter().chain(p).zip(row).fold(T::zero(), |sum, (x, a)| sum + *x * *a)
+}
+
+impl ZeroProblem for Polynomial {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "z"], ["p", "q"]).with_monitors(["cube"])
+    }
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        for (i, r) in r.iter_mut().enumerate() {
+            *r = form(&self.linear, i, z, p)
+                + form(&self.quadratic, i, z, p).powi(2)
+                + form(&self.cubic, i, z, p).powi(3);
+        }
+    }
+    fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
+        values[0] = form(&self.linear, 0, z, p).powi(3);
+    }
+}
+
+fn numbers(length: usize) -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(-1.0..1.0_f64, length)
+}
+
+fn polynomial() -> impl Strategy<Value = Polynomial> {
+    let size = N * LENGTH;
+    (numbers(size), numbers(size), numbers(size))
+        .prop_map(|(linear, quadratic, cubic)| Polynomial { linear, quadratic, cubic })
+}
+
+/// The step of differences.
+const H: f64 = 1e-3;
+
+fn unit(i: usize) -> Vec<f64> {
+    (0..LENGTH).map(|j| f64::from(u8::from(i == j))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Each derivative against differences of the one below it.
+    #[test]
+    fn derivatives_of_a_residual(
+        problem in polynomial(),
+        x in numbers(LENGTH),
+        d in numbers(LENGTH),
+        e in numbers(LENGTH),
+        f in numbers(LENGTH),
+        w in numbers(N),
+    ) {
+        let mut system = Dense::new(problem);
+        let mut out = vec![0.0; N];
+        system.derivative(&x, &d, &mut out);
+        agree(&out, &difference(&x, &d, H, |x| {
+            let mut r = vec![0.0; N];
+            system.residual(x, &mut r).unwrap();
+            r
+        }), 1e-9);
+        system.second_derivative(&x, &d, &e, &mut out);
+        agree(&out, &difference(&x, &e, H, |x| {
+            let mut r = vec![0.0; N];
+            system.derivative(x, &d, &mut r);
+            r
+        }), 1e-9);
+        system.third_derivative(&x, &d, &e, &f, &mut out);
+        agree(&out, &difference(&x, &f, H, |x| {
+            let mut r = vec![0.0; N];
+            system.second_derivative(x, &d, &e, &mut r);
+            r
+        }), 1e-9);
+        let mut gradient = vec![0.0; LENGTH];
+        system.gradient(&x, &w, &d, &[0, 1], &mut gradient);
+        let mut second_gradient = vec![0.0; LENGTH];
+        system.second_gradient(&x, &w, &d, &[0, 1], &mut second_gradient);
+        let mut monitor = vec![0.0; LENGTH];
+        system.monitor_gradient(0, &x, &[0, 1], &mut monitor);
+        for i in 0..LENGTH {
+            let first = difference(&x, &unit(i), H, |x| {
+                system.derivative(x, &d, &mut out);
+                let mut value = vec![0.0];
+                system.monitors(x, &mut value).unwrap();
+                vec![dot(&w, &out), value[0]]
+            });
+            agree(&[gradient[i], monitor[i]], &first, 1e-9);
+            let second = difference(&x, &unit(i), H, |x| {
+                system.second_derivative(x, &d, &d, &mut out);
+                vec![dot(&w, &out)]
+            });
+            agree(&[second_gradient[i]], &second, 1e-9);
+        }
+        // The Jacobian, one column after the other.
+        system.assemble(&x).unwrap();
+        let mut jacobian = vec![0.0; N * N];
+        system.jacobian(&mut jacobian);
+        for i in 0..N {
+            system.derivative(&x, &unit(i), &mut out);
+            agree(&jacobian[i * N..(i + 1) * N], &out, 1e-14);
+        }
+    }
+
+    /// Gradients of every condition against differences of its values, by `x` and by its own unknowns.
+    #[test]
+    fn gradients_of_conditions(problem in polynomial(), x in numbers(LENGTH), y in 0.2..2.0_f64) {
+        let conditions: Vec<Box<dyn Condition>> = vec![
+            Box::<Fold>::default(),
+            Box::<Cusp>::default(),
+            Box::<BogdanovTakens>::default(),
+            Box::new(Hopf::of_equilibria()),
+            Box::new(BranchPoint::new(0)),
+            Box::new(Level::new(Quantity::Monitor(0), 0.3, Kind::UZ)),
+            Box::new(Level::new(Quantity::Parameter(1), 0.3, Kind::UZ)),
+        ];
+        let mut system = Dense::new(problem);
+        for mut condition in conditions {
+            let k = condition.unknowns();
+            let at = At { system: &mut system, x: &x, released: &[0, 1] };
+            // No complex pair: not near a Hopf point, and refused as such.
+            if condition.start(at, &mut vec![0.0; k]).is_err() {
+                continue;
+            }
+            let own = vec![y; k];
+            let mut evaluate = |x: &[f64], own: &[f64]| {
+                let mut values = vec![0.0; k + 1];
+                let at = At { system: &mut system, x, released: &[0, 1] };
+                condition.values(at, own, &mut values).unwrap();
+                values
+            };
+            let value = evaluate(&x, &own);
+            // Where the border is badly conditioned differences say nothing.
+            let near = difference(&x, &[1.0; LENGTH], H, |x| evaluate(x, &own));
+            let far = difference(&x, &[2.0; LENGTH], H, |x| evaluate(x, &own));
+            let smooth = near.iter().zip(&far).all(|(a, b)| (2.0 * a - b).abs() < 1e-8);
+            if !smooth || value.iter().any(|v| v.abs() > 1e3) {
+                continue;
+            }
+            let by_x: Vec<_> =
+                (0..LENGTH).map(|i| difference(&x, &unit(i), H, |x| evaluate(x, &own))).collect();
+            let by_y = (k == 1).then(|| difference(&own, &[1.0], H, |y| evaluate(&x, y)));
+            evaluate(&x, &own);
+            let (mut rows, mut own_rows) = (vec![0.0; (k + 1) * LENGTH], vec![0.0; (k + 1) * k]);
+            let at = At { system: &mut system, x: &x, released: &[0, 1] };
+            condition.gradients(at, &own, &mut rows, &mut own_rows).unwrap();
+            for row in 0..=k {
+                for i in 0..LENGTH {
+                    agree(&[rows[row * LENGTH + i]], &[by_x[i][row]], 1e-6);
+                }
+                if let Some(by_y) = &by_y {
+                    agree(&[own_rows[row]], &[by_y[row]], 1e-6);
+                }
+            }
+        }
+    }
+}

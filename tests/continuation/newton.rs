@@ -1,0 +1,167 @@
+//! Promise: where Newton's iteration fails it says why, with the numbers that decide.
+
+use crate::common::{ParallelPlate, close, first};
+use tangency::core::continuation::{Continuation, End, Kind, TraceError};
+use tangency::core::dense::Dense;
+use tangency::core::extended::Extended;
+use tangency::core::newton::{Convergence, Newton, NewtonError, Tolerances};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{LeftDomain, Names, ZeroProblem};
+
+const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+
+/// A scalar equation in `x` with the parameter `p`, stated by name.
+enum Equation {
+    /// `eˣ − p`.
+    Exponential,
+    /// `atan x − p`.
+    Arctangent,
+    /// `x² + p`.
+    Square,
+    /// `√x − p`.
+    Root,
+    /// `x − p`, NaN for `p > 1` and infinite for `p < 0`.
+    Broken,
+}
+
+impl ZeroProblem for Equation {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["p"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        r[0] = match self {
+            Equation::Exponential => x[0].exp() - p[0],
+            Equation::Arctangent => x[0].atan() - p[0],
+            Equation::Square => x[0] * x[0] + p[0],
+            Equation::Root => x[0].sqrt() - p[0],
+            Equation::Broken if p[0].real() > 1.0 => T::constant(f64::NAN),
+            Equation::Broken if p[0].real() < 0.0 => T::constant(f64::INFINITY),
+            Equation::Broken => x[0] - p[0],
+        };
+    }
+    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+        match self {
+            Equation::Root if x[0] <= 0.0 => {
+                Err(LeftDomain::new("x", x[0], "the root needs x > 0"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn solve(
+    problem: impl ZeroProblem,
+    x: f64,
+    p: f64,
+    tolerances: Tolerances,
+) -> Result<(f64, Convergence), NewtonError> {
+    let mut system = Dense::new(problem);
+    let mut equations = Extended::new(&mut system, &[x, p], vec![]);
+    let mut unknowns = [x];
+    let report =
+        Newton::default().solve(&mut equations, &mut unknowns, None, &[1.0], tolerances)?;
+    Ok((unknowns[0], report))
+}
+
+#[test]
+fn converges_to_its_tolerance() {
+    let (x, report) = solve(Equation::Exponential, 1.0, 2.0, TOLERANCES).unwrap();
+    // What the next correction would be is below a hundredth of the tolerance.
+    close(x, 2.0_f64.ln(), 1e-14);
+    assert!(report.iterations <= 5 && report.correction <= 1e-6, "{report:?}");
+}
+
+/// From x = 3 undamped Newton on atan x diverges: the first corrections have to be damped.
+#[test]
+fn damping_reaches_what_plain_newton_does_not() {
+    let step = |x: f64| x - (x.atan()) * (1.0 + x * x);
+    assert!(step(step(3.0)).abs() > 100.0);
+    let (x, report) = solve(Equation::Arctangent, 3.0, 0.0, TOLERANCES).unwrap();
+    close(x, 0.0, 1e-13);
+    assert!(report.iterations <= 8, "{report:?}");
+}
+
+/// x² + 1 has no root: the iteration stagnates, or runs into the singular point x = 0.
+#[test]
+fn stagnation() {
+    let error = solve(Equation::Square, 1.5, 1.0, TOLERANCES).unwrap_err();
+    let NewtonError::Stagnation { iterations, correction, damping } = &error else {
+        panic!("{error}")
+    };
+    assert!((1..=12).contains(iterations) && *correction > 0.1 && *damping < 0.01);
+    assert!(error.to_string().contains("stagnated"), "{error}");
+}
+
+#[test]
+fn singular() {
+    let error = solve(Equation::Square, 0.0, -1.0, TOLERANCES).unwrap_err();
+    let NewtonError::Singular { iteration: 1, cause } = &error else { panic!("{error}") };
+    assert_eq!(cause.pivot, 0.0);
+    assert!(error.to_string().contains("the matrix is singular: pivot 0.0e0"), "{error}");
+}
+
+#[test]
+fn iteration_limit() {
+    let tolerances = Tolerances { max_iterations: 2, ..TOLERANCES };
+    let error = solve(Equation::Exponential, 8.0, 1e-3, tolerances).unwrap_err();
+    let NewtonError::IterationLimit { iterations: 2, correction, .. } = &error else {
+        panic!("{error}")
+    };
+    assert!(*correction > 1e-3);
+    assert!(error.to_string().contains("raise `max_iterations`"), "{error}");
+}
+
+/// √x = −1 pulls x below zero, where the equation has no meaning.
+#[test]
+fn domain_left() {
+    let error = solve(Equation::Root, 1.0, -1.0, TOLERANCES).unwrap_err();
+    let NewtonError::LeftDomain { cause, .. } = &error else { panic!("{error}") };
+    assert_eq!(cause.quantity, "x");
+    assert!(cause.value <= 0.0);
+    assert!(error.to_string().contains("the root needs x > 0"), "{error}");
+}
+
+#[test]
+fn not_a_number() {
+    for (p, expected) in [(2.0, "NaN"), (-1.0, "inf")] {
+        let error = solve(Equation::Broken, 0.5, p, TOLERANCES).unwrap_err();
+        let NewtonError::LeftDomain { iteration: 0, cause } = &error else { panic!("{error}") };
+        assert_eq!(cause.quantity, "component 0 of the residual");
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+}
+
+/// A branch that runs into values that are no numbers ends there, and keeps what it has.
+#[test]
+fn a_branch_into_nan_is_kept() {
+    let mut system = Dense::new(Equation::Broken);
+    let branch = Continuation::of(&mut system).along("p", 0.0..=3.0).forward().trace().unwrap();
+    let End::StepTooSmall { cause, .. } = &branch.ends[1] else { panic!("{:?}", branch.ends) };
+    assert!(cause.contains("component 0 of the residual = NaN"), "{cause}");
+    assert_eq!(branch.special.last().unwrap().kind, Kind::MX);
+    close(branch.points.last().unwrap().parameters[0], 1.0, 1e-5);
+}
+
+/// With the load fixed, Newton fails beyond the pull-in load 4/27, does not reach it in good order, and
+/// needs ever more iterations on the way; by arclength the same branch passes.
+#[test]
+fn load_control_fails_at_the_fold_where_arclength_passes() {
+    let limit: f64 = 4.0 / 27.0;
+    let iterations =
+        |load: f64| solve(ParallelPlate, 0.3, load, TOLERANCES).map(|s| s.1.iterations);
+    let (safe, close_by) = (iterations(0.9 * limit).unwrap(), iterations(limit - 1e-8).unwrap());
+    assert!(close_by > safe, "{safe} {close_by}");
+    let beyond = iterations(1.001 * limit).unwrap_err();
+    assert!(
+        matches!(beyond, NewtonError::Stagnation { .. } | NewtonError::IterationLimit { .. }),
+        "{beyond}"
+    );
+    // Beyond the fold there is nothing to start from.
+    let mut system = Dense::new(ParallelPlate);
+    let start = Continuation::of(&mut system).at("load", 0.2).along("load", 0.0..=1.0).trace();
+    let Err(TraceError::Start { place, .. }) = start else { panic!() };
+    assert_eq!(place, "load = 0.2");
+    let branch = Continuation::of(&mut system).along("load", 0.0..=1.0).trace().unwrap();
+    close(first(&branch, Kind::LP).parameters[0], limit, 1e-14);
+    close(first(&branch, Kind::LP).state[0], 1.0 / 3.0, 1e-12);
+}

@@ -1,0 +1,283 @@
+//! Promise: a special point is good to about 1e-10, and its error estimate and bracket are honest.
+
+use crate::common::{CuspForm, close, values};
+use proptest::prelude::*;
+use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
+use tangency::core::dense::Dense;
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{
+    Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System, ZeroProblem,
+};
+
+/// `load = scale (x − a)(x − b)(x − c)` in units: folds where the cubic's slope vanishes.
+#[derive(Clone, Debug)]
+struct Cubic {
+    roots: [f64; 3],
+    unit: f64,
+    scale: f64,
+}
+
+impl Cubic {
+    /// The cubic and its slope over `scale`, in units of `x`.
+    fn value(&self, x: f64) -> f64 {
+        self.roots.iter().map(|a| x - a).product::<f64>() * self.scale
+    }
+
+    /// Both folds, ascending in `x`: roots of 3x² − 2Sx + P, S = a + b + c, P = ab + bc + ca.
+    fn folds(&self) -> [(f64, f64); 2] {
+        let [a, b, c] = self.roots;
+        let (s, p) = (a + b + c, a * b + b * c + c * a);
+        let root = (s * s - 3.0 * p).sqrt();
+        let larger = (s + root.copysign(s)) / 3.0;
+        let smaller = if larger == 0.0 { -root / 3.0 } else { p / (3.0 * larger) };
+        let mut x = [larger, smaller];
+        x.sort_by(f64::total_cmp);
+        x.map(|x| (x, self.value(x)))
+    }
+}
+
+impl ZeroProblem for Cubic {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["load"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        let x = x[0] / self.unit;
+        r[0] = p[0] - (x - self.roots[0]) * (x - self.roots[1]) * (x - self.roots[2]) * self.scale;
+    }
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Static
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Random cubics in random units: both folds, found to 1e-10 of the load's range, within the
+    /// error estimate (and rounding in the exact value), within the bracket.
+    #[test]
+    fn folds_of_random_cubics(
+        a in -2.0..-0.3_f64,
+        b in -0.3..0.3_f64,
+        c in 0.3..2.0_f64,
+        unit in -6.0..6.0_f64,
+        scale in -6.0..6.0_f64,
+    ) {
+        let problem =
+            Cubic { roots: [a, b, c], unit: 10f64.powf(unit), scale: 10f64.powf(scale) };
+        let (unit, scale) = (problem.unit, problem.scale);
+        let exact = problem.folds();
+        let start = problem.value(a - 0.5);
+        let low = start.min(exact[1].1) - 0.1 * scale;
+        let high = problem.value(c + 0.5).max(exact[0].1) + 0.1 * scale;
+        let mut system = Dense::new(problem);
+        let branch = Continuation::of(&mut system)
+            .from(&[(a - 0.5) * unit])
+            .at("load", start)
+            .along("load", low..=high)
+            .trace()
+            .unwrap();
+        let folds: Vec<_> = branch.of_kind(Kind::LP).collect();
+        prop_assert_eq!(folds.len(), 2);
+        for (fold, (x, load)) in folds.iter().zip(exact) {
+            let off = (fold.parameters[0] - load).abs();
+            prop_assert!(fold.converged && fold.error < 1e-10 * (high - low));
+            prop_assert!(off <= fold.error + 8.0 * f64::EPSILON * scale, "{off:.1e} {:.1e}", fold.error);
+            prop_assert!((fold.state[0] / unit - x).abs() < 1e-10);
+            // The fold is an extremum of the load between two points that enclose it.
+            let [before, behind] = fold.bracket;
+            let maximum = load > before.min(behind);
+            let beyond = if maximum { before.max(behind) <= load } else { before.min(behind) >= load };
+            prop_assert!(beyond, "{before} {load} {behind}");
+            let enclosing = [fold.after, fold.after + 1].map(|i| branch.points[i].parameters[0]);
+            prop_assert_eq!(enclosing, fold.bracket);
+        }
+    }
+}
+
+/// Two folds that come together in a cusp, `a → 0`: both are found, or neither, and each is right.
+#[test]
+fn folds_close_to_a_cusp() {
+    for a in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let mut system = Dense::new(CuspForm);
+        let branch = Continuation::of(&mut system)
+            .from(&[-1.0])
+            .at("b", -1.0)
+            .at("a", a)
+            .along("b", -2.0..=2.0)
+            .trace()
+            .unwrap();
+        let found = values(&branch, Kind::LP, "b");
+        let exact = 2.0 * (a / 3.0_f64).powf(1.5);
+        assert_eq!(found.len(), 2, "a = {a}");
+        close(found[0], -exact, 1e-14);
+        close(found[1], exact, 1e-14);
+        for fold in branch.of_kind(Kind::LP) {
+            assert!((fold.parameters[0].abs() - exact).abs() <= fold.error + 1e-16);
+        }
+    }
+}
+
+/// Through the cusp itself, a = 0: a vertical tangent that is no fold.
+#[test]
+fn a_cusp_is_no_fold() {
+    let mut system = Dense::new(CuspForm);
+    let branch =
+        Continuation::of(&mut system).from(&[-1.0]).at("b", -1.0).along("b", -2.0..=2.0).trace();
+    let branch = branch.unwrap();
+    assert_eq!(branch.of_kind(Kind::LP).count() % 2, 0);
+    assert_eq!(branch.of_kind(Kind::BP).count(), 0);
+    for fold in branch.of_kind(Kind::LP) {
+        close(fold.parameters[0], 0.0, fold.error + 1e-12);
+    }
+}
+
+/// A fold close to a branch point: the branch `p = x + x²/d − …` folds near the crossing at 0.
+#[test]
+fn a_fold_near_a_branch_point() {
+    /// `x (p − x² + d x)`: crossing at p = 0, fold of the curved branch at x = d/2, p = −d²/4.
+    struct Near(f64);
+    impl ZeroProblem for Near {
+        fn names(&self) -> Names {
+            Names::new(["x"], ["p"])
+        }
+        fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+            r[0] = x[0] * (p[0] - x[0] * x[0] + x[0] * self.0);
+        }
+    }
+    for d in [0.1, 0.01, 0.001] {
+        let mut system = Dense::new(Near(d));
+        let x: f64 = -0.6;
+        let branch = Continuation::of(&mut system)
+            .from(&[x])
+            .at("p", x * x - x * d)
+            .along("p", -1.0..=1.0)
+            .trace()
+            .unwrap();
+        let (branching, folds) = (values(&branch, Kind::BP, "p"), values(&branch, Kind::LP, "p"));
+        assert_eq!((branching.len(), folds.len()), (1, 1), "d = {d}");
+        close(branching[0], 0.0, 1e-12);
+        close(folds[0], -d * d / 4.0, 1e-12);
+        for special in branch.special.iter().filter(|s| s.kind != Kind::EP) {
+            let exact = if special.kind == Kind::BP { 0.0 } else { -d * d / 4.0 };
+            assert!((special.parameters[0] - exact).abs() <= special.error + 1e-15);
+        }
+    }
+}
+
+/// Bratu's problem on `n` points that can be refined to `2n + 1`: everything else is that of `Dense`.
+struct Refinable(Dense<crate::common::Bratu>, usize);
+
+impl Refinable {
+    fn new(n: usize) -> Self {
+        Refinable(Dense::new(crate::common::Bratu(n)), n)
+    }
+}
+
+impl System for Refinable {
+    fn names(&self) -> &Names {
+        self.0.names()
+    }
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+        self.0.residual(x, r)
+    }
+    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+        self.0.assemble(x)
+    }
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+        self.0.factor(slot, border)
+    }
+    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
+        self.0.solve(slot, right);
+    }
+    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
+        self.0.solve_transposed(slot, right);
+    }
+    fn jacobian(&mut self, out: &mut [f64]) {
+        self.0.jacobian(out);
+    }
+    fn determinant_sign(&self, slot: Slot) -> f64 {
+        self.0.determinant_sign(slot)
+    }
+    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
+        self.0.derivative(x, d, out);
+    }
+    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
+        self.0.second_derivative(x, d, e, out);
+    }
+    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
+        self.0.third_derivative(x, d, e, f, out);
+    }
+    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
+        self.0.gradient(x, w, v, released, out);
+    }
+    fn second_gradient(
+        &mut self,
+        x: &[f64],
+        w: &[f64],
+        v: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) {
+        self.0.second_gradient(x, w, v, released, out);
+    }
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Static
+    }
+    fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
+        None
+    }
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+        self.0.monitors(x, values)
+    }
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
+        self.0.monitor_gradient(monitor, x, released, out);
+    }
+    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+        let n = self.1;
+        if n > 100 {
+            return None;
+        }
+        let at = |i: usize| if i == 0 || i > n { 0.0 } else { x[i - 1] };
+        let mut fine: Vec<f64> = (1..=2 * n + 1)
+            .map(|i| if i % 2 == 0 { at(i / 2) } else { 0.5 * (at(i / 2) + at(i / 2 + 1)) })
+            .collect();
+        fine.push(x[n]);
+        Some(Refinement { system: Box::new(Refinable::new(2 * n + 1)), x: fine })
+    }
+}
+
+/// The exact fold of Bratu's problem, 8θ²/cosh²θ with θ tanh θ = 1.
+const BRATU: f64 = 3.513_830_719_125_16;
+
+fn bratu(n: usize, accuracy: f64) -> Branch {
+    let mut system = Refinable::new(n);
+    Continuation::of(&mut system)
+        .along("lambda", 0.0..=10.0)
+        .bound("middle", 0.0..=3.0)
+        .mark("middle", 0.5)
+        .settings(Settings { accuracy, ..Settings::default() })
+        .trace()
+        .unwrap()
+}
+
+/// Special points are finished on finer grids, n = 7, 15, 31, 63, 127, and the error covers what the
+/// finest grid still is off; without refinement the answer is that of the coarse grid.
+#[test]
+fn special_points_are_finished_on_finer_grids() {
+    let coarse = bratu(7, 0.0);
+    let fine = bratu(7, 1e-9);
+    let (rough, fold) =
+        (crate::common::first(&coarse, Kind::LP), crate::common::first(&fine, Kind::LP));
+    assert!((rough.parameters[0] - BRATU).abs() > 0.02);
+    let off = (fold.parameters[0] - BRATU).abs();
+    assert!(off < 2e-4, "{off:.1e}");
+    assert!(off <= fold.error && fold.error < 10.0 * off, "{off:.1e} {:.1e}", fold.error);
+    // An accuracy that a coarser grid reaches stops there.
+    let modest = bratu(7, 1e-2);
+    let fold = crate::common::first(&modest, Kind::LP);
+    let off = (fold.parameters[0] - BRATU).abs();
+    assert!(off > 3e-4 && off <= fold.error, "{off:.1e} {:.1e}", fold.error);
+    // The state stays on the branch's own grid, from which it can be restarted.
+    assert_eq!(fold.state.len(), 7);
+    close(crate::common::first(&fine, Kind::UZ).monitors[0], 0.5, 1e-10);
+}

@@ -1,0 +1,177 @@
+//! Promise: a branch of hybrid orbits ends in one G where it grazes, neither a fold nor a period doubling
+//! comes with it, and the branch of orbits with the event begins there.
+
+use crate::common::close;
+use crate::systems::dry_impact::{self, DryImpact};
+use crate::systems::impact_oscillator::{ClosedForm, resonance};
+use crate::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
+use tangency::core::continuation::{Branch, Continuation, End, Kind, Point};
+
+/// The branch without impacts to its grazing, with the label of that.
+fn to_grazing(start: &mut Start, grazing: f64) -> (Branch, usize) {
+    let branch = start.along("amplitude", [0.1 * grazing, 2.0 * grazing]).trace().unwrap();
+    let label = branch.of_kind(Kind::G).next().unwrap().label;
+    (branch, label)
+}
+
+/// The branch ends by grazing in a monitor.
+#[track_caller]
+fn grazes(end: &End, monitor: &str) {
+    assert!(matches!(end, End::Grazing { name } if name == monitor), "{end}");
+}
+
+/// Special points but for ends are those expected, kind by kind, as near as closed forms promise.
+#[track_caller]
+fn are(branch: &Branch, expected: &[(Kind, f64)]) {
+    let found = found(branch);
+    let kinds = |points: &[(Kind, f64)]| points.iter().map(|(kind, _)| *kind).collect::<Vec<_>>();
+    assert_eq!(kinds(&found), kinds(expected), "{}: {found:?}", branch.name);
+    found.iter().zip(expected).for_each(|(found, expected)| close(found.1, expected.1, DIGITS));
+}
+
+/// The value of a column at a point.
+fn value(branch: &Branch, point: &Point, name: &str) -> f64 {
+    point.value(branch.column(name).unwrap()).unwrap()
+}
+
+/// Without impacts up to G, at `A = D d` to the digits, and with impacts from there on: through the fold or
+/// the period doubling that closed forms know, and nothing else.
+#[test]
+fn branches_meet_in_one_grazing() {
+    for frequency in [1.0, 1.2, 2.2] {
+        let form = ClosedForm::usual(frequency);
+        let grazing = form.grazing();
+        let expected = match form.fold() > 0.0 {
+            true => (Kind::LP, form.fold_amplitude(), form.fold()),
+            false => (Kind::PD, form.amplitude(form.doubling()), form.doubling()),
+        };
+        for mut start in nonimpacting(&form, 0.5) {
+            let (branch, label) = to_grazing(&mut start, grazing);
+            are(&branch, &[(Kind::G, grazing)]);
+            grazes(&branch.ends[1], "distance");
+            assert!(
+                branch.points.iter().all(|point| point.admissible && point.unstable == Some(0))
+            );
+            let impacting = Continuation::of(start.system.as_mut())
+                .restart(&branch, label)
+                .switch()
+                .along("amplitude", 0.1 * grazing..=2.0 * grazing)
+                .trace()
+                .unwrap();
+            are(&impacting, &[(expected.0, expected.1)]);
+            let special = impacting.of_kind(expected.0).next().unwrap();
+            let speed = special.value(impacting.column("approach").unwrap()).unwrap();
+            close(speed, expected.2, DIGITS);
+            let from_grazing =
+                impacting.ends.iter().filter(|end| matches!(end, End::Grazing { .. }));
+            assert_eq!(from_grazing.count(), 1, "{:?}", impacting.ends);
+            on_the_family(&impacting, &form);
+        }
+    }
+}
+
+/// Every point of a branch is on the family `A(u)`, with the stability of its multipliers.
+fn on_the_family(branch: &Branch, form: &ClosedForm) {
+    for point in &branch.points {
+        let u = value(branch, point, "approach");
+        close(value(branch, point, "amplitude"), form.amplitude(u), DIGITS);
+        assert!(point.admissible || u < DIGITS);
+        let (trace, determinant) = (form.trace(u), form.determinant());
+        let far = (1.0 + determinant - trace.abs()).abs() > 1e-6;
+        if u > 1e-6 && far {
+            let unstable = usize::from(trace.abs() > 1.0 + determinant);
+            assert_eq!(point.unstable, Some(unstable), "u = {u}, {trace}");
+        }
+    }
+}
+
+/// Beyond G, orbits pass through the stop: they are followed on request, and marked.
+#[test]
+fn branches_go_on_as_virtual() {
+    let form = ClosedForm::usual(2.2);
+    let grazing = form.grazing();
+    let range = [0.4 * grazing, 2.0 * grazing];
+    for mut start in nonimpacting(&form, 0.5) {
+        let branch = start.along("amplitude", range).beyond_grazings().trace().unwrap();
+        are(&branch, &[(Kind::G, grazing)]);
+        for point in &branch.points {
+            let beyond = value(&branch, point, "amplitude") > grazing * (1.0 + 1e-8);
+            assert_eq!(point.admissible, !beyond);
+        }
+        assert!(branch.points.iter().any(|point| !point.admissible));
+    }
+    // With an impact of negative speed through the fold that is none of the world's.
+    for mut start in impacting(&form, 1.3) {
+        let branch = start.along("amplitude", range).beyond_grazings().trace().unwrap();
+        let near = |(_, a): &&(Kind, f64)| (a - grazing).abs() < 1e-3;
+        let there: Vec<_> = found(&branch).iter().filter(near).map(|(kind, _)| *kind).collect();
+        assert_eq!(there, [Kind::G], "{}: {:?}", branch.name, found(&branch));
+        assert!(found(&branch).iter().any(|(kind, _)| *kind == Kind::LP));
+        on_the_family(&branch, &form);
+    }
+}
+
+/// Grazing orbits without impacts in two parameters: `A = D(ω) d`. Their multipliers are those of free
+/// motion, of modulus less than 1, so that nothing else happens on the curve.
+#[test]
+fn grazing_curves_are_exact() {
+    let form = ClosedForm::usual(1.2);
+    for mut start in nonimpacting(&form, 0.5) {
+        let (branch, label) = to_grazing(&mut start, form.grazing());
+        let curve = Continuation::of(start.system.as_mut())
+            .restart(&branch, label)
+            .hold(Kind::G)
+            .along("amplitude", 0.0..=10.0)
+            .along("frequency", 0.45..=2.5)
+            .trace()
+            .unwrap();
+        for point in &curve.points {
+            let frequency = value(&curve, point, "frequency");
+            let expected = ClosedForm::usual(frequency).grazing();
+            close(value(&curve, point, "amplitude"), expected, DIGITS);
+        }
+        assert_eq!(found(&curve), [], "{}", curve.name);
+    }
+}
+
+/// On the same curve as one of orbits with an impact of no speed the resonant points are those where families
+/// are born upright: there every multiplier solves the equations, and one fold is reported.
+#[test]
+fn resonant_grazings_are_found() {
+    let form = ClosedForm::usual(1.2);
+    for mut start in nonimpacting(&form, 0.5) {
+        let (branch, label) = to_grazing(&mut start, form.grazing());
+        let curve = Continuation::of(start.system.as_mut())
+            .restart(&branch, label)
+            .switch()
+            .hold(Kind::G)
+            .along("amplitude", 0.0..=10.0)
+            .along("frequency", 0.45..=2.5)
+            .trace()
+            .unwrap();
+        let frequency = curve.column("frequency").unwrap();
+        let points = curve.of_kind(Kind::LP).map(|point| point.value(frequency).unwrap());
+        let mut found: Vec<f64> = points.collect();
+        found.sort_by(|a, b| b.total_cmp(a));
+        assert_eq!(found.len(), 4, "{}: {found:?}", curve.name);
+        for (n, found) in found.iter().enumerate() {
+            close(*found, resonance(n + 1, form.damping), DIGITS);
+        }
+        for kind in [Kind::PD, Kind::G] {
+            assert_eq!(curve.of_kind(kind).count(), 0, "{} {kind}", curve.name);
+        }
+    }
+}
+
+/// The mass that rests, is hit, moves up and down: the branch ends where the spring would move it before it
+/// is hit.
+#[test]
+fn dry_impacts_end_in_sliding() {
+    let form = dry_impact::ClosedForm::new(DryImpact::DEFAULTS);
+    let [sliding] = form.switching_sliding()[..] else { panic!("one place") };
+    for mut start in resting(5.2) {
+        let branch = start.along("stiffness", [5.2, 7.0]).trace().unwrap();
+        are(&branch, &[(Kind::G, sliding)]);
+        grazes(&branch.ends[1], "distance");
+    }
+}

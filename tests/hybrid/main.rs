@@ -1,0 +1,13 @@
+//! Promises of systems with impacts, and of their orbits.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod failures;
+mod grazing;
+mod mita_laws;
+mod orbits;
+mod references;
+mod simulation;
+mod systems;
+mod watched;

@@ -1,0 +1,349 @@
+//! Promise: collocation converges with the orders of theory, its meshes follow the solution, and a mesh that
+//! is too coarse says so.
+
+use crate::boundary::{FOLD, Glued, VanDerPol, collocated, strings};
+use crate::common::{close, ellipse, solved};
+use std::time::Instant;
+use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method};
+use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Border, Slot, System};
+use tangency::problems::classic::Bratu;
+
+type Collocated<P> = BoundarySystem<P, Collocation>;
+
+/// The exact lower solution of Bratu's problem: `u = 2 ln(cosh(θ/4) / cosh((t − ½)θ/2))` with `θ = √(2λ)
+/// cosh(θ/4)`.
+fn bratu(lambda: f64, t: f64) -> f64 {
+    let mut theta = 0.0;
+    for _ in 0..200 {
+        theta = (2.0 * lambda).sqrt() * (theta / 4.0_f64).cosh();
+    }
+    2.0 * ((theta / 4.0).cosh() / (0.5 * (t - 0.5) * theta).cosh()).ln()
+}
+
+/// The largest errors of the first state at breakpoints, at nodes, and anywhere.
+fn errors<P: BoundaryProblem>(
+    system: &mut Collocated<P>,
+    x: &[f64],
+    exact: impl Fn(f64) -> f64,
+) -> [f64; 3] {
+    let mesh = system.meshes()[0].points().to_vec();
+    let m = (system.sampled(&[], |_, _, _| {}).len() / 2 - 1) / (mesh.len() - 1);
+    let places = Collocation::new(m).unwrap().places().to_vec();
+    let mut largest = [0.0_f64; 3];
+    for pair in mesh.windows(2) {
+        for k in 0..=20 {
+            let spread = (0..=20).contains(&k).then_some(k as f64 / 20.0);
+            let node = places.get(k).copied();
+            for (place, is_node) in
+                spread.map(|s| (s, false)).into_iter().chain(node.map(|s| (s, true)))
+            {
+                let t = pair[0] + (pair[1] - pair[0]) * place;
+                let error = (system.states(x, 0, t).unwrap()[0] - exact(t)).abs();
+                largest[2] = largest[2].max(error);
+                if is_node {
+                    largest[1] = largest[1].max(error);
+                }
+                if place == 0.0 {
+                    largest[0] = largest[0].max(error);
+                }
+            }
+        }
+    }
+    largest
+}
+
+/// Orders `2m` at breakpoints, `m + 2` at nodes and `m + 1` in between, within 10 %; the estimate is that
+/// of the last, and not below it.
+#[test]
+fn superconvergence() {
+    for (m, intervals) in [(2, 16), (3, 12), (4, 6), (5, 3)] {
+        let measured = [intervals, 2 * intervals].map(|intervals| {
+            let mut system = collocated(Bratu, m, intervals);
+            let z = system.sampled(&[], |_, _, _| {});
+            let x = solved(&mut system, &z, &[2.0]).unwrap();
+            let estimate = system.error_estimate(&x);
+            let size = bratu(2.0, 0.5);
+            let errors = errors(&mut system, &x, |t| bratu(2.0, t));
+            assert!(estimate > errors[2] / size, "{estimate:e} {:e}", errors[2] / size);
+            assert!(estimate < 100.0 * errors[2] / size);
+            errors
+        });
+        let order = |k: usize| (measured[0][k] / measured[1][k]).log2();
+        for (k, expected) in [(0, 2 * m), (1, m + 2), (2, m + 1)] {
+            let expected = expected as f64;
+            assert!((order(k) - expected).abs() < 0.1 * expected, "{m} {k}: {}", order(k));
+        }
+    }
+}
+
+/// `u'' = 6t`, `u(0) = 0`, `u(1) = 1`: a cubic, for which three points are exact on a single interval.
+#[derive(Clone)]
+struct Cubic;
+
+impl BoundaryProblem for Cubic {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn field<T: Scalar>(&self, _s: usize, t: T, x: &[T], _q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = t * 6.0;
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0] - 1.0;
+    }
+}
+
+#[test]
+fn polynomials_are_exact() {
+    for (m, mesh) in [(3, vec![0.0, 1.0]), (4, vec![0.0, 0.1, 0.7, 1.0])] {
+        let mesh = Mesh::new(mesh).unwrap();
+        let mut system =
+            BoundarySystem::new(Cubic, Collocation::new(m).unwrap(), vec![mesh]).unwrap();
+        let z = system.sampled(&[], |_, _, _| {});
+        let x = solved(&mut system, &z, &[]).unwrap();
+        assert!(errors(&mut system, &x, |t| t.powi(3))[2] < 4e-15);
+    }
+}
+
+/// `ε u'' + u' = 0`, `u(0) = 0`, `u(1) = 1`: a layer of width `ε` at the left end.
+#[derive(Clone)]
+struct Layer;
+
+impl BoundaryProblem for Layer {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["epsilon"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1] / q[0];
+        f[1] = -x[1] / q[0];
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0] - 1.0;
+    }
+}
+
+/// A uniform mesh misses the layer and says so; an adapted one of as many intervals resolves it.
+#[test]
+fn adaptation_resolves_a_layer() {
+    let epsilon = 1e-3;
+    let exact = |t: f64| (-t / epsilon).exp_m1() / (-1.0 / epsilon).exp_m1();
+    let mut system = collocated(Layer, 4, 20);
+    let z = system.sampled(&[], |_, tau, x| x[0] = tau);
+    let mut x = solved(&mut system, &z, &[epsilon]).unwrap();
+    let n = x.len() - 1;
+    let coarse = errors(&mut system, &x, exact)[2];
+    let estimate = system.error_estimate(&x);
+    assert!(coarse > 0.1 && estimate > 0.1);
+    for _ in 0..8 {
+        system.adapt(&mut x, &mut []).unwrap();
+        x = solved(&mut system, &x[..n], &[epsilon]).unwrap();
+    }
+    let (fine, estimate) = (errors(&mut system, &x, exact)[2], system.error_estimate(&x));
+    assert!(fine < 1e-5 && estimate < 1e-4 && estimate > 0.5 * fine, "{fine:e} {estimate:e}");
+    assert_eq!(system.meshes()[0].intervals(), 20);
+}
+
+/// The estimate chooses the number of intervals.
+#[test]
+fn a_tolerance_chooses_the_mesh() {
+    for tolerance in [1e-4, 1e-7, 1e-10] {
+        let epsilon = 0.05;
+        let exact = |t: f64| (-t / epsilon).exp_m1() / (-1.0 / epsilon).exp_m1();
+        let mut system = collocated(Layer, 4, 10);
+        let z = system.sampled(&[], |_, tau, x| x[0] = tau);
+        let mut x = solved(&mut system, &z, &[epsilon]).unwrap();
+        for _ in 0..3 {
+            (system, x) = system.with_error(&x, tolerance).unwrap();
+            let n = x.len() - 1;
+            x = solved(&mut system, &x[..n], &[epsilon]).unwrap();
+        }
+        let (error, estimate) = (errors(&mut system, &x, exact)[2], system.error_estimate(&x));
+        assert!(error < tolerance && estimate < 1.2 * tolerance && estimate > 0.05 * tolerance);
+    }
+    let mut system = collocated(Layer, 2, 10);
+    let z = system.sampled(&[], |_, tau, x| x[0] = tau);
+    let x = solved(&mut system, &z, &[0.05]).unwrap();
+    let refused = system.with_error(&x, 1e-14).err().unwrap().to_string();
+    assert!(refused.contains("intervals on segment 0, but 4096 are the most"), "{refused}");
+}
+
+/// Directions and the phase reference are carried over with the solution: a tangent remains one.
+#[test]
+fn adaptation_carries_directions() {
+    let mut system = collocated(VanDerPol, 7, 40);
+    let z = system.sampled(&[6.5], ellipse(2.0, -2.0));
+    let mut x = solved(&mut system, &z, &[1.0]).unwrap();
+    system.set_reference(&x).unwrap();
+    let n = x.len() - 1;
+    let tangent = |system: &mut Collocated<VanDerPol>, x: &[f64]| {
+        let mut unit = vec![0.0; n + 1];
+        unit[n] = 1.0;
+        let mut t = vec![0.0; n];
+        system.derivative(x, &unit, &mut t);
+        system.assemble(x).unwrap();
+        system.factor(Slot::Curve, Border::NONE).unwrap();
+        system.solve(Slot::Curve, &mut t);
+        t.push(-1.0);
+        t
+    };
+    let mut carried = tangent(&mut system, &x);
+    system.adapt(&mut x, &mut [&mut carried[..]]).unwrap();
+    x = solved(&mut system, &x[..n], &[1.0]).unwrap();
+    let fresh = tangent(&mut system, &x);
+    let size = fresh.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+    for (carried, fresh) in carried.iter().zip(&fresh) {
+        close(*carried, *fresh, 1e-7 * size);
+    }
+}
+
+/// Far too few intervals: the monitor says so, and the fold's error covers the truth.
+#[test]
+fn a_coarse_mesh_says_so() {
+    let mut system = collocated(Bratu, 2, 2);
+    let trace = |system: &mut Collocated<Bratu>, accuracy: f64| {
+        Continuation::of(system)
+            .settings(Settings { accuracy, ..Settings::default() })
+            .at("lambda", 0.5)
+            .along("lambda", 0.0..=10.0)
+            .bound("max_u", 0.0..=5.0)
+            .trace()
+            .unwrap()
+    };
+    let branch = trace(&mut system, 0.0);
+    let fold = branch.of_kind(Kind::LP).next().unwrap();
+    let rough = (fold.parameters[0] - FOLD).abs();
+    assert!(rough > 1e-3 && fold.monitors[1] > 1e-2);
+    for accuracy in [0.1, 1e-3, 1e-6, 1e-9] {
+        let branch = trace(&mut system, accuracy);
+        let fold = branch.of_kind(Kind::LP).next().unwrap();
+        assert!(fold.converged && (fold.parameters[0] - FOLD).abs() <= fold.error);
+    }
+    // The branch can be bounded where the mesh no longer resolves it.
+    let branch = Continuation::of(&mut system)
+        .settings(Settings { accuracy: 0.0, ..Settings::default() })
+        .at("lambda", 0.5)
+        .along("lambda", 0.0..=10.0)
+        .bound("mesh_error", 0.0..=0.05)
+        .trace()
+        .unwrap();
+    let end = branch.special.last().unwrap();
+    close(end.monitors[1], 0.05, 1e-9);
+}
+
+/// A state that leaves the domain is named with segment and time.
+#[derive(Clone)]
+struct Forbidden;
+
+impl BoundaryProblem for Forbidden {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["p"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = (x[0] - q[0]).sqrt();
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - 1.0;
+    }
+}
+
+#[test]
+fn refusals_name_segment_state_and_time() {
+    let mut system = collocated(Forbidden, 2, 4);
+    let mut x = system.sampled(&[], |_, tau, x| x[0] = 1.0 - tau);
+    x.push(0.6);
+    let mut r = vec![0.0; x.len() - 1];
+    let refused = system.residual(&x, &mut r).unwrap_err().to_string();
+    assert!(refused.contains("the equation of u at t = 2.5"), "{refused}");
+    assert!(refused.contains("on segment 0"), "{refused}");
+    assert_eq!(system.assemble(&x).unwrap_err().to_string(), refused);
+}
+
+/// After a warm-up nothing that a step of the continuation asks for allocates.
+#[test]
+fn steps_allocate_nothing() {
+    let mut system = collocated(Glued, 4, 10);
+    let guess = |s: usize, tau: f64, x: &mut [f64]| match s {
+        0 => x[0] = 1.0 + tau * tau,
+        _ => x.copy_from_slice(&[2.0 - 3.0 * tau, (4.0 * tau + 1.0).sin()]),
+    };
+    let mut x = system.sampled(&[0.8, 1.0], guess);
+    let n = x.len();
+    x.extend([1.2, 0.3, 1.5]);
+    let mut unit = vec![0.0; n + 3];
+    unit[n] = 1.0;
+    let (mut r, mut column, mut long) = (vec![0.0; n], vec![0.0; n], vec![0.0; n + 3]);
+    let mut monitors = vec![0.0; 4];
+    let rows = vec![1.0; n];
+    let mut step = |shift: f64| {
+        x[n] = 1.2 + shift;
+        system.residual(&x, &mut r).unwrap();
+        system.derivative(&x, &unit, &mut column);
+        system.assemble(&x).unwrap();
+        let border = Border { width: 1, columns: &column, rows: &rows, corner: &[0.3] };
+        for slot in [Slot::Curve, Slot::Condition] {
+            system.factor(slot, border).unwrap();
+            system.solve(slot, &mut long[..n + 1]);
+            system.solve_transposed(slot, &mut long[..n + 1]);
+        }
+        system.second_derivative(&x, &unit, &unit, &mut r);
+        system.third_derivative(&x, &unit, &unit, &unit, &mut r);
+        system.gradient(&x, &rows, &unit, &[0], &mut long);
+        system.second_gradient(&x, &rows, &unit, &[0], &mut long);
+        system.monitors(&x, &mut monitors).unwrap();
+        (0..4).for_each(|k| system.monitor_gradient(k, &x, &[0], &mut long));
+        system.reduced_pencil().unwrap();
+    };
+    step(0.0);
+    let counted = allocation_counter::measure(|| step(0.01));
+    assert_eq!(counted.count_total, 0);
+}
+
+/// Eight times the intervals cost about eight times as much.
+#[test]
+fn cost_is_linear_in_the_intervals() {
+    let seconds = [100, 800].map(|intervals| {
+        let mut system = collocated(Bratu, 4, intervals);
+        let mut x = system.sampled(&[], |_, tau, x| x[0] = tau * (1.0 - tau));
+        let n = x.len();
+        x.push(1.0);
+        let mut right = vec![1.0; n];
+        let mut run = |shift: f64| {
+            x[n] = 1.0 + shift;
+            system.assemble(&x).unwrap();
+            system.factor(Slot::Curve, Border::NONE).unwrap();
+            right.fill(1.0);
+            system.solve(Slot::Curve, &mut right);
+        };
+        run(0.0);
+        // The fastest of several runs: the machine does other things as well.
+        let time = |k: i32| {
+            let start = Instant::now();
+            run(f64::from(k) * 1e-6);
+            start.elapsed().as_secs_f64()
+        };
+        (1..30).map(time).fold(f64::INFINITY, f64::min)
+    });
+    assert!(seconds[1] < 16.0 * seconds[0], "{seconds:?}");
+}

@@ -1,0 +1,271 @@
+//! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and keeps what
+//! there is.
+
+use crate::common::{close, ellipse, first, solved};
+use crate::cycles::{Saddle, collocated, equilibria, label, shot};
+use std::f64::consts::TAU;
+use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
+use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
+use tangency::core::field::VectorField;
+use tangency::core::flow::Scheme;
+use tangency::core::orbit::{Simulation, by_collocation, by_shooting};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{LeftDomain, Names, System};
+use tangency::problems::classic::Lure;
+use tangency::problems::mita::Block;
+
+/// The saddle's solution from a perturbed one, its largest error on the way, and its multipliers.
+macro_rules! saddle {
+    ($system:expr, $rate:expr) => {{
+        let mut system = $system;
+        let p = [1.0, $rate];
+        let z = system.sampled(&[], |_, tau, x| {
+            let (sine, cosine) = (TAU * tau).sin_cos();
+            (x[0], x[1]) = (1.1 * cosine + 0.05, 0.9 * sine - 0.02);
+        });
+        solved(&mut system, &z, &p).map(|x| {
+            let mut worst = 0.0_f64;
+            for k in 0..=40 {
+                let tau = k as f64 / 40.0;
+                let found = system.states(&x, 0, tau).unwrap();
+                let (sine, cosine) = (TAU * tau).sin_cos();
+                worst = worst.max((found[0] - cosine).abs()).max((found[1] - sine).abs());
+            }
+            system.assemble(&x).unwrap();
+            (worst, system.multipliers().unwrap())
+        })
+    }};
+}
+
+/// The multipliers of the saddle are `exp(±2πλ)`.
+#[test]
+fn strongly_unstable_orbits() {
+    for (rate, tolerance) in [(2.2, 1e-9), (3.5, 1e-9), (6.0, 1e-9)] {
+        let exact = (TAU * rate).exp();
+        for (name, outcome) in [
+            ("collocation", saddle!(collocated(Saddle, 60), rate)),
+            ("multiple shooting", saddle!(shot(Saddle, 12), rate)),
+        ] {
+            let (error, mu) = outcome.unwrap();
+            assert!(error < tolerance, "{name}, rate {rate}: {error:.1e}");
+            close(mu[0].0 / exact, 1.0, 1e-6);
+            close(mu[1].0 * exact, 1.0, 1e-6);
+        }
+    }
+    // One segment multiplies rounding by the multiplier.
+    for (rate, least) in [(3.5, 1e-9), (6.0, 1e-3)] {
+        match saddle!(shot(Saddle, 1), rate) {
+            Ok((error, _)) => {
+                assert!(error > least && error < 1e-15 * (TAU * rate).exp() * 1e3)
+            }
+            Err(cause) => assert!(!cause.to_string().is_empty()),
+        }
+    }
+}
+
+/// Where one segment loses digits, special points say so by their error.
+#[test]
+fn lost_digits_are_in_the_error() {
+    for rate in [3.5, 4.5, 6.0] {
+        let mut system = shot(Saddle, 1);
+        let z = system.sampled(&[], ellipse(1.0, 1.0));
+        let outcome = Continuation::of(&mut system)
+            .from(&z)
+            .at("amplitude", 1.0)
+            .at("rate", rate)
+            .along("amplitude", 0.5..=2.0)
+            .mark("max_x", 1.5)
+            .trace();
+        match outcome {
+            Err(cause) => assert!(rate == 6.0 && cause.to_string().contains("singular"), "{cause}"),
+            Ok(branch) => {
+                for point in branch.of_kind(Kind::UZ) {
+                    let error = (point.parameters[0] - 1.5).abs();
+                    assert!(error <= point.error);
+                }
+            }
+        }
+    }
+}
+
+/// Van der Pol's relaxation oscillation: `x' = y`, `y' = μ(1 − x²)y − x`.
+#[derive(Clone, Copy)]
+struct VanDerPol;
+
+impl VectorField for VanDerPol {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["mu"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = p[0] * (T::one() - x[0] * x[0]) * x[1] - x[0];
+    }
+}
+
+fn relaxation(intervals: usize) -> Branch {
+    let mut system = collocated(VanDerPol, intervals);
+    let z = system.simulated(&Simulation::default(), &[1.0, 0.0], &[1.0]).unwrap();
+    Continuation::of(&mut system)
+        .from(&z)
+        .at("mu", 1.0)
+        .along("mu", 1.0..=5.0)
+        .settings(Settings { max_step: 0.2, max_points: 200, ..Settings::default() })
+        .trace()
+        .unwrap()
+}
+
+/// A mesh too coarse for the orbit: the monitor `mesh_error` and the error of special points say so.
+#[test]
+fn a_coarse_mesh_is_not_trusted() {
+    let branch = relaxation(5);
+    let fine = relaxation(60);
+    let column = branch.monitors.iter().position(|name| name == "mesh_error").unwrap();
+    let (coarse, fine) = (branch.points.last().unwrap(), fine.points.last().unwrap());
+    assert_eq!(fine.parameters[0], 5.0);
+    close(fine.monitors[0], 11.612230667, 1e-6);
+    assert!(fine.monitors[column] < 1e-9, "{fine:?}");
+    assert!(coarse.monitors[column] > 0.1, "{coarse:?}");
+    assert!(matches!(branch.ends[1], End::StepTooSmall { .. }) || coarse.parameters[0] == 5.0);
+}
+
+/// `ε x' = −(x − cos t) − ε sin t`, `y' = −y`, with the periodic solution `x = cos t`.
+#[derive(Clone, Copy)]
+struct Stiff;
+
+impl VectorField for Stiff {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["amplitude", "rate"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let (sine, cosine) = t.sin_cos();
+        f[0] = -p[1] * (x[0] - p[0] * cosine) - p[0] * sine;
+        f[1] = -x[1];
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(TAU))
+    }
+}
+
+#[test]
+fn stiff_fields() {
+    let trace = |system: &mut dyn System, z: &[f64]| {
+        Continuation::of(system)
+            .from(z)
+            .at("amplitude", 1.0)
+            .at("rate", 1e5)
+            .along("amplitude", 0.5..=2.0)
+            .mark("max_x", 1.5)
+            .settings(Settings { accuracy: 0.0, ..Settings::default() })
+            .trace()
+    };
+    // The explicit pair refuses by name.
+    let mut explicit = shot(Stiff, 1);
+    let z = explicit.sampled(&[], ellipse(1.0, 0.0));
+    let refused = trace(&mut explicit, &z).unwrap_err().to_string();
+    assert!(refused.contains("stiff") && refused.contains("implicit"), "{refused}");
+    let rodas = Shooting::new(Scheme::Rodas5P, 1e-10).unwrap();
+    let (mut collocation, mut implicit) =
+        (collocated(Stiff, 30), by_shooting(Stiff, 1, rodas).unwrap());
+    let starts =
+        [collocation.sampled(&[], ellipse(1.0, 0.0)), implicit.sampled(&[], ellipse(1.0, 0.0))];
+    let systems = [&mut collocation as &mut dyn System, &mut implicit];
+    for (system, z) in systems.into_iter().zip(starts) {
+        let branch = trace(system, &z).unwrap();
+        close(first(&branch, Kind::UZ).parameters[0], 1.5, 1e-6);
+        assert!(branch.points.iter().all(|point| point.unstable == Some(0)));
+    }
+}
+
+/// `x' = −x + A (cos t − sin t)`, whose periodic solution is `A cos t`, in a box that ends at 1.2.
+#[derive(Clone, Copy)]
+struct Walled;
+
+impl VectorField for Walled {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["amplitude"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let (sine, cosine) = t.sin_cos();
+        f[0] = p[0] * (cosine - sine) - x[0];
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(TAU))
+    }
+    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+        if x[0] <= 1.2 {
+            return Ok(());
+        }
+        Err(LeftDomain::new("x", x[0], "the box ends at 1.2"))
+    }
+}
+
+#[test]
+fn a_field_that_leaves_its_domain() {
+    for system in [&mut collocated(Walled, 20) as &mut dyn System, &mut shot(Walled, 2)] {
+        let branch = Continuation::of(system)
+            .along("amplitude", 0.0..=2.0)
+            .mark("max_x", 1.0)
+            .trace()
+            .unwrap();
+        let End::StepTooSmall { cause, .. } = &branch.ends[1] else { panic!("{:?}", branch.ends) };
+        assert!(cause.contains("x at t =") && cause.contains("the box ends at 1.2"), "{cause}");
+        close(first(&branch, Kind::UZ).parameters[0], 1.0, 1e-10);
+        let last = branch.points.last().unwrap();
+        // The nodes of a mesh need not see the very top of the orbit.
+        assert!((1.19..1.21).contains(&last.parameters[0]), "{last:?}");
+        assert_eq!(branch.special.last().unwrap().kind, Kind::MX);
+    }
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let method = Collocation::new(4).unwrap();
+    let none = by_collocation(Lure, 0, method).err().unwrap();
+    assert_eq!(none, BoundaryError::NoIntervals { segment: 0 });
+    assert!(by_shooting(Lure, 0, Shooting::default()).is_err());
+    let mut system = collocated(Lure, 10);
+    let outcome = Continuation::of(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();
+    assert!(matches!(outcome, Err(TraceError::StateLength { found: 3, .. })));
+    let outcome = Continuation::of(&mut system).along("alhpa", 0.0..=1.0).trace();
+    assert!(outcome.unwrap_err().to_string().contains("did you mean `alpha`"));
+
+    // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point of a
+    // forced one.
+    let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
+    let restart = |system: &mut dyn System, branch: &Branch, kind: Kind| {
+        let outcome = Continuation::of(system)
+            .restart(branch, label(branch, kind))
+            .along("alpha", 0.4..=1.6)
+            .settings(Settings { max_points: 3, ..Settings::default() })
+            .trace();
+        outcome.map(|_| ()).unwrap_err().to_string()
+    };
+    let text = restart(&mut collocated(Lure, 10), &rest, Kind::EP);
+    assert!(text.contains("is not on the imaginary axis") && text.contains("HB"), "{text}");
+    let orbits = Continuation::of(&mut system)
+        .restart(&rest, label(&rest, Kind::HB))
+        .along("alpha", 0.4..=1.6)
+        .settings(Settings { max_points: 100, ..Settings::default() })
+        .trace()
+        .unwrap();
+    let start = |system: &mut dyn System, parameter: &str| {
+        let branch = Branch { parameters: Vec::new(), ..orbits.clone() };
+        let outcome =
+            Continuation::of(system).restart(&branch, 1).along(parameter, -1.0..=1.0).trace();
+        outcome.map(|_| ()).unwrap_err().to_string()
+    };
+    let text = start(&mut collocated(VanDerPol, 10), "mu");
+    assert!(text.contains("another problem"), "{text}");
+    let text = start(&mut collocated(Block, 10), "voltage");
+    assert!(text.contains("another problem"), "{text}");
+    // A period doubling found by collocation is not switched at by shooting.
+    let text = Continuation::of(&mut shot(Lure, 2))
+        .restart(&orbits, label(&orbits, Kind::PD))
+        .switch()
+        .along("alpha", 0.4..=1.6)
+        .trace()
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("another method"), "{text}");
+}

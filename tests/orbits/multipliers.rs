@@ -1,0 +1,99 @@
+//! Promise: multipliers do not depend on the method, nor on the number of its segments, and telling them
+//! apart is never needed.
+
+use crate::common::{close, ellipse, solved};
+use crate::cycles::{Saddle, collocated, label, precisely_shot, shot};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
+use tangency::core::zero::System;
+use tangency::problems::classic::Lure;
+
+/// Orbits of period one at some values of α.
+fn orbits(alphas: &[f64]) -> Branch {
+    let rest = crate::cycles::equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
+    let mut system = precisely_shot(Lure, 1);
+    let marks = Continuation::of(&mut system).restart(&rest, label(&rest, Kind::HB));
+    let marks = alphas.iter().fold(marks, |c, alpha| c.mark("alpha", *alpha));
+    marks
+        .along("alpha", 0.65..=1.5)
+        .settings(Settings { max_step: 0.05, ..Settings::default() })
+        .trace()
+        .unwrap()
+}
+
+#[test]
+fn multipliers_of_lure() {
+    let alphas = [0.9, 0.78, 0.77, 0.765, 0.76, 0.755, 0.75, 0.74, 0.7];
+    let branch = orbits(&alphas);
+    let found: Vec<_> = branch.of_kind(Kind::UZ).collect();
+    assert_eq!(found.len(), alphas.len());
+    let mut complex = 0;
+    for special in found {
+        let mut all = Vec::new();
+        for segments in [1, 3, 5, 20] {
+            let mut system = precisely_shot(Lure, segments);
+            // Sampled by carrying the saved orbit over.
+            let _ = restarted(&mut system, &branch, special.label);
+            all.push(multipliers_at(&mut system, &branch, special.label));
+        }
+        let mut system = collocated(Lure, 60);
+        let _ = restarted(&mut system, &branch, special.label);
+        let x = restarted(&mut system, &branch, special.label);
+        system.assemble(&x).unwrap();
+        all.push(system.multipliers().unwrap());
+        for other in &all {
+            assert_eq!(other.len(), 3);
+            for (a, b) in other.iter().zip(&all[0]) {
+                close(a.0, b.0, 1e-8);
+                close(a.1, b.1, 1e-8);
+            }
+        }
+        complex += usize::from(all[0].iter().any(|mu| mu.1 != 0.0));
+        if special.parameters[0] == 0.9 {
+            for (found, expected) in all[0].iter().zip([1.0, 0.636333, 0.005388]) {
+                close(found.0, expected, 5e-7);
+            }
+        }
+    }
+    assert!((1..alphas.len()).contains(&complex));
+}
+
+fn restarted(system: &mut dyn System, branch: &Branch, label: usize) -> Vec<f64> {
+    let alpha = branch.labelled(label).unwrap().parameters[0];
+    let again = Continuation::of(system)
+        .restart(branch, label)
+        .along("alpha", alpha..=alpha + 1e-3)
+        .settings(Settings { max_points: 1, ..Settings::default() })
+        .forward()
+        .trace()
+        .unwrap();
+    let start = &again.special[0];
+    solved(system, &start.state, &start.parameters).unwrap()
+}
+
+fn multipliers_at(
+    system: &mut crate::cycles::ByShooting<Lure>,
+    branch: &Branch,
+    label: usize,
+) -> Vec<(f64, f64)> {
+    let x = restarted(system, branch, label);
+    system.assemble(&x).unwrap();
+    system.multipliers().unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// The forced saddle has the multipliers exp(±2πλ), over any number of segments that is enough.
+    #[test]
+    fn multipliers_of_a_saddle(rate in 0.05..4.0_f64, amplitude in -2.0..2.0_f64, more in 0..6_usize) {
+        let mut system = shot(Saddle, 1 + more + (2.0 * rate) as usize);
+        let z = system.sampled(&[], ellipse(amplitude, amplitude));
+        system.assemble(&[&z[..], &[amplitude, rate]].concat()).unwrap();
+        let mu = system.multipliers().unwrap();
+        close(mu[0].0 / (TAU * rate).exp(), 1.0, 1e-9);
+        close(mu[1].0 * (TAU * rate).exp(), 1.0, 1e-9);
+        prop_assert_eq!((mu[0].1, mu[1].1), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,236 @@
+//! Promise: periodic orbits, their bifurcations and multipliers, by collocation and by shooting, agree with
+//! published values and with each other.
+
+use crate::common::{close, first};
+use crate::cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
+use std::f64::consts::TAU;
+use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
+use tangency::core::zero::System;
+use tangency::problems::classic::{Isothermal, Lure};
+use tangency::problems::mita::Block;
+
+fn lure_at_rest() -> Branch {
+    equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5])
+}
+
+fn settings() -> Settings {
+    Settings { max_step: 0.05, ..Settings::default() }
+}
+
+fn lure_orbits(system: &mut dyn System) -> Branch {
+    let rest = lure_at_rest();
+    Continuation::of(system)
+        .restart(&rest, label(&rest, Kind::HB))
+        .along("alpha", 0.5..=1.5)
+        .settings(settings())
+        .trace()
+        .unwrap()
+}
+
+/// Every regular point on this side of a value of the first parameter has this many unstable multipliers.
+#[track_caller]
+fn stable_between(branch: &Branch, low: f64, high: f64, unstable: usize) {
+    let inside = |p: &&tangency::core::continuation::Point| (low..high).contains(&p.parameters[0]);
+    let points: Vec<_> = branch.points.iter().filter(inside).collect();
+    assert!(points.len() >= 2);
+    // The first point may be the equilibrium itself.
+    for point in &points[1..] {
+        assert_eq!(point.unstable, Some(unstable), "at {}", point.parameters[0]);
+    }
+}
+
+#[test]
+fn lure_by_both_methods() {
+    let rest = lure_at_rest();
+    close(first(&rest, Kind::HB).parameters[0], 1.0, 1e-12);
+    let (mut collocation, mut shooting) = (collocated(Lure, 20), shot(Lure, 1));
+    for system in [&mut collocation as &mut dyn System, &mut shooting] {
+        let branch = lure_orbits(system);
+        let doubling = first(&branch, Kind::PD);
+        close(doubling.parameters[0], 0.630302006160, 1e-10);
+        close(doubling.monitors[0], 6.3640713394, 1e-10);
+        assert!(doubling.converged && doubling.error < 1e-8);
+        stable_between(&branch, 0.6304, 1.0, 0);
+        stable_between(&branch, 0.5, 0.6303, 1);
+        assert_eq!(branch.of_kind(Kind::PD).count(), 1);
+
+        let doubled = Continuation::of(system)
+            .restart(&branch, doubling.label)
+            .switch()
+            .along("alpha", 0.5..=1.5)
+            .settings(settings())
+            .trace()
+            .unwrap();
+        let next = first(&doubled, Kind::PD);
+        // Printed as 0.57962985, 12.734366; by Taylor series of order 22:
+        close(next.parameters[0], 0.579629840896, 1e-10);
+        close(next.monitors[0], 12.734365542, 2e-9);
+        stable_between(&doubled, 0.5797, 0.6303, 0);
+        stable_between(&doubled, 0.5, 0.5796, 1);
+    }
+}
+
+/// A saved orbit starts a branch on another mesh, and by another method.
+#[test]
+fn lure_restarted_in_the_middle() {
+    let mut coarse = collocated(Lure, 20);
+    let rest = lure_at_rest();
+    let branch = Continuation::of(&mut coarse)
+        .restart(&rest, label(&rest, Kind::HB))
+        .along("alpha", 0.7..=1.5)
+        .mark("alpha", 0.9)
+        .settings(settings())
+        .trace()
+        .unwrap();
+    let mut fine = collocated(Lure, 40);
+    let on = |system: &mut dyn System, from: &Branch| {
+        let branch = Continuation::of(system)
+            .restart(from, label(from, Kind::UZ))
+            .along("alpha", 0.55..=0.95)
+            .settings(settings())
+            .mark("alpha", 0.85)
+            .trace()
+            .unwrap();
+        close(first(&branch, Kind::PD).parameters[0], 0.630302006160, 1e-10);
+        branch
+    };
+    let finer = on(&mut fine, &branch);
+    assert_eq!(fine.meshes()[0].intervals(), 40);
+    let mut once = shot(Lure, 1);
+    let by_shooting = on(&mut once, &branch);
+    assert_eq!(once.meshes()[0].intervals(), 1);
+    on(&mut shot(Lure, 3), &by_shooting);
+    on(&mut coarse, &by_shooting);
+    let periods = [&branch, &finer, &by_shooting].map(|b| b.points[b.points.len() - 1].monitors[0]);
+    assert!(periods.iter().all(|period| *period > 6.0));
+}
+
+#[test]
+fn isothermal_cascade() {
+    let rest = equilibria(Isothermal, &[12.0, 8.0, 9.0], &[14.0], [5.0, 20.0]);
+    // By Newton's method on equilibrium and trace · (sum of principal minors) = determinant.
+    close(first(&rest, Kind::HB).parameters[0], 12.143462569889, 1e-11);
+    let published = [(10.571047456, 0.751234), (10.146517655, 1.636055), (10.091209039, 3.344771)];
+    let (mut shooting, mut collocation) = (shot(Isothermal, 4), collocated(Isothermal, 30));
+    let [by_shooting, by_collocation] = [&mut shooting as &mut dyn System, &mut collocation]
+        .map(|system| cascade(system, &rest, published.len()));
+    for ((a, b), (lambda, period)) in by_shooting.iter().zip(&by_collocation).zip(published) {
+        close(a[0], b[0], 1e-9);
+        close(a[1], b[1], 1e-8);
+        close(a[0], lambda, 2e-9);
+        close(a[1], period, 5e-7);
+    }
+}
+
+/// λ and period at so many period doublings, each found on the branch that the last one gave birth to.
+fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]> {
+    let settings = Settings { accuracy: 1e-11, ..settings() };
+    let mut branch = Continuation::of(system)
+        .restart(rest, label(rest, Kind::HB))
+        .along("lambda", 10.0..=20.0)
+        .settings(settings.clone())
+        .trace()
+        .unwrap();
+    let mut found = Vec::new();
+    loop {
+        let doubling = first(&branch, Kind::PD);
+        found.push([doubling.parameters[0], doubling.monitors[0]]);
+        if found.len() == count {
+            return found;
+        }
+        let label = doubling.label;
+        branch = Continuation::of(system)
+            .restart(&branch, label)
+            .switch()
+            .along("lambda", 10.0..=20.0)
+            .settings(Settings { max_points: 60, ..settings.clone() })
+            .trace()
+            .unwrap();
+    }
+}
+
+/// The orbits of pp2 are born with the period 2π/ω, and their period grows without bound.
+#[test]
+fn predator_prey_approaches_a_heteroclinic_orbit() {
+    let rest = equilibria(PredatorPrey, &[1.0 / 3.0, 1.0], &[0.5], [0.0, 1.0]);
+    let hopf = first(&rest, Kind::HB);
+    close(hopf.parameters[0], 0.671593847, 5e-10);
+    // The Jacobian at x = 1/3 has the determinant ω² and no trace.
+    let (x, y) = (hopf.state[0], hopf.state[1]);
+    let omega = (x * 3.0 * y).sqrt();
+    let mut collocation = collocated(PredatorPrey, 30);
+    let branch = Continuation::of(&mut collocation)
+        .restart(&rest, hopf.label)
+        .along("p", 0.0..=1.0)
+        .bound("period", 0.0..=36.0)
+        .trace()
+        .unwrap();
+    close(branch.points[0].monitors[0], TAU / omega, 1e-12);
+    close(branch.points[1].monitors[0], TAU / omega, 2e-2);
+    assert!(matches!(&branch.ends[1], End::MonitorBound { name, .. } if name == "period"));
+    assert!(branch.points.iter().skip(1).all(|point| point.unstable == Some(0)));
+    // Without a bound there is an end, and a reason.
+    let settings = Settings { max_points: 60, ..Settings::default() };
+    for system in [&mut collocated(PredatorPrey, 30) as &mut dyn System, &mut shot(PredatorPrey, 4)]
+    {
+        let branch = Continuation::of(system)
+            .restart(&rest, hopf.label)
+            .along("p", 0.0..=1.0)
+            .settings(settings.clone())
+            .trace()
+            .unwrap();
+        assert!(matches!(branch.ends[1], End::PointLimit { .. } | End::StepTooSmall { .. }));
+        assert!(branch.points.last().unwrap().monitors[0] > 40.0);
+    }
+}
+
+fn vibration(system: &mut dyn System, frequency: f64) -> Branch {
+    Continuation::of(system)
+        .at("voltage", 0.01)
+        .at("frequency", frequency)
+        .at("damping", 0.04)
+        .along("voltage", 0.01..=0.5)
+        .bound("max_displacement", -1.0..=0.6)
+        .mark("max_displacement", 0.5)
+        .settings(Settings { accuracy: 1e-12, tolerance: 1e-12, ..settings() })
+        .trace()
+        .unwrap()
+}
+
+#[test]
+fn mita_block() {
+    let (mut collocation, mut shooting) = (collocated(Block, 20), precisely_shot(Block, 1));
+    for system in [&mut collocation as &mut dyn System, &mut shooting] {
+        let branch = vibration(system, 0.45);
+        let fold = first(&branch, Kind::LP);
+        close(fold.parameters[0], 0.235565433583, 1e-11);
+        close(first(&branch, Kind::UZ).parameters[0], 0.228618817738, 1e-11);
+        assert!(fold.error < 1e-10 && fold.converged);
+        let branch = vibration(system, 0.5);
+        close(first(&branch, Kind::UZ).parameters[0], 0.227177583102, 1e-11);
+    }
+}
+
+/// The folds of the nonimpacting motions in frequency and voltage meet in a cusp.
+#[test]
+fn mita_cusp_by_both_methods() {
+    let (mut collocation, mut shooting) = (collocated(Block, 20), precisely_shot(Block, 1));
+    let mut cusps = Vec::new();
+    for system in [&mut collocation as &mut dyn System, &mut shooting] {
+        let branch = vibration(system, 0.45);
+        let curve = Continuation::of(system)
+            .restart(&branch, label(&branch, Kind::LP))
+            .hold(Kind::LP)
+            .along("frequency", 0.4..=0.5)
+            .along("voltage", 0.1..=0.4)
+            .bound("max_displacement", -1.0..=0.9)
+            .settings(Settings { accuracy: 1e-10, ..settings() })
+            .trace()
+            .unwrap();
+        let cusp = first(&curve, Kind::CP);
+        assert!((0.48..0.485).contains(&cusp.parameters[1]));
+        cusps.push([cusp.parameters[0], cusp.parameters[1]]);
+    }
+    close(cusps[0][0], cusps[1][0], 1e-9);
+    close(cusps[0][1], cusps[1][1], 1e-9);
+}

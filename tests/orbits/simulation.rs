@@ -1,0 +1,129 @@
+//! Promise: a stable orbit found by simulation lands on the branch of orbits, and a simulation that finds
+//! none says why.
+
+use crate::common::{close, first, solved};
+use crate::cycles::{Saddle, collocated, equilibria, label, precisely_shot, shot};
+use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::field::VectorField;
+use tangency::core::orbit::{Simulation, SimulationError};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::Names;
+use tangency::problems::classic::Lure;
+use tangency::problems::mita::Block;
+
+#[test]
+fn lure_lands_on_its_branch() {
+    let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
+    let branch = Continuation::of(&mut precisely_shot(Lure, 1))
+        .restart(&rest, label(&rest, Kind::HB))
+        .along("alpha", 0.7..=1.5)
+        .mark("alpha", 0.8)
+        .settings(Settings { max_step: 0.05, ..Settings::default() })
+        .trace()
+        .unwrap();
+    let period = first(&branch, Kind::UZ).monitors[0];
+    let (p, start) = ([0.8, 1.0], [0.1, 0.0, 0.0]);
+    let simulation = Simulation::default();
+    let motion = simulation.follow(&Lure, &start, &p).unwrap();
+    close(motion.period, period, 1e-5);
+    let (mut collocation, mut shooting) = (collocated(Lure, 30), shot(Lure, 3));
+    let z = collocation.simulated(&simulation, &start, &p).unwrap();
+    let x = solved(&mut collocation, &z, &p).unwrap();
+    close(x[z.len() - 1], period, 1e-9);
+    let z = shooting.simulated(&simulation, &start, &p).unwrap();
+    let x = solved(&mut shooting, &z, &p).unwrap();
+    close(x[z.len() - 1], period, 1e-9);
+}
+
+/// Beyond its period doubling the orbit of period two is found, which repeats after two turns.
+#[test]
+fn two_turns_are_one_period() {
+    let motion = Simulation { transient: 500.0, ..Simulation::default() }
+        .follow(&Lure, &[0.1, 0.0, 0.0], &[0.6, 1.0])
+        .unwrap();
+    assert!((12.5..13.0).contains(&motion.period), "{motion:?}");
+}
+
+#[test]
+fn mita_lands_on_its_branch() {
+    let p = [0.2, 0.45, 0.04];
+    let rest = [0.0, 0.0];
+    let branch = Continuation::of(&mut precisely_shot(Block, 1))
+        .at("voltage", 0.01)
+        .at("frequency", 0.45)
+        .at("damping", 0.04)
+        .along("voltage", 0.01..=0.21)
+        .mark("voltage", 0.2)
+        .trace()
+        .unwrap();
+    let expected = first(&branch, Kind::UZ).monitors[1];
+    let mut collocation = collocated(Block, 40);
+    let z = collocation.simulated(&Simulation::default(), &rest, &p).unwrap();
+    let branch = Continuation::of(&mut collocation)
+        .from(&z)
+        .at("voltage", 0.2)
+        .at("frequency", 0.45)
+        .at("damping", 0.04)
+        .along("voltage", 0.19..=0.21)
+        .mark("voltage", 0.205)
+        .trace()
+        .unwrap();
+    let start = Continuation::of(&mut precisely_shot(Block, 1))
+        .restart(&branch, label(&branch, Kind::UZ))
+        .along("voltage", 0.19..=0.21)
+        .mark("voltage", 0.2)
+        .trace()
+        .unwrap();
+    close(first(&start, Kind::UZ).monitors[1], expected, 1e-10);
+}
+
+/// `x' = −x`: nothing repeats.
+struct Decay;
+
+impl VectorField for Decay {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["p"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
+        (f[0], f[1]) = (-x[0], -x[1] * 2.0);
+    }
+}
+
+/// Two frequencies without a common period.
+struct Quasiperiodic;
+
+impl VectorField for Quasiperiodic {
+    fn names(&self) -> Names {
+        Names::new(["x", "y", "u", "v"], ["p"])
+    }
+    fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        (f[0], f[1]) = (x[1], -x[0]);
+        (f[2], f[3]) = (p[0] * x[3], -p[0] * x[2]);
+    }
+}
+
+#[test]
+fn simulations_that_find_nothing_say_why() {
+    let brief = Simulation { transient: 1.0, returns: 50, longest: 20.0, ..Simulation::default() };
+    let outcome = brief.follow(&Decay, &[1.0, 1.0], &[0.0]);
+    assert!(matches!(outcome, Err(SimulationError::NoReturn { .. })), "{outcome:?}");
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    match brief.follow(&Quasiperiodic, &[1.0, 0.0, 1.0, 0.0], &[golden]) {
+        Err(error @ SimulationError::Unsettled { returns: 50, distance, .. }) => {
+            assert!(distance > 1e-3 && error.to_string().contains("not repeated in 50 returns"));
+        }
+        other => panic!("{other:?}"),
+    }
+    // The forced saddle repels every trajectory.
+    let outcome = brief.follow(&Saddle, &[0.9, 0.0], &[1.0, 1.0]);
+    assert!(outcome.is_err(), "{outcome:?}");
+    let outcome = brief.follow(&Lure, &[0.1, 0.0], &[0.8, 1.0]);
+    assert!(matches!(outcome, Err(SimulationError::Length { found: 2, expected: 3, .. })));
+    // Pulled in: the block touches the electrode at infinite speed.
+    match brief.follow(&Block, &[0.0, 0.0], &[1.0, 0.45, 0.04]) {
+        Err(error @ SimulationError::Flow(_)) => {
+            assert!(error.to_string().contains("at t = 2.64"), "{error}");
+        }
+        other => panic!("{other:?}"),
+    }
+}

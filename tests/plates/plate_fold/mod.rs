@@ -1,0 +1,95 @@
+//! Equilibria and folds of plates and strips, found by the plainest of methods: independent of the
+//! solvers under test elsewhere.
+
+use crate::models::LOAD;
+use tangency::core::dense::Dense;
+use tangency::core::zero::{Border, Slot, System, ZeroProblem};
+
+/// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
+pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f64]) -> Vec<f64> {
+    let n = start.len();
+    let mut x = [start, p].concat();
+    let mut step = vec![0.0; n];
+    for _ in 0..50 {
+        system.residual(&x, &mut step).expect("inside the domain");
+        system.assemble(&x).expect("inside the domain");
+        let no_border = Border { width: 0, columns: &[], rows: &[], corner: &[] };
+        system.factor(Slot::Curve, no_border).expect("regular");
+        system.solve(Slot::Curve, &mut step);
+        x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
+        if step.iter().all(|step| step.abs() < 1e-13) {
+            return x;
+        }
+    }
+    panic!("no convergence: last step {:e}", step[0]);
+}
+
+/// The fold of the load next to `x`: Newton's iteration on `F = 0` and `g = 0`, where
+/// `[F_z b; cᵀ 0][v; g] = [0; 1]`, and `g` has the gradient `−wᵀ F_zx v`.
+pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> {
+    let n = system.names().dimension();
+    let mut v: Vec<f64> = (0..=n).map(|i| if i == 0 { 1.0 } else { 0.0 }).collect();
+    let mut w = v.clone();
+    let (mut gradient, mut load_column) = (vec![0.0; x.len()], vec![0.0; n]);
+    let load: Vec<f64> = (0..x.len()).map(|i| if i == n + LOAD { 1.0 } else { 0.0 }).collect();
+    for _ in 0..40 {
+        let mut step = vec![0.0; n + 1];
+        system.residual(&x, &mut step[..n]).expect("inside the domain");
+        system.assemble(&x).expect("inside the domain");
+        let border = Border { width: 1, columns: &w[..n], rows: &v[..n], corner: &[0.0] };
+        system.factor(Slot::Condition, border).expect("regular");
+        (v, w) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+        (v[n], w[n]) = (1.0, 1.0);
+        system.solve(Slot::Condition, &mut v);
+        system.solve_transposed(Slot::Condition, &mut w);
+        step[n] = v[n];
+        let direction = [&v[..n], &vec![0.0; x.len() - n]].concat();
+        system.gradient(&x, &w[..n], &direction, &[LOAD], &mut gradient);
+        gradient.iter_mut().for_each(|g| *g = -*g);
+        system.derivative(&x, &load, &mut load_column);
+        let border = Border {
+            width: 1,
+            columns: &load_column,
+            rows: &gradient[..n],
+            corner: &gradient[n + LOAD..=n + LOAD],
+        };
+        system.factor(Slot::Curve, border).expect("regular");
+        system.solve(Slot::Curve, &mut step);
+        x[..n].iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
+        x[n + LOAD] -= step[n];
+        for null in [&mut v, &mut w] {
+            let norm = null[..n].iter().map(|value| value * value).sum::<f64>().sqrt();
+            null.iter_mut().for_each(|value| *value /= norm);
+        }
+        if step[..n].iter().all(|step| step.abs() < 1e-12) && step[n].abs() < 1e-10 {
+            return x;
+        }
+    }
+    panic!("no fold found");
+}
+
+/// Where the load has its maximum if the deflection is the first function alone: the residual's
+/// first component is linear in the load.
+pub fn one_mode_start<P: ZeroProblem>(system: &mut Dense<P>, p: &[f64]) -> Vec<f64> {
+    let n = system.names().dimension();
+    let mut best = vec![0.0; n + p.len()];
+    let mut monitors = vec![0.0; system.names().monitors.len()];
+    let unit: Vec<f64> = (0..n).map(|i| if i == 0 { 1.0 } else { 0.0 }).collect();
+    system.problem().monitors(&unit, p, &mut monitors);
+    for step in 1..85 {
+        let mut x = [vec![0.0; n], p.to_vec()].concat();
+        x[0] = step as f64 * 0.01 / monitors[0];
+        let mut first = |load| {
+            let mut r = vec![0.0; n];
+            x[n + LOAD] = load;
+            system.residual(&x, &mut r).expect("inside the domain");
+            r[0]
+        };
+        let (without, with) = (first(0.0), first(1.0));
+        x[n + LOAD] = without / (without - with);
+        if x[n + LOAD] > best[n + LOAD] {
+            best = x;
+        }
+    }
+    best
+}

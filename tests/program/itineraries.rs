@@ -1,0 +1,125 @@
+//! Promise: an itinerary without a meaning, one that does not close, and a motion that has none are refused with
+//! what is wrong.
+
+use crate::scenarios::with;
+use std::f64::consts::TAU;
+use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::hybrid::{
+    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+};
+use tangency::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
+use tangency::core::scalar::Scalar;
+use tangency::problems::classic::ImpactOscillator;
+use tangency::problems::mita::Actuator;
+use tangency::scene::{Scene, execute};
+
+/// Each word is a mode and one of its events; a cycle has a leg, and takes a period.
+#[test]
+fn itineraries_are_read() {
+    let text = "2* forward:rest stick:front forward:rest stick:front";
+    let itinerary = Itinerary::read(text, &Actuator).unwrap();
+    assert_eq!((itinerary.legs.len(), itinerary.periods), (4, 2));
+    assert_eq!(itinerary.written(&Actuator), text);
+    let refused = |text| Itinerary::read(text, &Actuator).unwrap_err();
+    assert!(matches!(refused(""), ItineraryError::Empty(_)));
+    assert!(matches!(refused("0* stick"), ItineraryError::Periods(_)));
+    assert!(matches!(refused("stick forward:rest"), ItineraryError::Endless { .. }));
+    let unknown = refused("flight:front").to_string();
+    assert!(unknown.contains("no mode `flight`: there are stick, forward"), "{unknown}");
+    let unknown = refused("stick:rest").to_string();
+    assert!(
+        unknown.contains("mode `stick` has no event `rest`: it ends by front, back"),
+        "{unknown}"
+    );
+}
+
+/// A mass that is thrown back, and caught at every other impact: an itinerary in which it is always thrown back
+/// does not close. The equations have a solution all the same, so that nothing but the decision says so.
+#[derive(Clone)]
+struct Catching;
+
+impl HybridSystem for Catching {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("flight", ["x", "v"]), Mode::new("caught", ["x", "v"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("impact", 0), Guard::new("release", 1)]
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["amplitude".into()]
+    }
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = p[0] * (t * 2.2).cos() - x[0] - x[1] * 0.1;
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        T::one() - x[0]
+    }
+    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+        (after[0], after[1]) = (x[0], x[1] * -0.8);
+    }
+    fn next(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        1 - guard
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(TAU / 2.2))
+    }
+}
+
+#[test]
+fn an_itinerary_that_does_not_close_is_refused() {
+    // One impact a period at the amplitude 5, as a simulation of the oscillator finds it.
+    let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default()).unwrap();
+    let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
+    let p = [5.0, 2.2, 0.8, 0.1, 1.0];
+    let cycle = Recurrence::default().find(&mut flow, start, &p).unwrap();
+    let orbit = HybridOrbit::of_cycle(ImpactOscillator, &cycle).unwrap();
+    let itinerary = Itinerary::read("flight:impact", &Catching).unwrap();
+    let problem = HybridOrbit::of(Catching, itinerary);
+    let mut system =
+        BoundarySystem::new(problem, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
+    let z = system.flowed(&orbit.starts, &orbit.extras, &[5.0]).unwrap();
+    let branch =
+        Continuation::of(&mut system).from(&z).at("amplitude", 5.0).along("amplitude", 4.5..=6.0);
+    let error = branch.trace().unwrap_err().to_string();
+    assert!(error.contains("`impact` of mode `flight`"), "{error}");
+    assert!(error.contains("leads to `caught`, not to `flight`"), "{error}");
+}
+
+/// Complete chatter has infinitely many events: it is found by simulation, and is no itinerary.
+#[test]
+fn complete_chatter_is_no_itinerary() {
+    let mut p = Actuator::DEFAULTS;
+    p[0] = 0.875;
+    let mut flow = HybridFlow::new(&Actuator, HybridSettings::default()).unwrap();
+    let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0, 0.0] };
+    let cycle =
+        Recurrence { transient: 2000.0, ..Recurrence::default() }.find(&mut flow, start, &p);
+    let cycle = cycle.unwrap();
+    assert!(cycle.legs.iter().any(|leg| leg.accumulation));
+    let refused = HybridOrbit::of_cycle(Actuator, &cycle).err().expect("refused").to_string();
+    assert!(refused.contains("chatters completely"), "{refused}");
+}
+
+/// A branch starts from the motion on which a simulation settles: an impact a period, with its fold and its
+/// period doubling.
+#[test]
+fn simulations_discover_itineraries() {
+    let text = r#"Scene(
+        title: "t",
+        problem: Mita(method: shooting),
+        parameters: [("voltage", 0.3)],
+        runs: [(name: "found", start: Simulated(), along: [(name: "voltage", low: 0.1, high: 0.6)])],
+    )"#;
+    let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
+    assert_eq!(outcome.error, None);
+    let branch = outcome.document.branch("found").unwrap();
+    assert_eq!(branch.itinerary.matches("stick:front").count(), 1, "{}", branch.itinerary);
+    let found = |kind| branch.of_kind(kind).map(|point| point.parameters[0]).collect::<Vec<_>>();
+    assert!((found(Kind::LP)[0] - 0.176515441).abs() < 1e-9);
+    assert!((found(Kind::PD)[0] - 0.555993297).abs() < 1e-9);
+    // An itinerary is a setting, too.
+    let given = with("mita-type-1", &[("itinerary", "stick")]);
+    assert_eq!(execute(&given, None, &mut ()).error, None);
+}
