@@ -94,6 +94,16 @@ pub enum GrazingError {
         /// The last change of the time.
         step: f64,
     },
+    /// The orbit does not come back to the touch.
+    #[error(
+        "the orbit does not return to the touch: after one turn coordinate `{coordinate}` is {missed:.3e} away; give the          durations of its legs, and locate the grazing (G) first"
+    )]
+    NoReturn {
+        /// The coordinate that is farthest away.
+        coordinate: String,
+        /// By how much.
+        missed: f64,
+    },
     /// Newton's iteration for the grazing orbit does not converge.
     #[error(
         "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the orbit misses its \

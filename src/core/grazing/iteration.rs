@@ -45,6 +45,12 @@ impl<'a, T: Scalar> Iteration<'a, T> {
         self.follow(x);
     }
 
+    /// `P_smooth` alone, whatever the penetration. The image is written into `image`.
+    pub fn apply_smooth(&mut self, x: &[T], p: &[T], image: &mut [T]) {
+        self.at(x, p);
+        self.follow(image);
+    }
+
     /// The normal coordinate of the virtual point given by `y` and the other coordinates.
     pub fn entry(&mut self, z: &[T], p: &[T]) -> T {
         self.at(z, p);

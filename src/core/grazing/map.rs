@@ -106,6 +106,7 @@ impl LocalMap {
             Coordinate::Phase => "phase".to_string(),
         };
         let coordinates: Vec<String> = section.coordinates.iter().map(name).collect();
+        returns(&smooth, &coordinates)?;
         let unit = system.period(&point.p).map_or(1.0, |period| period / settings.phase);
         let value = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => point.x[*i],
@@ -202,6 +203,21 @@ impl LocalMap {
         let mut image = x.to_vec();
         iteration.apply(&mut image, p);
         Ok(image)
+    }
+}
+
+/// An orbit returns to its touch when it misses it by no more than this.
+const RETURNS: f64 = 1e-3;
+
+/// Refuses an orbit that does not return.
+fn returns(smooth: &Smooth, coordinates: &[String]) -> Result<(), GrazingError> {
+    let missed = smooth.images.iter().map(|image| image.coefficients()[0]).zip(coordinates);
+    let farthest = missed.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    match farthest.filter(|(missed, _)| missed.is_nan() || missed.abs() > RETURNS) {
+        Some((missed, coordinate)) => {
+            Err(GrazingError::NoReturn { coordinate: coordinate.clone(), missed })
+        }
+        None => Ok(()),
     }
 }
 

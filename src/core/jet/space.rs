@@ -48,7 +48,6 @@ pub enum JetError {
 /// assert_eq!(space.position(&[1, 1]), Some(4));
 /// # Ok::<(), tangency::core::jet::JetError>(())
 /// ```
-#[derive(Debug)]
 pub struct Space {
     variables: usize,
     order: usize,
@@ -60,6 +59,12 @@ pub struct Space {
     pub(super) products: Vec<[u16; 3]>,
     /// For each monomial but the first one, another one times a variable.
     pub(super) factors: Vec<(u16, u16)>,
+}
+
+impl std::fmt::Debug for Space {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "order {} in {} variables", self.order, self.variables)
+    }
 }
 
 /// The binomial coefficient of `n` over `k`, or the largest number.
