@@ -6,7 +6,7 @@ mod grazing;
 mod hybrid;
 
 use common::{agree, close};
-use grazing::{actuator, settings};
+use grazing::{actuator, settings, simulated};
 use hybrid::impact_oscillator::{ClosedForm, flow};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -179,8 +179,9 @@ fn a_last_digit_depends_on_the_point() {
         let first = map.discontinuity()[1].coefficient(&[1, 0, 0, 0]);
         close(found, rounded, 0.5e-6);
         let slope = |y: f64| {
-            let virtual_point = Virtual { deviations: vec![y * y, 0.0], velocity: 0.0 };
-            (simulated(&Actuator, &point, &virtual_point)[1] / y - first) / y
+            let start = (point.time, vec![point.x[0] + y * y, 0.0]);
+            let (t, _) = simulated(&Actuator, &start, 0.0, &point.p);
+            ((t - point.time) * point.p[1] / y - first) / y
         };
         // Neville's scheme for y → 0.
         let depths = [0.08, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02];
@@ -191,7 +192,8 @@ fn a_last_digit_depends_on_the_point() {
                 values[i] = (a * values[i + 1] - b * values[i]) / (a - b);
             }
         }
-        close(values[0], found, 2e-9);
+        // Errors of 1e-14 are divided by the squares of depths, and grow by the extrapolation.
+        close(values[0], found, 2e-8);
     }
 }
 
