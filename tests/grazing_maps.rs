@@ -1,21 +1,21 @@
-//! Promise: local maps near grazing have the coefficients of the literature and of closed forms, signs included; their
-//! error falls at their order, for systems that the core has not seen, too; and they say where they cannot be trusted.
+//! Promise: local maps near grazing have the coefficients of the literature and of closed forms, signs
+//! included; their error falls at their order, for systems that the core has not seen, too; and they say
+//! where they cannot be trusted.
 
 mod common;
 mod grazing;
 mod hybrid;
 
 use common::{agree, close};
-use grazing::{actuator, settings, simulated};
+use grazing::{actuator, oscillator, settings, simulated};
 use hybrid::impact_oscillator::{ClosedForm, flow};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
-use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, MapSettings};
+use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap};
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::jet::{Jet, Space};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
-use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
 /// Half a unit of the sixth decimal, with the rounding of what is printed.
@@ -59,7 +59,8 @@ fn nonhyperbolic(map: &LocalMap) -> (f64, [f64; 3]) {
     (n(0, 0) * n(1, 1) - n(0, 1) * n(1, 0), [rate(0), rate(1), rate(2)])
 }
 
-/// The codimension-two point near a voltage, frequency and phase, by Newton's iteration on the second-order map.
+/// The codimension-two point near a voltage, frequency and phase, by Newton's iteration on the second-order
+/// map.
 fn codimension_two(mut at: [f64; 3], condition: Condition) -> (GrazingPoint, [f64; 3]) {
     for _ in 0..8 {
         let [voltage, frequency, phase] = at;
@@ -100,11 +101,11 @@ fn codimension_two_points_are_found() {
     }
 }
 
-/// X. Zhao (2004), the coefficients of sections 5.3 and 5.4, of Δq and of Δθ: those of first and second order of the
-/// smooth map, then √-coefficients of the discontinuity map: y² of Δq, and y, y², yΔθ, yΔV, yΔω of Δθ.
+/// X. Zhao (2004), the coefficients of sections 5.3 and 5.4, of Δq and of Δθ: those of first and second order
+/// of the smooth map, then √-coefficients of the discontinuity map: y² of Δq, and y, y², yΔθ, yΔV, yΔω of Δθ.
 ///
-/// At II/III −0.204935 is printed for y²: that is the coefficient at the six digits of the point that are printed, as the
-/// next test shows; at the point itself it is −0.20493449.
+/// At II/III −0.204935 is printed for y²: that is the coefficient at the six digits of the point that are
+/// printed, as the next test shows; at the point itself it is −0.20493449.
 #[test]
 fn coefficients_are_those_of_the_literature() {
     let smooth_one = [
@@ -167,8 +168,8 @@ fn coefficients_are_those_of_the_literature() {
     }
 }
 
-/// The coefficient of y² at II/III, at the digits printed and at the point, against the time that simulated motion
-/// needs: `Δθ/y` at points that are so deep, extrapolated to none.
+/// The coefficient of y² at II/III, at the digits printed and at the point, against the time that simulated
+/// motion needs: `Δθ/y` at points that are so deep, extrapolated to none.
 #[test]
 fn a_last_digit_depends_on_the_point() {
     let printed = actuator(0.176796, 0.480271, 5.286519);
@@ -216,12 +217,12 @@ fn leading_coefficients_are_closed_forms() {
     close(displacement.coefficient(&[3, 0, 0, 0]), 0.0569, 0.5e-4);
 }
 
-/// The smooth map of the linear oscillator from its solution `x = p(t) + Φ(t − t₀)(x₀ − p(t₀))`, to the fifth order in
-/// displacement, phase and amplitude.
+/// The smooth map of the linear oscillator from its solution `x = p(t) + Φ(t − t₀)(x₀ − p(t₀))`, to the fifth
+/// order in displacement, phase and amplitude.
 #[test]
 fn the_linear_oscillator_has_its_closed_form() {
     let form = ClosedForm::usual(1.2);
-    let map = oscillator(&form, 5);
+    let map = oscillator(&form, &["amplitude"], 5);
     let space = Space::of(3, 5).unwrap();
     let jet = |k, value| Jet::<64>::variable(space, k, value).unwrap();
     let start = map.origin().0[1];
@@ -247,21 +248,10 @@ fn the_linear_oscillator_has_its_closed_form() {
     }
 }
 
-/// The local map of the oscillator at its grazing, with phase ωt.
-fn oscillator(form: &ClosedForm, order: usize) -> LocalMap {
-    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
-    let p = [form.grazing(), form.frequency, form.restitution, form.damping, form.clearance];
-    let point = GrazingPoint::of(&orbit, &form.motion(form.grazing(), 0.0), &p).unwrap();
-    let point = point.located(&ImpactOscillator, "amplitude").unwrap();
-    close(point.p[0], form.grazing(), 1e-12);
-    let settings = MapSettings { order, ..MapSettings::default() };
-    LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings).unwrap()
-}
-
 /// Far from grazing the highest order says that it cannot be trusted, and near it can.
 #[test]
 fn far_from_grazing_is_refused() {
-    let map = oscillator(&ClosedForm::usual(1.2), 3);
+    let map = oscillator(&ClosedForm::usual(1.2), &["amplitude"], 3);
     assert!(map.image(&[1e-4, 0.0], &[0.0], 1e-5).is_ok());
     let refused = map.image(&[0.3, 0.4], &[0.1], 1e-5).unwrap_err();
     let GrazingError::TooFar { order: 3, estimate, penetration, .. } = refused else {

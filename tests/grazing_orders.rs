@@ -1,16 +1,21 @@
-//! Promise: the error of the local map of order `n`, against event-driven simulation, falls like the power `n + 1` of the
-//! distance from grazing: with slip after the impact, through other impacts, for a guard that moves and depends on several
-//! states, and without forcing.
+//! Promise: the error of the local map of order `n`, against event-driven simulation, falls like the power `n
+//! + 1` of the distance from grazing: with slip after the impact, through other impacts, for a guard that
+//! moves and depends on several states, and without forcing.
 
+mod common;
 mod grazing;
+mod hybrid;
 
 use grazing::{Touching, actuator, settings, simulated};
 use std::f64::consts::{PI, TAU};
-use tangency::core::flow::Flow;
+use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::flow::{Flow, Scheme};
 use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{Guard, HybridSystem, InMode, Mode};
-use tangency::core::orbit::Leg;
+use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
 use tangency::core::scalar::Scalar;
+use tangency::core::zero::System;
 use tangency::problems::mita::Actuator;
 
 /// A system with its map and its grazing orbit, and virtual points on the section.
@@ -90,7 +95,43 @@ fn impacts_with_slip() {
     Case { system, point, map, phase: PI, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
 }
 
-/// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven by the mass.
+/// The orbit with one impact in a period that touches the front stopper a second time, at V = 0.733767719564:
+/// once around leads through an impact and a slip. The touch comes from the branch that ends there.
+#[test]
+fn through_another_impact() {
+    let start = actuator(0.2271775831, 0.5, 5.985512558).located(&Actuator, "voltage").unwrap();
+    let itinerary = Itinerary::read("forward:rest stick:front", &Actuator).unwrap();
+    let problem = HybridOrbit::of(Actuator, itinerary);
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+    let mut orbits = BoundarySystem::new(problem, method, vec![Mesh::uniform(1); 2]).unwrap();
+    let states = [0.5, 0.0, 0.0, 0.0, 0.5, 0.0];
+    let extras = [start.time, 0.0, TAU];
+    let z = orbits.flowed(&states, &extras, &start.p).unwrap();
+    let names = orbits.names().parameters.clone();
+    let run = Continuation::of(&mut orbits).from(&z);
+    let run = names.iter().zip(&start.p).fold(run, |run, (name, p)| run.at(name, *p));
+    let branch = run.along("voltage", 0.1..=0.8).trace().unwrap();
+    let contact =
+        branch.of_kind(Kind::G).max_by(|a, b| a.parameters[0].total_cmp(&b.parameters[0]));
+    let contact = contact.unwrap();
+    common::close(contact.parameters[0], 0.733767719564, 1e-10);
+    let mut p = start.p.clone();
+    p[0] = contact.parameters[0];
+    let x = [&contact.state[..], &p].concat();
+    let starts: Vec<f64> = (0..2).flat_map(|leg| orbits.states(&x, leg, 0.0).unwrap()).collect();
+    let q = [&p[..], &contact.state[contact.state.len() - 3..]].concat();
+    let point = GrazingPoint::of(orbits.problem(), &starts, &q).unwrap();
+    assert_eq!((point.legs.len(), point.following.len()), (3, 1));
+    let point = point.located(&Actuator, "voltage").unwrap();
+    let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();
+    let place =
+        |y: f64, aside: f64, p: &[f64]| (point.time + aside / p[1], vec![point.x[0] + y * y, 0.0]);
+    let (system, point, map) = (&Actuator, &point, &map);
+    Case { system, point, map, phase: PI, place: &place, parameters: &[0] }.orders_hold(0.005);
+}
+
+/// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven by the
+/// mass.
 struct Follower;
 
 impl Follower {
@@ -143,7 +184,8 @@ impl Touching for Follower {
     }
 }
 
-/// Where the motion of a system on which it settles comes nearest to a guard, as a touch that is to be located.
+/// Where the motion of a system on which it settles comes nearest to a guard, as a touch that is to be
+/// located.
 fn settled<S: HybridSystem>(
     system: &S,
     start: &[f64],

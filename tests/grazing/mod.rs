@@ -1,15 +1,17 @@
 //! Grazing orbits, shared by tests of local maps.
 #![allow(dead_code, missing_docs)]
 
+use crate::hybrid::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
 use tangency::core::flow::{Flow, Scheme, Settings};
-use tangency::core::grazing::{GrazingPoint, MapSettings};
+use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, InMode};
-use tangency::core::orbit::Leg;
+use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
+use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
-/// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact the frame slips
-/// forward until it rests.
+/// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact the frame
+/// slips forward until it rests.
 pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
     let front = Actuator::FRONT[Actuator::STICK];
     let mut p = Actuator::DEFAULTS;
@@ -54,8 +56,8 @@ fn along<S: HybridSystem>(system: &S, time: f64, (t, x): &mut (f64, Vec<f64>), p
     *t += time;
 }
 
-/// The image of a virtual point on the section by event-driven simulation: after one turn of a duration, or, for none,
-/// by the discontinuity map.
+/// The image of a virtual point on the section by event-driven simulation: after one turn of a duration, or,
+/// for none, by the discontinuity map.
 pub fn simulated<S: Touching>(
     system: &S,
     start: &(f64, Vec<f64>),
@@ -84,4 +86,31 @@ pub fn simulated<S: Touching>(
         before = now;
     }
     place
+}
+
+/// The local map of the oscillator at its grazing, with phase ωt.
+pub fn oscillator(form: &ClosedForm, parameters: &[&str], order: usize) -> LocalMap {
+    let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let p = [form.grazing(), form.frequency, form.restitution, form.damping, form.clearance];
+    let point = GrazingPoint::of(&orbit, &form.motion(form.grazing(), 0.0), &p).unwrap();
+    let point = point.located(&ImpactOscillator, "amplitude").unwrap();
+    assert!((point.p[0] - form.grazing()).abs() < 1e-12);
+    let settings = MapSettings { order, ..MapSettings::default() };
+    LocalMap::of(&ImpactOscillator, &point, parameters, settings).unwrap()
+}
+
+/// The grazing orbit of the actuator without impacts at a frequency near 0.4878, from that point in small
+/// steps.
+pub fn along_grazings(frequency: f64) -> GrazingPoint {
+    let mut point = actuator(0.171066688958, 0.487808700440, 5.496543861);
+    let steps = 10;
+    let change = (frequency - point.p[1]) / f64::from(steps);
+    for _ in 0..steps {
+        let before = point.p[1];
+        point.p[1] += change;
+        point.time *= before / point.p[1];
+        point.legs[0].1 = PI / point.p[1];
+        point = point.located(&Actuator, "voltage").unwrap();
+    }
+    point
 }

@@ -89,7 +89,8 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
         place
     }
 
-    /// The place on the section where the guard has a given value, with these deviations of the other coordinates.
+    /// The place on the section where the guard has a given value, with these deviations of the other
+    /// coordinates.
     pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
         let mut place = self.place(deviations);
         let [[a, b], [c, d]] = self.section.slopes;

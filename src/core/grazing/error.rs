@@ -3,6 +3,7 @@
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{FlowError, SettingsError};
 use crate::core::jet::JetError;
+use crate::core::kind::Kind;
 
 /// Why a local map cannot be computed, or used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,8 +33,9 @@ pub enum GrazingError {
     },
     /// The touched mode has too few states for coordinates on a section.
     #[error(
-        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode `{mode}` (their \
-         gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate can be changed by itself"
+        "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode \
+         `{mode}` (their gradients are dependent to {pivot:.1e}): a local map needs a guard whose rate can \
+         be changed by itself"
     )]
     NoSection {
         /// The guard.
@@ -45,8 +47,8 @@ pub enum GrazingError {
     },
     /// The orbit does not touch at the point.
     #[error(
-        "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate {rate:.1e} \
-         there, both should vanish; locate the grazing (G) first"
+        "the orbit does not touch guard `{guard}` at t = {time:.9e}: the guard is {value:.1e} and its rate \
+         {rate:.1e} there, both should vanish; locate the grazing (G) first"
     )]
     NoTouch {
         /// The guard.
@@ -60,8 +62,8 @@ pub enum GrazingError {
     },
     /// The guard has no quadratic minimum.
     #[error(
-        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: its second \
-         rate is {curvature:.3e}, and should be positive"
+        "guard `{guard}` has no quadratic minimum along the orbit at t = {time:.9e}, where it is touched: \
+         its second rate is {curvature:.3e}, and should be positive"
     )]
     Curvature {
         /// The guard.
@@ -81,8 +83,9 @@ pub enum GrazingError {
     },
     /// An event is not where it is expected.
     #[error(
-        "the motion in mode `{mode}` does not come to {surface} near t = {time:.9e}: Newton's iteration still moves it by \
-         {step:.1e}; give durations of the legs that are nearer, or locate the grazing (G) first"
+        "the motion in mode `{mode}` does not come to {surface} near t = {time:.9e}: Newton's iteration \
+         still moves it by {step:.1e}; give durations of the legs that are nearer, or locate the grazing (G) \
+         first"
     )]
     NotReached {
         /// The mode.
@@ -96,7 +99,8 @@ pub enum GrazingError {
     },
     /// The orbit does not come back to the touch.
     #[error(
-        "the orbit does not return to the touch: after one turn coordinate `{coordinate}` is {missed:.3e} away; give the          durations of its legs, and locate the grazing (G) first"
+        "the orbit does not return to the touch: after one turn coordinate `{coordinate}` is {missed:.3e} \
+         away; give the durations of its legs, and locate the grazing (G) first"
     )]
     NoReturn {
         /// The coordinate that is farthest away.
@@ -106,8 +110,8 @@ pub enum GrazingError {
     },
     /// Newton's iteration for the grazing orbit does not converge.
     #[error(
-        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the orbit misses its \
-         start by {residual:.1e}; begin nearer, or take another parameter"
+        "no grazing orbit near the point for parameter `{parameter}`: after {iterations} iterations the \
+         orbit misses its start by {residual:.1e}; begin nearer, or take another parameter"
     )]
     NotLocated {
         /// The parameter that was free.
@@ -117,11 +121,27 @@ pub enum GrazingError {
         /// What is left.
         residual: f64,
     },
+    /// No curve of special points begins at the grazing.
+    #[error(
+        "no curve of folds or period doublings of orbits with one impact begins at this grazing: the test \
+         function is {multiplier:.1e} and should vanish; locate the degenerate point on the curve of \
+         grazings first"
+    )]
+    NotDegenerate {
+        /// The test function.
+        multiplier: f64,
+    },
+    /// No such curve is known.
+    #[error("curves of LP and PD begin at a degenerate grazing, none of {kind}")]
+    NoCurve {
+        /// The kind asked for.
+        kind: Kind,
+    },
     /// Too far from grazing.
     #[error(
-        "the local map of order {order} is used too far from grazing: its last order still changes the image by \
-         {estimate:.1e}, where {tolerance:.1e} is allowed, at a penetration of {penetration:.1e}; take a higher order \
-         or come nearer"
+        "the local map of order {order} is used too far from grazing: its last order still changes the \
+         image by {estimate:.1e}, where {tolerance:.1e} is allowed, at a penetration of {penetration:.1e}; \
+         take a higher order or come nearer"
     )]
     TooFar {
         /// The order.

@@ -4,7 +4,8 @@ use super::map::LocalMap;
 use crate::core::jet::Monomials;
 use crate::core::scalar::Scalar;
 
-/// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after the first image.
+/// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after the first
+/// image.
 ///
 /// On dual numbers it gives the Jacobian of the map, whose entries grow like `1/y` near grazing.
 pub struct Iteration<'a, T> {
@@ -19,7 +20,8 @@ impl<'a, T: Scalar> Iteration<'a, T> {
         Iteration { map, order, monomials: Monomials::default(), place: Vec::new() }
     }
 
-    /// The penetration `−h` at a point of the section, given deviations of its coordinates and of the parameters.
+    /// The penetration `−h` at a point of the section, given deviations of its coordinates and of the
+    /// parameters.
     pub fn penetration(&mut self, x: &[T], p: &[T]) -> T {
         self.at(x, p);
         self.map.smooth.penetration.sum_to(self.order, &self.monomials)
@@ -36,8 +38,8 @@ impl<'a, T: Scalar> Iteration<'a, T> {
         self.follow(x);
     }
 
-    /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of its normal coordinate,
-    /// and the other coordinates. The image is written into `x`.
+    /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of its normal
+    /// coordinate, and the other coordinates. The image is written into `x`.
     pub fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
         self.at(z, p);
         self.discontinue(x);

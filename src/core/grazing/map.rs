@@ -31,17 +31,17 @@ impl Default for MapSettings {
 /// An orbit touches its guard when guard and rate are no larger than this.
 const TOUCHES: f64 = 1e-8;
 
-/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard is least, in
-/// deviations from the grazing orbit.
+/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard is least,
+/// in deviations from the grazing orbit.
 ///
-/// The coordinates are all states of the touched mode but one (that which the section determines) and, under forcing,
-/// the phase; the parameters are those asked for.
+/// The coordinates are all states of the touched mode but one (that which the section determines) and, under
+/// forcing, the phase; the parameters are those asked for.
 ///
 /// ```
 /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 /// use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// use tangency::problems::classic::ImpactOscillator;
-/// // At resonance, ω = 1, without impacts: A = c d = 0.1 grazes at t = π/2, with the acceleration −a = −d ω².
+/// // At resonance, ω = 1, A = c d = 0.1 grazes at t = π/2, with the acceleration −a = −d ω².
 /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
@@ -84,8 +84,8 @@ impl LocalMap {
     /// The local map of a system at a grazing point, with deviations of the parameters named.
     ///
     /// # Errors
-    /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return to it, if no coordinates
-    /// can be found, or for a name or an order that there is not.
+    /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return to it, if
+    /// no coordinates can be found, or for a name or an order that there is not.
     pub fn of<H: HybridSystem>(
         system: &H,
         point: &GrazingPoint,
@@ -159,8 +159,8 @@ impl LocalMap {
         &self.smooth.penetration
     }
 
-    /// `D`: the deviations of the coordinates as functions of `y` (in place of the normal coordinate), the other
-    /// coordinates, and the parameters.
+    /// `D`: the deviations of the coordinates as functions of `y` (in place of the normal coordinate), the
+    /// other coordinates, and the parameters.
     pub fn discontinuity(&self) -> &[Polynomial] {
         &self.discontinuity.images
     }
@@ -180,8 +180,8 @@ impl LocalMap {
         Iteration::new(self, order)
     }
 
-    /// How much the highest order changes the image of a point: an estimate of the error of the map of one order less,
-    /// and where the series converges a bound for that of its own.
+    /// How much the highest order changes the image of a point: an estimate of the error of the map of one
+    /// order less, and where the series converges a bound for that of its own.
     pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
         let (mut image, mut lower) = (x.to_vec(), x.to_vec());
         self.iteration().apply(&mut image, p);

@@ -9,8 +9,8 @@ use super::surface::Surface;
 use crate::core::hybrid::HybridSystem;
 use crate::core::jet::{Jet, Polynomial, Space};
 
-/// What a map is computed of: the system at a grazing point with its section, and positions of the parameters that
-/// deviate.
+/// What a map is computed of: the system at a grazing point with its section, and positions of the parameters
+/// that deviate.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a, H> {
     pub system: &'a H,
@@ -129,8 +129,8 @@ impl<'a, H: HybridSystem> Source<'a, H> {
         Ok(Discontinuity { images, entry: polynomial(&entry) })
     }
 
-    /// The time from the surface to the virtual point in units of `y`, by Newton's iteration for `G(σ) = 0`, where
-    /// `G = h/y²` and `dG/dσ = −(dh/dt)/y`.
+    /// The time from the surface to the virtual point in units of `y`, by Newton's iteration for `G(σ) = 0`,
+    /// where `G = h/y²` and `dG/dσ = −(dh/dt)/y`.
     fn time_from_surface<const C: usize>(
         &self,
         chart: &mut Chart<'a, H, C>,

@@ -15,20 +15,21 @@ use crate::core::scalar::Scalar;
 ///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
 /// ```
 ///
-/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of `ξ_k` is tied as that of
-/// the virtual point, and elsewhere the distance `h` from the surface. In these unknowns the equations are regular where
-/// an impact is a touch, `y_k = 0`, and so is the linearisation with a multiplier: nothing grows like `1/y`.
+/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of `ξ_k` is
+/// tied as that of the virtual point, and elsewhere the distance `h` from the surface. In these unknowns the
+/// equations are regular where an impact is a touch, `y_k = 0`, and so is the linearisation with a
+/// multiplier: nothing grows like `1/y`.
 ///
-/// It is a boundary-value problem on segments without motion, so that everything that periodic orbits have applies:
-/// multipliers, stability, folds, period doublings, torus points, grazings, and the curves of them. Coordinates and
-/// parameters are deviations from the grazing orbit.
+/// It is a boundary-value problem on segments without motion, so that everything that periodic orbits have
+/// applies: multipliers, stability, folds, period doublings, torus points, grazings, and the curves of them.
+/// Coordinates and parameters are deviations from the grazing orbit.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Kind};
 /// use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
 /// use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// use tangency::problems::classic::ImpactOscillator;
-/// // The oscillator at resonance: orbits with one impact have a fold at A = 0.0999707536, 2.9e-5 before the grazing.
+/// // The oscillator at resonance: orbits with one impact fold at A = 0.0999707536, 2.9e-5 before they graze.
 /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// let settings = MapSettings { order: 3, ..MapSettings::default() };

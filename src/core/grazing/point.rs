@@ -13,14 +13,14 @@ use crate::core::linear::BorderedLu;
 use crate::core::orbit::{HybridOrbit, Leg};
 use crate::core::zero::Border;
 
-/// A point of a grazing orbit: time and state of the touch, what follows an event there at once, and how the orbit
-/// returns to it.
+/// A point of a grazing orbit: time and state of the touch, what follows an event there at once, and how the
+/// orbit returns to it.
 ///
 /// ```
 /// use tangency::core::grazing::GrazingPoint;
 /// use tangency::core::orbit::{HybridOrbit, Itinerary};
 /// use tangency::problems::classic::ImpactOscillator;
-/// // Without impacts, the oscillator at resonance moves as x = A sin t/(c ω): it grazes for A = c d, at t = π/2.
+/// // Without impacts, at resonance x = A sin t/(c ω): it grazes for A = c d, at t = π/2.
 /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
@@ -43,7 +43,8 @@ pub struct GrazingPoint {
     pub p: Vec<f64>,
     /// The legs that last no time, from the event of the guard to where motion goes on in the mode.
     pub following: Vec<Leg>,
-    /// The legs of the orbit from the touch to the next one, with their durations; the last one ends by the touch.
+    /// The legs of the orbit from the touch to the next one, with their durations; the last one ends by the
+    /// touch.
     pub legs: Vec<(Leg, f64)>,
     /// The periods of the forcing that the orbit takes.
     pub periods: usize,
@@ -54,8 +55,8 @@ const ITERATIONS: usize = 12;
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {
-    /// Where an orbit touches a guard, from the states at the starts of its legs and its parameters and further
-    /// unknowns, which are those of a point `G` on a branch.
+    /// Where an orbit touches a guard, from the states at the starts of its legs and its parameters and
+    /// further unknowns, which are those of a point `G` on a branch.
     ///
     /// # Errors
     /// [`GrazingError::NotBorn`] if it touches none.
@@ -86,8 +87,8 @@ impl GrazingPoint {
         Ok(GrazingPoint { guard, mode, time, x, p, following, legs, periods })
     }
 
-    /// The nearest point that an orbit returns to, one parameter being free: Newton's iteration on the linear local
-    /// map, to an orbit that misses its start by no more than 1e-11.
+    /// The nearest point that an orbit returns to, one parameter being free: Newton's iteration on the linear
+    /// local map, to an orbit that misses its start by no more than 1e-11.
     ///
     /// ```
     /// use tangency::core::grazing::GrazingPoint;
@@ -133,7 +134,8 @@ impl GrazingPoint {
         Err(GrazingError::NotLocated { parameter, iterations: ITERATIONS, residual })
     }
 
-    /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much both were missed.
+    /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much both were
+    /// missed.
     fn correct<H: HybridSystem>(
         &mut self,
         system: &H,

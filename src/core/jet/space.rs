@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// The highest order of a jet. Flows by the method of order 8 are exact for times without a real part up to it.
+/// The highest order of a jet. Flows by the method of order 8 are exact for times without a real part up to
+/// it.
 pub const MOST_ORDER: usize = 8;
 
 /// The largest number of coefficients of a jet.
@@ -14,8 +15,8 @@ const MOST_COEFFICIENTS: usize = 1024;
 pub enum JetError {
     /// The order is too high, or there are too many coefficients.
     #[error(
-        "a jet of order {order} in {variables} variables has {coefficients} coefficients: there may be {most} up to \
-         order {MOST_ORDER}; take a lower order or fewer variables"
+        "a jet of order {order} in {variables} variables has {coefficients} coefficients: there may be {most} \
+         up to order {MOST_ORDER}; take a lower order or fewer variables"
     )]
     TooLarge {
         /// The number of variables.
@@ -37,8 +38,8 @@ pub enum JetError {
     },
 }
 
-/// The monomials of jets of one order in so many variables: all `ε^α` with `|α| ≤ N`, by rising degree, and within a
-/// degree from the highest power of the first variable on.
+/// The monomials of jets of one order in so many variables: all `ε^α` with `|α| ≤ N`, by rising degree, and
+/// within a degree from the highest power of the first variable on.
 ///
 /// ```
 /// use tangency::core::jet::Space;

@@ -69,8 +69,8 @@ pub(super) fn tangent(value: f64, s: f64) -> Series {
     })
 }
 
-/// An integral, given its value, of `(p₀ + p₁ ε + p₂ ε²)ʳ`: all inverse functions of circle and hyperbola are such
-/// integrals.
+/// An integral, given its value, of `(p₀ + p₁ ε + p₂ ε²)ʳ`: all inverse functions of circle and hyperbola are
+/// such integrals.
 pub(super) fn integral_of_power(value: f64, p: [f64; 3], r: f64) -> Series {
     let root = continued(p[0].powf(r), |k, b| {
         let term = |j: usize| (r * j as f64 - (k + 1 - j) as f64) * p[j] * b[k + 1 - j];
