@@ -10,6 +10,7 @@ use common::{agree, close};
 use grazing::{actuator, oscillator, settings, simulated};
 use hybrid::impact_oscillator::{ClosedForm, flow};
 use nalgebra::{Matrix3, Vector3};
+use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap};
 use tangency::core::hybrid::HybridSystem;
@@ -246,6 +247,46 @@ fn the_linear_oscillator_has_its_closed_form() {
     for (image, exact) in map.smooth().iter().zip(exact) {
         agree(&image.coefficients()[1..], &exact.coefficients()[1..], 1e-9);
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// An impact that is followed by none costs the time `(1 + e) √(2/a) y` and leaves `e²` of the
+    /// penetration, whatever the oscillator.
+    #[test]
+    fn impacts_without_slip_have_closed_forms(
+        frequency in 0.6..1.9_f64,
+        e in 0.0..1.0_f64,
+        damping in 0.05..0.4_f64,
+        clearance in 0.2..3.0_f64,
+    ) {
+        let form = ClosedForm::new(frequency, e, damping, clearance);
+        let map = oscillator(&form, &["amplitude", "clearance"], 2);
+        let [displacement, phase] = map.discontinuity() else { panic!("two coordinates") };
+        let time = (2.0 / (clearance * frequency.powi(2))).sqrt();
+        let root = -(1.0 + e) * frequency * time;
+        prop_assert!((phase.coefficient(&[1, 0, 0, 0]) - root).abs() < 1e-9 * root.abs());
+        prop_assert!((displacement.coefficient(&[2, 0, 0, 0]) - e * e).abs() < 1e-9);
+        // The stop moves with the clearance, and a virtual point with it.
+        prop_assert!((displacement.coefficient(&[0, 0, 0, 1]) - 1.0).abs() < 1e-12);
+        prop_assert!((map.entry().coefficient(&[0, 0, 0, 1]) - 1.0).abs() < 1e-12);
+        prop_assert!((map.entry().coefficient(&[2, 0, 0, 0]) - 1.0).abs() < 1e-12);
+        prop_assert!((map.penetration().coefficient(&[0, 0, 0, 1]) + 1.0).abs() < 1e-12);
+    }
+}
+
+/// Iterating allocates nothing after the first image.
+#[test]
+fn iterations_allocate_nothing() {
+    let map = oscillator(&ClosedForm::usual(1.2), &["amplitude"], 4);
+    let mut iteration = map.iteration::<f64>();
+    let mut x = [1e-4, 0.0];
+    iteration.apply(&mut x, &[1e-5]);
+    let allocated = allocation_counter::measure(|| {
+        (0..100).for_each(|_| iteration.apply(&mut x, &[1e-5]));
+    });
+    assert_eq!(allocated.count_total, 0);
 }
 
 /// Far from grazing the highest order says that it cannot be trusted, and near it can.

@@ -62,7 +62,9 @@ fn fixed_points_have_the_order_of_the_map() {
     };
     for order in 1..=5 {
         let (far, near) = (errors(0.04, order), errors(0.02, order));
-        for (k, (far, near)) in far.iter().zip(near).enumerate() {
+        // To first order the penetration y² is none, and multipliers are infinite.
+        let kinds = if order == 1 { 1 } else { 2 };
+        for (k, (far, near)) in far.iter().zip(near).enumerate().take(kinds) {
             let expected = [order as f64 + 1.0, order as f64 - 1.0][k];
             let rate = (far / near).log2();
             let rounding = [1e-12, 1e-8][k];
@@ -106,14 +108,14 @@ fn from_grazing(map: &LocalMap, order: usize, parameter: &str, range: [f64; 2]) 
 /// Fixed points of the map without impacts graze at once, and the switch there leads to those with one.
 #[test]
 fn passing_points_graze_where_impacting_ones_begin() {
-    let form = ClosedForm::usual(1.2);
+    let form = ClosedForm::usual(1.0);
     let map = oscillator(&form, &["amplitude"], 3);
     let mut orbits = LocalOrbit::of(map.clone(), &[false]).system().unwrap();
-    let start = orbits.flowed(&[-0.01, 0.0], &[0.01], &[-0.005]).unwrap();
-    let range = -0.02..=0.02;
+    let start = orbits.flowed(&[-5e-4, 0.0], &[5e-4], &[-5e-5]).unwrap();
+    let range = -1e-4..=1e-4;
     let passing = Continuation::of(&mut orbits)
         .from(&start)
-        .at("amplitude", -0.005)
+        .at("amplitude", -5e-5)
         .along("amplitude", range.clone())
         .trace()
         .unwrap();
@@ -127,7 +129,7 @@ fn passing_points_graze_where_impacting_ones_begin() {
         .trace()
         .unwrap();
     let [fold] = at(&impacting, Kind::LP)[..] else { panic!("{:?}", at(&impacting, Kind::LP)) };
-    close(form.grazing() + fold, form.fold_amplitude(), 2e-5);
+    close(form.grazing() + fold, form.fold_amplitude(), 1e-9);
     assert_eq!(impacting.itinerary, "impact");
 }
 
@@ -135,7 +137,7 @@ fn passing_points_graze_where_impacting_ones_begin() {
 #[test]
 fn special_points_gain_by_every_order() {
     let resonance = resonance(1, 0.1);
-    for (frequency, kind) in [(resonance - 0.02, Kind::LP), (resonance + 0.004, Kind::PD)] {
+    for (frequency, kind) in [(resonance - 4e-4, Kind::LP), (resonance + 0.004, Kind::PD)] {
         let form = ClosedForm::usual(frequency);
         let expected = match kind {
             Kind::LP => form.fold_amplitude(),
@@ -146,12 +148,11 @@ fn special_points_gain_by_every_order() {
         let error = |order: usize| {
             let branch = from_grazing(&map, order, "amplitude", range);
             let [found] = at(&branch, kind)[..] else {
-                panic!("{kind} {order}: {:?}", branch.special)
+                panic!("{kind} {order}: {:?}", at(&branch, kind))
             };
             (found - expected).abs() / expected.abs()
         };
         let errors: Vec<f64> = (2..=5).map(error).collect();
-        println!("{kind} {frequency} {expected:.3e} {errors:?}");
         assert!(errors[3] < 1e-4, "{errors:?}");
         assert!(errors.windows(2).all(|pair| pair[1] < 0.5 * pair[0]), "{errors:?}");
     }
@@ -181,7 +182,6 @@ fn curves_from_a_resonance_are_those_of_closed_forms() {
         for order in 1..=5 {
             let (far, near) = (error(step, order), error(0.5 * step, order));
             let rate = (far / near).log2();
-            println!("{kind} {order} {far:.2e} {near:.2e} {rate:.2}");
             assert!(
                 rate > order as f64 + 0.6 || near < 1e-12,
                 "{kind} {order}: {far:.2e} {near:.2e}"
@@ -206,7 +206,6 @@ fn curves_from_the_degenerate_point_are_those_of_the_literature() {
         [(Kind::LP, 17.7774, 1e-4, 1.0), (Kind::PD, 1557.35, 1e-2, -1.0)]
     {
         let series = map.expanded(kind, names).unwrap();
-        println!("{series:?}");
         close(series.parameter[0], 0.224982, 0.51e-6);
         close(series.parameter[1], curvature, 0.51 * digit);
         assert!(series.depth[0] * side > 0.0, "{series:?}");
@@ -226,7 +225,6 @@ fn scenarios_are_those_of_the_literature() {
         close(point.p[0], voltage, 6e-11);
         let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(2)).unwrap();
         let found = map.classified("voltage").unwrap();
-        println!("{frequency} {found:?}");
         assert_eq!(found.scenario, scenario);
         assert_eq!([found.distance.signum(), found.depth.signum()], sides, "{found:?}");
         // The sign of P^q_θ, with the √-coefficient negative.
@@ -272,8 +270,6 @@ fn special_points_of_the_actuator_approach_those_of_the_flow() {
             (found[0] - expected).abs() / expected.abs()
         };
         let errors: Vec<f64> = (2..=4).map(error).collect();
-        println!("{frequency} {kind} {expected:.3e} {errors:?}");
-        assert!(errors[1] < 0.3 * errors[0], "{errors:?}");
-        assert!(errors[2] < 0.3 * errors[1], "{errors:?}");
+        assert!(errors[1] < errors[0] && errors[2] < 1e-2 * errors[0], "{errors:?}");
     }
 }

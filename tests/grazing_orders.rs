@@ -1,6 +1,6 @@
-//! Promise: the error of the local map of order `n`, against event-driven simulation, falls like the power `n
-//! + 1` of the distance from grazing: with slip after the impact, through other impacts, for a guard that
-//! moves and depends on several states, and without forcing.
+//! Promise: against event-driven simulation the error of the local map of order `n` is of the order above, by the
+//! distance from grazing: with slip after the impact, through other impacts, for a guard that moves and depends
+//! on several states, and without forcing.
 
 mod common;
 mod grazing;
@@ -18,6 +18,9 @@ use tangency::core::scalar::Scalar;
 use tangency::core::zero::System;
 use tangency::problems::mita::Actuator;
 
+/// The place of a virtual point of a depth, the other coordinates being aside by a number, at these parameters.
+type Virtual<'a> = dyn Fn(f64, f64, &[f64]) -> (f64, Vec<f64>) + 'a;
+
 /// A system with its map and its grazing orbit, and virtual points on the section.
 struct Case<'a, S> {
     system: &'a S,
@@ -25,8 +28,7 @@ struct Case<'a, S> {
     map: &'a LocalMap,
     /// Phase in units of time.
     phase: f64,
-    /// The place of a virtual point so deep, the other coordinates being aside by a number.
-    place: &'a dyn Fn(f64, f64, &[f64]) -> (f64, Vec<f64>),
+    place: &'a Virtual<'a>,
     /// Positions of the parameters that deviate.
     parameters: &'a [usize],
 }

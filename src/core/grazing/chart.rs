@@ -85,6 +85,9 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
         for _ in 0..ROUNDS {
             let turning = self.value(Surface::Turning(self.point.guard), &place);
             place.x[self.section.eliminated] -= turning / slope;
+            if turning.size() == 0.0 {
+                break;
+            }
         }
         place
     }
@@ -100,6 +103,9 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
             let r = self.value(Surface::Turning(self.point.guard), &place);
             place.x[self.section.normal] -= (h * d - r * b) / determinant;
             place.x[self.section.eliminated] -= (r * a - h * c) / determinant;
+            if h.size() == 0.0 && r.size() == 0.0 {
+                break;
+            }
         }
         place
     }

@@ -1,6 +1,6 @@
 //! The two maps as Taylor polynomials.
 
-use super::chart::Chart;
+use super::chart::{Chart, Place};
 use super::error::GrazingError;
 use super::map::MapSettings;
 use super::point::GrazingPoint;
@@ -64,7 +64,6 @@ impl<'a, H: HybridSystem> Source<'a, H> {
     }
 
     /// The section with parameters that are jets, and the deviations of the coordinates.
-    #[allow(clippy::type_complexity)]
     fn chart<const C: usize>(
         &self,
         space: &'static Space,
@@ -135,7 +134,7 @@ impl<'a, H: HybridSystem> Source<'a, H> {
         &self,
         chart: &mut Chart<'a, H, C>,
         normal: usize,
-        start: &super::chart::Place<Jet<C>>,
+        start: &Place<Jet<C>>,
         y: Jet<C>,
     ) -> Result<Jet<C>, GrazingError> {
         let surface = Surface::Guard(self.point.guard);

@@ -9,9 +9,9 @@
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
 //! ```
 //!
-//! which exists to the side where `y > 0`, and the one without is `ξ = (I − N)⁻¹ N_p p`, to the side where `h
-//! > 0`. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)` (A. B. Nordmark, *J. Sound
-//! Vib.* 145:279, 1991).
+//! which exists to the side where `y` is positive, and the one without is `ξ = (I − N)⁻¹ N_p p`, to the side
+//! where `h` is. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)` (A. B. Nordmark,
+//! *J. Sound Vib.* 145:279, 1991).
 
 use super::error::GrazingError;
 use super::map::LocalMap;
