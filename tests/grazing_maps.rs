@@ -12,11 +12,15 @@ use hybrid::impact_oscillator::{ClosedForm, flow};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
+use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::flow::Scheme;
 use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap};
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::jet::{Jet, Space};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
+use tangency::core::zero::System;
 use tangency::problems::mita::Actuator;
 
 /// Half a unit of the sixth decimal, with the rounding of what is printed.
@@ -99,6 +103,41 @@ fn codimension_two_points_are_found() {
         close(found[0], expected[0], 1e-12);
         close(found[1], expected[1], 1e-12);
         close(found[2], expected[2], 6e-10);
+    }
+}
+
+/// The same points as special ones of the curve of grazings in voltage and frequency, followed as one of orbits
+/// without impacts (II/III) and as one of orbits with an impact of no speed (I/II): the maps there are the same.
+#[test]
+fn curves_of_grazings_lead_to_maps() {
+    let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+    let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)]).unwrap();
+    let names = orbits.names().parameters.clone();
+    let run = Continuation::of(&mut orbits);
+    let run = names.iter().zip(Actuator::DEFAULTS).fold(run, |run, (name, p)| run.at(name, p));
+    let branch = run.at("voltage", 0.01).along("voltage", 0.01..=1.0).trace().unwrap();
+    let label = branch.of_kind(Kind::G).next().unwrap().label;
+    for (switch, start, condition) in [
+        (false, [0.176796, 0.480271, 5.286519], nonhyperbolic as Condition),
+        (true, [0.171067, 0.487809, 5.496544], degenerate),
+    ] {
+        let run = Continuation::of(&mut orbits).restart(&branch, label).hold(Kind::G);
+        let run = if switch { run.switch() } else { run };
+        let settings = Settings { max_step: 0.05, ..Settings::default() };
+        let run = run.along("voltage", 0.0..=1.0).along("frequency", 0.44..=0.52);
+        let curve = run.settings(settings).trace().unwrap();
+        let special = curve.of_kind(Kind::LP).next().unwrap();
+        let point = GrazingPoint::at(&mut orbits, &special.state, &special.parameters).unwrap();
+        assert_eq!(point.following.len(), 1);
+        let (expected, _) = codimension_two(start, condition);
+        agree(&point.p, &expected.p, 1e-10);
+        let (found, expected) = (mita(&point, 2), mita(&expected, 2));
+        let images = |map: &LocalMap| -> Vec<f64> {
+            let all = map.smooth().iter().chain(map.discontinuity());
+            all.flat_map(|image| image.coefficients().to_vec()).collect()
+        };
+        agree(&images(&found), &images(&expected), 1e-8);
     }
 }
 

@@ -117,12 +117,7 @@ fn through_another_impact() {
         branch.of_kind(Kind::G).max_by(|a, b| a.parameters[0].total_cmp(&b.parameters[0]));
     let contact = contact.unwrap();
     common::close(contact.parameters[0], 0.733767719564, 1e-10);
-    let mut p = start.p.clone();
-    p[0] = contact.parameters[0];
-    let x = [&contact.state[..], &p].concat();
-    let starts: Vec<f64> = (0..2).flat_map(|leg| orbits.states(&x, leg, 0.0).unwrap()).collect();
-    let q = [&p[..], &contact.state[contact.state.len() - 3..]].concat();
-    let point = GrazingPoint::of(orbits.problem(), &starts, &q).unwrap();
+    let point = GrazingPoint::at(&mut orbits, &contact.state, &contact.parameters).unwrap();
     assert_eq!((point.legs.len(), point.following.len()), (3, 1));
     let point = point.located(&Actuator, "voltage").unwrap();
     let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();

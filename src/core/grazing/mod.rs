@@ -50,6 +50,7 @@ mod scenario;
 mod section;
 mod surface;
 mod table;
+mod touch;
 
 pub use error::GrazingError;
 pub use expansion::Expansion;

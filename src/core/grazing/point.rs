@@ -5,12 +5,11 @@ use super::map::{MapSettings, positions};
 use super::maps::Source;
 use super::section::{Coordinate, Section};
 use super::surface::Surface;
-use crate::core::bvp::BoundaryProblem;
 use crate::core::condition::EvaluationError;
 use crate::core::hybrid::HybridSystem;
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
-use crate::core::orbit::{HybridOrbit, Leg};
+use crate::core::orbit::Leg;
 use crate::core::zero::Border;
 
 /// A point of a grazing orbit: time and state of the touch, what follows an event there at once, and how the
@@ -55,38 +54,6 @@ const ITERATIONS: usize = 12;
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {
-    /// Where an orbit touches a guard, from the states at the starts of its legs and its parameters and
-    /// further unknowns, which are those of a point `G` on a branch.
-    ///
-    /// # Errors
-    /// [`GrazingError::NotBorn`] if it touches none.
-    pub fn of<H: HybridSystem + Clone>(
-        orbit: &HybridOrbit<H>,
-        starts: &[f64],
-        q: &[f64],
-    ) -> Result<Self, GrazingError> {
-        let birth = orbit.born_at_grazing(starts, q)?.ok_or_else(|| {
-            let reason = "the orbit is none at which others with an event are born";
-            EvaluationError::NotApplicable(reason.into())
-        })?;
-        let itinerary = birth.problem.itinerary().clone();
-        let p = q[..orbit.parameters().len()].to_vec();
-        let modes = orbit.system().modes();
-        let forced = birth.extras.len() > itinerary.legs.len();
-        let time = if forced { birth.extras[0] } else { 0.0 };
-        let durations = birth.extras[usize::from(forced)..].iter().copied();
-        // The orbit that is born begins with what follows the touch and ends with it.
-        let mode = itinerary.legs.last().map_or(0, |leg| leg.mode);
-        let guard = itinerary.legs.last().and_then(|leg| leg.exit).unwrap_or(0);
-        let following: Vec<Leg> =
-            itinerary.legs.iter().copied().take_while(|leg| leg.mode != mode).collect();
-        let skipped: usize = following.iter().map(|leg| modes[leg.mode].states.len()).sum();
-        let x = birth.starts[skipped..skipped + modes[mode].states.len()].to_vec();
-        let legs = itinerary.legs.iter().copied().zip(durations).skip(following.len()).collect();
-        let periods = itinerary.periods;
-        Ok(GrazingPoint { guard, mode, time, x, p, following, legs, periods })
-    }
-
     /// The nearest point that an orbit returns to, one parameter being free: Newton's iteration on the linear
     /// local map, to an orbit that misses its start by no more than 1e-11.
     ///
