@@ -15,8 +15,8 @@ use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::flow::Scheme;
-use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap};
-use tangency::core::hybrid::HybridSystem;
+use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, MapSettings};
+use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::jet::{Jet, Space};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
@@ -364,12 +364,65 @@ fn impossible_maps_are_refused() {
     early.legs[0].1 *= 0.2;
     let error = of(&early, &[], 2);
     assert!(matches!(error, GrazingError::NoReturn { .. }), "{error}");
+    let careless = MapSettings { tolerance: -1.0, ..settings(2) };
+    let error = LocalMap::of(&Actuator, &point, &[], careless).unwrap_err();
+    assert!(matches!(error, GrazingError::Settings(_)), "{error}");
     let stuck = point.located(&Actuator, "gravity").unwrap_err();
     assert!(matches!(stuck, GrazingError::NotBorn(_)), "{stuck}");
     let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
     let mut resting = Actuator::DEFAULTS;
     resting[0] = 0.0;
     assert!(GrazingPoint::of(&orbit, &[0.0, 0.0], &resting).is_err());
+}
+
+/// `x' = cos t − x` below a level: a guard without a rate of its own.
+#[derive(Clone)]
+struct Level;
+
+impl HybridSystem for Level {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("below", ["x"])]
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("reached", 0)]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        vec!["level".into()]
+    }
+
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], _p: &[T], f: &mut [T]) {
+        f[0] = t.cos() - x[0];
+    }
+
+    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], p: &[T]) -> T {
+        p[0] - x[0]
+    }
+
+    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+        after.copy_from_slice(x);
+    }
+
+    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(TAU))
+    }
+}
+
+/// A guard must leave its rate a state of its own: of a single state it determines all.
+#[test]
+fn single_states_have_no_section() {
+    // x = (cos t + sin t)/2 is largest at π/4.
+    let (level, time) = (0.5_f64.sqrt(), 0.25 * PI);
+    let orbit = HybridOrbit::of(Level, Itinerary::smooth(0, 1));
+    let point = GrazingPoint::of(&orbit, &[0.5], &[level]).unwrap();
+    close(point.time, time, 1e-9);
+    let refused = LocalMap::of(&Level, &point, &["level"], MapSettings::default()).unwrap_err();
+    assert!(matches!(refused, GrazingError::NoSection { .. }), "{refused}");
 }
 
 /// A printed map names its monomials.
