@@ -106,8 +106,9 @@ fn codimension_two_points_are_found() {
     }
 }
 
-/// The same points as special ones of the curve of grazings in voltage and frequency, followed as one of orbits
-/// without impacts (II/III) and as one of orbits with an impact of no speed (I/II): the maps there are the same.
+/// The same points as special ones of the curve of grazings in voltage and frequency, followed as one of
+/// orbits without impacts (II/III) and as one of orbits with an impact of no speed (I/II): the maps there are
+/// the same.
 #[test]
 fn curves_of_grazings_lead_to_maps() {
     let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
@@ -333,6 +334,8 @@ fn iterations_allocate_nothing() {
 fn far_from_grazing_is_refused() {
     let map = oscillator(&ClosedForm::usual(1.2), &["amplitude"], 3);
     assert!(map.image(&[1e-4, 0.0], &[0.0], 1e-5).is_ok());
+    let refused = map.image(&[0.3], &[0.1], 1e-5).unwrap_err();
+    assert!(matches!(refused, GrazingError::Length { found: 1, expected: 2, .. }), "{refused}");
     let refused = map.image(&[0.3, 0.4], &[0.1], 1e-5).unwrap_err();
     let GrazingError::TooFar { order: 3, estimate, penetration, .. } = refused else {
         panic!("{refused}")
@@ -367,6 +370,21 @@ fn impossible_maps_are_refused() {
     let careless = MapSettings { tolerance: -1.0, ..settings(2) };
     let error = LocalMap::of(&Actuator, &point, &[], careless).unwrap_err();
     assert!(matches!(error, GrazingError::Settings(_)), "{error}");
+    let standing = MapSettings { phase: 0.0, ..settings(2) };
+    let error = LocalMap::of(&Actuator, &point, &[], standing).unwrap_err();
+    assert!(matches!(error, GrazingError::Phase { .. }), "{error}");
+    for mismatched in [
+        GrazingPoint { guard: 99, ..point.clone() },
+        GrazingPoint { mode: 99, ..point.clone() },
+        GrazingPoint { mode: Actuator::CONTACT, ..point.clone() },
+        GrazingPoint { x: vec![0.5], ..point.clone() },
+        GrazingPoint { p: vec![0.5], ..point.clone() },
+        GrazingPoint { legs: Vec::new(), ..point.clone() },
+    ] {
+        let error = of(&mismatched, &[], 2);
+        assert!(matches!(error, GrazingError::Mismatch { .. }), "{error}");
+        assert_eq!(mismatched.located(&Actuator, "voltage").unwrap_err(), error);
+    }
     let stuck = point.located(&Actuator, "gravity").unwrap_err();
     assert!(matches!(stuck, GrazingError::NotBorn(_)), "{stuck}");
     let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));

@@ -1,6 +1,6 @@
-//! Promise: against event-driven simulation the error of the local map of order `n` is of the order above, by the
-//! distance from grazing: with slip after the impact, through other impacts, for a guard that moves and depends
-//! on several states, and without forcing.
+//! Promise: against event-driven simulation the error of the local map of order `n` is of the order above, by
+//! the distance from grazing: with slip after the impact, through other impacts, for a guard that moves and
+//! depends on several states, and without forcing.
 
 mod common;
 mod grazing;
@@ -18,7 +18,8 @@ use tangency::core::scalar::Scalar;
 use tangency::core::zero::System;
 use tangency::problems::mita::Actuator;
 
-/// The place of a virtual point of a depth, the other coordinates being aside by a number, at these parameters.
+/// The place of a virtual point of a depth, the other coordinates being aside by a number, at these
+/// parameters.
 type Virtual<'a> = dyn Fn(f64, f64, &[f64]) -> (f64, Vec<f64>) + 'a;
 
 /// A system with its map and its grazing orbit, and virtual points on the section.

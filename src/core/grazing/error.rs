@@ -25,6 +25,38 @@ pub enum GrazingError {
         /// The parameters.
         known: String,
     },
+    /// A grazing point that does not belong to the system.
+    #[error(
+        "the grazing point does not belong to the system: {what} {found}, where {expected} {meant}"
+    )]
+    Mismatch {
+        /// What does not fit.
+        what: &'static str,
+        /// The number that was found.
+        found: usize,
+        /// The number that it should be, or below which it should be.
+        expected: usize,
+        /// What that number is.
+        meant: &'static str,
+    },
+    /// Deviations of another number than there are coordinates or parameters.
+    #[error("{found} deviations of {what} are given, there are {expected}")]
+    Length {
+        /// Coordinates or parameters.
+        what: &'static str,
+        /// How many are given.
+        found: usize,
+        /// How many there are.
+        expected: usize,
+    },
+    /// The phase of a period has no meaning.
+    #[error(
+        "the phase grows by {phase} in a period of the forcing: it should be a positive number"
+    )]
+    Phase {
+        /// The phase asked for.
+        phase: f64,
+    },
     /// The order is none.
     #[error("a local map has at least order 1, not {order}")]
     Order {

@@ -7,6 +7,8 @@ use crate::core::scalar::Scalar;
 /// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after the first
 /// image.
 ///
+/// Points have as many components as the map has coordinates, and parameters as many as deviate.
+///
 /// On dual numbers it gives the Jacobian of the map, whose entries grow like `1/y` near grazing.
 pub struct Iteration<'a, T> {
     map: &'a LocalMap,

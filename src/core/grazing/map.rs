@@ -95,6 +95,10 @@ impl LocalMap {
         if settings.order == 0 {
             return Err(GrazingError::Order { order: 0 });
         }
+        if !(settings.phase > 0.0 && settings.phase.is_finite()) {
+            return Err(GrazingError::Phase { phase: settings.phase });
+        }
+        point.check(system)?;
         let positions = positions(system, parameters)?;
         let section = &Section::of(system, point)?;
         touches(system, point)?;
@@ -192,8 +196,16 @@ impl LocalMap {
     /// The image of a point of the section, given deviations of its coordinates and of the parameters.
     ///
     /// # Errors
-    /// [`GrazingError::TooFar`] if the highest order changes it by more than the tolerance.
+    /// [`GrazingError::TooFar`] if the highest order changes it by more than the tolerance,
+    /// [`GrazingError::Length`] for another number of deviations.
     pub fn image(&self, x: &[f64], p: &[f64], tolerance: f64) -> Result<Vec<f64>, GrazingError> {
+        let lengths = [
+            ("coordinates", x.len(), self.coordinates.len()),
+            ("parameters", p.len(), self.parameters.len()),
+        ];
+        if let Some((what, found, expected)) = lengths.into_iter().find(|(_, a, b)| a != b) {
+            return Err(GrazingError::Length { what, found, expected });
+        }
         let (order, estimate) = (self.space.order(), self.error(x, p));
         let mut iteration = self.iteration();
         if estimate.is_nan() || estimate > tolerance {

@@ -88,6 +88,7 @@ impl GrazingPoint {
         system: &H,
         parameter: &str,
     ) -> Result<Self, GrazingError> {
+        self.check(system)?;
         let positions = positions(system, &[parameter])?;
         let mut point = self.clone();
         let mut residual = f64::INFINITY;
@@ -99,6 +100,38 @@ impl GrazingPoint {
         }
         let parameter = parameter.to_string();
         Err(GrazingError::NotLocated { parameter, iterations: ITERATIONS, residual })
+    }
+
+    /// Refuses a point whose numbers do not belong to a system.
+    pub(super) fn check<H: HybridSystem>(&self, system: &H) -> Result<(), GrazingError> {
+        let (modes, guards) = (system.modes(), system.guards());
+        let (all_modes, all_guards) = (modes.len(), guards.len());
+        let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
+        let below = |what, found, expected, meant| match found < expected {
+            true => Ok(()),
+            false => Err(GrazingError::Mismatch { what, found, expected, meant }),
+        };
+        let same = |what, found, expected, meant| match found == expected {
+            true => Ok(()),
+            false => Err(GrazingError::Mismatch { what, found, expected, meant }),
+        };
+        for leg in legs {
+            below("a leg is in mode", leg.mode, all_modes, "is the number of modes")?;
+            let Some(exit) = leg.exit else { continue };
+            below("a leg ends by guard", exit, all_guards, "is the number of guards")?;
+            same("a leg is in mode", leg.mode, guards[exit].mode, "is that which its guard ends")?;
+        }
+        below("it is in mode", self.mode, all_modes, "is the number of modes")?;
+        below("it touches guard", self.guard, all_guards, "is the number of guards")?;
+        let ends = guards[self.guard].mode;
+        same("it is in mode", self.mode, ends, "is that which the touched guard ends")?;
+        let states = modes[self.mode].states.len();
+        same("its states number", self.x.len(), states, "are those of the mode")?;
+        let parameters = system.parameters().len();
+        same("its parameters number", self.p.len(), parameters, "are those of the system")?;
+        // A point without a leg is as one whose first leg is in no mode.
+        let first = self.legs.first().map_or(all_modes, |(leg, _)| leg.mode);
+        same("its first leg is in mode", first, self.mode, "is the touched one")
     }
 
     /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much both were

@@ -4,8 +4,8 @@ use super::map::LocalMap;
 use crate::core::jet::Polynomial;
 use std::fmt::{Display, Formatter};
 
-/// Coefficients below this part of the largest one of their column are rounding.
-const ROUNDING: f64 = 1e-13;
+/// Coefficients below this are printed as zero.
+const LEAST: f64 = 5e-11;
 
 /// A table for each of both maps: a row for each monomial, a column for each coordinate of the image.
 ///
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-13;
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
 /// let printed = map.to_string();
 /// assert!(printed.starts_with("smooth map, order 1"));
-/// assert!(printed.contains("y                    0.0000000000    -2.5455844123"), "{printed}");
+/// assert!(printed.contains("y                 0.0000000000    -2.5455844123"), "{printed}");
 /// # Ok::<(), tangency::core::grazing::GrazingError>(())
 /// ```
 impl Display for LocalMap {
@@ -43,7 +43,11 @@ impl LocalMap {
         variables: &[String],
         images: &[Polynomial],
     ) -> std::fmt::Result {
-        write!(f, "{:16}", "")?;
+        let labels: Vec<String> = (0..self.space().len())
+            .map(|k| monomial(variables, self.space().exponents(k)))
+            .collect();
+        let width = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+        write!(f, "{:width$}", "")?;
         for name in self.coordinates() {
             write!(f, " {:>16}", format!("Δ{name}"))?;
         }
@@ -51,13 +55,13 @@ impl LocalMap {
         for k in 1..self.space().len() {
             let coefficients: Vec<f64> =
                 images.iter().map(|image| image.coefficients()[k]).collect();
-            if coefficients.iter().all(|c| c.abs() < ROUNDING) {
+            if coefficients.iter().all(|c| c.abs() < LEAST) {
                 continue;
             }
-            write!(f, "{:16}", monomial(variables, self.space().exponents(k)))?;
+            write!(f, "{:width$}", labels[k])?;
             for c in coefficients {
                 // No negative zeros.
-                let c = if c.abs() < ROUNDING { 0.0 } else { c };
+                let c = if c.abs() < LEAST { 0.0 } else { c };
                 write!(f, " {c:>16.10}")?;
             }
             writeln!(f)?;

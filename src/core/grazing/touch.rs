@@ -93,8 +93,8 @@ impl<H: HybridSystem + Clone> Orbit<'_, H> {
 }
 
 impl GrazingPoint {
-    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from the states at
-    /// which its legs begin, and its parameters and further unknowns.
+    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from the states
+    /// at which its legs begin, and its parameters and further unknowns.
     ///
     /// # Errors
     /// [`GrazingError::NotBorn`] if it does neither.
@@ -112,8 +112,8 @@ impl GrazingPoint {
         orbit.touching()
     }
 
-    /// The same from the unknowns and all parameters of a special point, found by these orbits on a branch (`G`)
-    /// or on a curve of grazings.
+    /// The same from the unknowns and all parameters of a special point, found by these orbits on a branch
+    /// (`G`) or on a curve of grazings.
     ///
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
