@@ -133,6 +133,52 @@ fn passing_points_graze_where_impacting_ones_begin() {
     assert_eq!(impacting.itinerary, "impact");
 }
 
+/// At a period doubling a branch of two impacts begins, whose points the map takes to each other; its multipliers are
+/// those of the product of the map's derivatives.
+#[test]
+fn doubled_orbits_are_those_of_the_iterated_map() {
+    let form = ClosedForm::usual(resonance(1, 0.1) + 0.004);
+    let map = oscillator(&form, &["amplitude"], 4);
+    let single = from_grazing(&map, 4, "amplitude", [-5e-4, 5e-4]);
+    let label = single.of_kind(Kind::PD).next().unwrap().label;
+    let mut orbits = LocalOrbit::of(map.clone(), &[true]).system().unwrap();
+    let settings = Settings { initial_step: 1e-4, max_step: 1e-2, ..Settings::default() };
+    let doubled = Continuation::of(&mut orbits)
+        .restart(&single, label)
+        .switch()
+        .along("amplitude", -5e-4..=5e-4)
+        .settings(settings)
+        .trace()
+        .unwrap();
+    assert_eq!(doubled.itinerary, "impact impact");
+    let end = doubled.of_kind(Kind::EP).next().unwrap();
+    let x = [&end.state[..], &end.parameters].concat();
+    let points = [0, 1].map(|k| orbits.states(&x, k, 0.0).unwrap());
+    let dual = |x: f64| num_dual::Dual64::from(x);
+    let p: Vec<_> = end.parameters.iter().map(|p| dual(*p)).collect();
+    let mut iteration = map.iteration();
+    let mut derivative = nalgebra::Matrix2::<f64>::identity();
+    for k in 0..2 {
+        let columns = [0, 1].map(|column| {
+            let mut image: Vec<_> = points[k].iter().map(|x| dual(*x)).collect();
+            image[column] = image[column].derivative();
+            assert!(iteration.penetration(&image, &p).re > 1e-6);
+            iteration.apply(&mut image, &p);
+            let values: Vec<f64> = image.iter().map(|x| x.re).collect();
+            common::agree(&values, &points[1 - k], 1e-11);
+            nalgebra::Vector2::new(image[0].eps, image[1].eps)
+        });
+        derivative = nalgebra::Matrix2::from_columns(&columns) * derivative;
+    }
+    orbits.assemble(&x).unwrap();
+    let spectrum = orbits.spectrum(&x).unwrap();
+    let expected = multipliers(derivative.trace(), derivative.determinant());
+    for (found, expected) in spectrum.iter().zip(expected) {
+        close(found.0, expected.0, 1e-8 * expected.0.abs().max(1.0));
+        close(found.1, expected.1, 1e-8);
+    }
+}
+
 /// Folds and period doublings of the oscillator on both sides of a resonance: each order brings digits.
 #[test]
 fn special_points_gain_by_every_order() {
