@@ -16,7 +16,7 @@ use num_dual::{Dual, Dual64};
 use std::ops::ControlFlow;
 
 /// How fast a guard changes along the motion of its mode, `dh/dt = h_t + h_x f`.
-pub(super) fn rate<H: HybridSystem, T: Scalar>(
+pub(in crate::core) fn rate<H: HybridSystem, T: Scalar>(
     system: &H,
     (guard, mode): (usize, usize),
     t: T,

@@ -19,6 +19,7 @@ mod measures;
 mod periodic;
 mod simulation;
 
+pub(in crate::core) use birth::rate;
 pub use hybrid::HybridOrbit;
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub use periodic::{Orbit, by_collocation, by_shooting};

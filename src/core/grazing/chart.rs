@@ -1,0 +1,184 @@
+//! Motion near a grazing point on jets.
+
+use super::error::GrazingError;
+use super::map::MapSettings;
+use super::point::GrazingPoint;
+use super::section::{Coordinate, Section};
+use super::surface::Surface;
+use crate::core::flow::{Flow, Scheme, Settings};
+use crate::core::hybrid::{HybridSystem, InMode};
+use crate::core::jet::Jet;
+use crate::core::scalar::Scalar;
+
+/// A time and a state.
+#[derive(Clone, Debug)]
+pub(super) struct Place<T> {
+    pub mode: usize,
+    pub t: T,
+    pub x: Vec<T>,
+}
+
+/// Newton's iterations at most: each doubles the digits of the real part, and the degree that is right.
+const ROUNDS: usize = 12;
+/// A step this much smaller than the largest one is rounding.
+const ROUNDING: f64 = 1e-14;
+/// A surface is reached when the last step is smaller than this, relative to the largest one.
+const REACHED: f64 = 1e-6;
+
+/// The section of a grazing point with parameters that are jets: places on it, and motion from them.
+pub(super) struct Chart<'a, H, const C: usize> {
+    pub system: &'a H,
+    pub point: &'a GrazingPoint,
+    pub section: &'a Section,
+    pub p: Vec<Jet<C>>,
+    /// Time in units of phase, `T(p)/phase of a period`.
+    unit: Jet<C>,
+    /// The phase of the touch.
+    phase: f64,
+    /// The phase of a period of the forcing.
+    cycle: f64,
+    states: Vec<usize>,
+    /// The flow for long times, with steps controlled by all coefficients.
+    long: Flow<Jet<C>>,
+    /// The flow for times that have nearly no real part, in one step.
+    short: Flow<Jet<C>>,
+}
+
+impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
+    pub fn new(
+        (system, point, section): (&'a H, &'a GrazingPoint, &'a Section),
+        p: Vec<Jet<C>>,
+        settings: MapSettings,
+    ) -> Result<Self, GrazingError> {
+        let long = Settings::new(Scheme::DormandPrince8, settings.tolerance);
+        let short = Settings { first_step: Some(1.0), ..long };
+        let cycle = settings.phase;
+        let unit = system.period(&p).map_or(Jet::from(1.0), |period| period / cycle);
+        let phase = point.time / unit.real();
+        let states = system.modes().iter().map(|mode| mode.states.len()).collect();
+        let (long, short) = (Flow::new(long)?.measured_by(Jet::size), Flow::new(short)?);
+        Ok(Chart { system, point, section, p, unit, phase, cycle, states, long, short })
+    }
+
+    /// The place with these deviations of the coordinates, not on the section yet.
+    fn place(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
+        let x = self.point.x.iter().map(|x| Jet::from(*x)).collect();
+        let mut place = Place { mode: self.point.mode, t: self.point.time.into(), x };
+        for (coordinate, deviation) in self.section.coordinates.iter().zip(deviations) {
+            match coordinate {
+                Coordinate::State(i) => place.x[*i] += *deviation,
+                Coordinate::Phase => place.t = (*deviation + self.phase) * self.unit,
+            }
+        }
+        place
+    }
+
+    /// The function of a surface at a place.
+    pub fn value(&self, surface: Surface, place: &Place<Jet<C>>) -> Jet<C> {
+        surface.value(self.system, place.mode, place.t, &place.x, &self.p)
+    }
+
+    /// The place on the section with these deviations of the coordinates.
+    pub fn on_section(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
+        let mut place = self.place(deviations);
+        let slope = self.section.slopes[1][1];
+        for _ in 0..ROUNDS {
+            let turning = self.value(Surface::Turning(self.point.guard), &place);
+            place.x[self.section.eliminated] -= turning / slope;
+            if turning.size() == 0.0 {
+                break;
+            }
+        }
+        place
+    }
+
+    /// The place on the section where the guard has a given value, with these deviations of the other
+    /// coordinates.
+    pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
+        let mut place = self.place(deviations);
+        let [[a, b], [c, d]] = self.section.slopes;
+        let determinant = a * d - b * c;
+        for _ in 0..ROUNDS {
+            let h = self.value(Surface::Guard(self.point.guard), &place) - guard;
+            let r = self.value(Surface::Turning(self.point.guard), &place);
+            place.x[self.section.normal] -= (h * d - r * b) / determinant;
+            place.x[self.section.eliminated] -= (r * a - h * c) / determinant;
+            if h.size() == 0.0 && r.size() == 0.0 {
+                break;
+            }
+        }
+        place
+    }
+
+    /// The deviations of the coordinates of a place from those of the touch so many periods before.
+    pub fn deviations(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
+        let deviation = |coordinate: &Coordinate| match coordinate {
+            Coordinate::State(i) => place.x[*i] - self.point.x[*i],
+            Coordinate::Phase => place.t / self.unit - (self.phase + self.cycle * periods as f64),
+        };
+        self.section.coordinates.iter().map(deviation).collect()
+    }
+
+    /// Moves a place on for a real time.
+    pub fn follow(&mut self, place: &mut Place<Jet<C>>, duration: f64) -> Result<(), GrazingError> {
+        if duration == 0.0 {
+            return Ok(());
+        }
+        self.advance(place, duration.into(), true)
+    }
+
+    /// Moves a place on for a time with nearly no real part.
+    pub fn shift(&mut self, place: &mut Place<Jet<C>>, time: Jet<C>) -> Result<(), GrazingError> {
+        self.advance(place, time, false)
+    }
+
+    fn advance(
+        &mut self,
+        place: &mut Place<Jet<C>>,
+        duration: Jet<C>,
+        long: bool,
+    ) -> Result<(), GrazingError> {
+        let (system, mode) = (self.system, place.mode);
+        let flow = if long { &mut self.long } else { &mut self.short };
+        flow.advance(&InMode { system, mode }, place.t, duration, &mut place.x, &self.p).map_err(
+            |source| GrazingError::Flow { mode: system.modes()[mode].name.clone(), source },
+        )?;
+        place.t += duration;
+        Ok(())
+    }
+
+    /// Moves a place near a surface onto it along the motion, by Newton's iteration for the time.
+    pub fn land(
+        &mut self,
+        place: &mut Place<Jet<C>>,
+        surface: Surface,
+    ) -> Result<(), GrazingError> {
+        let (mut largest, mut last) = (f64::MIN_POSITIVE, 0.0);
+        for _ in 0..ROUNDS {
+            let moving = surface.moving(self.system, place.mode, place.t, &place.x, &self.p);
+            let step = -moving.re / moving.eps;
+            self.shift(place, step)?;
+            last = step.size();
+            largest = last.max(largest);
+            if last <= ROUNDING * largest {
+                break;
+            }
+        }
+        if last <= REACHED * largest.max(1.0) {
+            return Ok(());
+        }
+        Err(GrazingError::NotReached {
+            mode: self.system.modes()[place.mode].name.clone(),
+            surface: surface.name(self.system),
+            time: place.t.real(),
+            step: last,
+        })
+    }
+
+    /// Passes the event of a guard into a mode.
+    pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
+        let mut after = vec![Jet::from(0.0); self.states[next]];
+        self.system.reset(guard, next, place.t, &place.x, &self.p, &mut after);
+        (place.mode, place.x) = (next, after);
+    }
+}

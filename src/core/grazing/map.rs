@@ -1,0 +1,246 @@
+//! The local map `P = P_smooth ∘ D`.
+
+use super::error::GrazingError;
+use super::iteration::Iteration;
+use super::maps::{Discontinuity, Smooth, Source};
+use super::point::GrazingPoint;
+use super::section::{Coordinate, Section};
+use super::surface::Surface;
+use crate::core::hybrid::HybridSystem;
+use crate::core::jet::{Polynomial, Space};
+use std::f64::consts::TAU;
+
+/// What a local map is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapSettings {
+    /// The order of the polynomials, from 1 to 7.
+    pub order: usize,
+    /// By how much the phase grows in a period of the forcing.
+    pub phase: f64,
+    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest one.
+    pub tolerance: f64,
+}
+
+impl Default for MapSettings {
+    /// The second order, a phase of 2π, and a tolerance of 1e-13.
+    fn default() -> Self {
+        MapSettings { order: 2, phase: TAU, tolerance: 1e-13 }
+    }
+}
+
+/// An orbit touches its guard when guard and rate are no larger than this.
+const TOUCHES: f64 = 1e-8;
+
+/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard is least,
+/// in deviations from the grazing orbit.
+///
+/// The coordinates are all states of the touched mode but one (that which the section determines) and, under
+/// forcing, the phase; the parameters are those asked for.
+///
+/// ```
+/// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
+/// use tangency::core::orbit::{HybridOrbit, Itinerary};
+/// use tangency::problems::classic::ImpactOscillator;
+/// // At resonance, ω = 1, A = c d = 0.1 grazes at t = π/2, with the acceleration −a = −d ω².
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+/// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
+/// assert_eq!(map.coordinates(), ["displacement", "phase"]);
+/// assert_eq!(map.parameters(), ["amplitude"]);
+/// // An impact costs the time (1 + e) √(2/a) y, and leaves e² of the penetration.
+/// let [displacement, phase] = map.discontinuity() else { panic!("two coordinates") };
+/// assert!((phase.coefficient(&[1, 0, 0]) + 1.8 * 2.0_f64.sqrt()).abs() < 1e-9);
+/// assert!((displacement.coefficient(&[2, 0, 0]) - 0.64).abs() < 1e-9);
+/// # Ok::<(), tangency::core::grazing::GrazingError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LocalMap {
+    space: &'static Space,
+    coordinates: Vec<String>,
+    parameters: Vec<String>,
+    /// Coordinates and parameters of the grazing orbit.
+    origin: Vec<f64>,
+    pub(super) normal: usize,
+    pub(super) smooth: Smooth,
+    pub(super) discontinuity: Discontinuity,
+}
+
+/// The positions of parameters.
+pub(super) fn positions<H: HybridSystem>(
+    system: &H,
+    names: &[&str],
+) -> Result<Vec<usize>, GrazingError> {
+    let known = system.parameters();
+    let position = |name: &&str| {
+        known.iter().position(|known| known == name).ok_or_else(|| {
+            let (name, known) = (name.to_string(), known.join(", "));
+            GrazingError::Parameter { name, known }
+        })
+    };
+    names.iter().map(position).collect()
+}
+
+impl LocalMap {
+    /// The local map of a system at a grazing point, with deviations of the parameters named.
+    ///
+    /// # Errors
+    /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return to it, if
+    /// no coordinates can be found, or for a name or an order that there is not.
+    pub fn of<H: HybridSystem>(
+        system: &H,
+        point: &GrazingPoint,
+        parameters: &[&str],
+        settings: MapSettings,
+    ) -> Result<Self, GrazingError> {
+        if settings.order == 0 {
+            return Err(GrazingError::Order { order: 0 });
+        }
+        if !(settings.phase > 0.0 && settings.phase.is_finite()) {
+            return Err(GrazingError::Phase { phase: settings.phase });
+        }
+        point.check(system)?;
+        let positions = positions(system, parameters)?;
+        let section = &Section::of(system, point)?;
+        touches(system, point)?;
+        let source = Source { system, point, section, parameters: &positions, settings };
+        let (smooth, discontinuity) = (source.smooth()?, source.discontinuity()?);
+        let states = system.modes().swap_remove(point.mode).states;
+        let name = |coordinate: &Coordinate| match coordinate {
+            Coordinate::State(i) => states[*i].clone(),
+            Coordinate::Phase => "phase".to_string(),
+        };
+        let coordinates: Vec<String> = section.coordinates.iter().map(name).collect();
+        returns(&smooth, &coordinates)?;
+        let unit = system.period(&point.p).map_or(1.0, |period| period / settings.phase);
+        let value = |coordinate: &Coordinate| match coordinate {
+            Coordinate::State(i) => point.x[*i],
+            Coordinate::Phase => point.time / unit,
+        };
+        let origin = section.coordinates.iter().map(value);
+        Ok(LocalMap {
+            space: smooth.penetration.space(),
+            coordinates,
+            parameters: parameters.iter().map(|name| name.to_string()).collect(),
+            origin: origin.chain(positions.iter().map(|k| point.p[*k])).collect(),
+            normal: section.normal_coordinate(),
+            smooth,
+            discontinuity,
+        })
+    }
+
+    /// The monomials of all polynomials: coordinates, then parameters.
+    pub fn space(&self) -> &'static Space {
+        self.space
+    }
+
+    /// The names of the coordinates.
+    pub fn coordinates(&self) -> &[String] {
+        &self.coordinates
+    }
+
+    /// The names of the parameters.
+    pub fn parameters(&self) -> &[String] {
+        &self.parameters
+    }
+
+    /// Coordinates and parameters of the grazing orbit, from which all others deviate.
+    pub fn origin(&self) -> (&[f64], &[f64]) {
+        self.origin.split_at(self.coordinates.len())
+    }
+
+    /// The position of the coordinate in place of which `D` has `y`.
+    pub fn normal(&self) -> usize {
+        self.normal
+    }
+
+    /// `P_smooth`: the deviations of the coordinates after one turn.
+    pub fn smooth(&self) -> &[Polynomial] {
+        &self.smooth.images
+    }
+
+    /// The penetration `−h` on the section.
+    pub fn penetration(&self) -> &Polynomial {
+        &self.smooth.penetration
+    }
+
+    /// `D`: the deviations of the coordinates as functions of `y` (in place of the normal coordinate), the
+    /// other coordinates, and the parameters.
+    pub fn discontinuity(&self) -> &[Polynomial] {
+        &self.discontinuity.images
+    }
+
+    /// The normal coordinate of the virtual point as a function of the same.
+    pub fn entry(&self) -> &Polynomial {
+        &self.discontinuity.entry
+    }
+
+    /// The map, to be applied to deviations.
+    pub fn iteration<T: crate::core::scalar::Scalar>(&self) -> Iteration<'_, T> {
+        self.iteration_to(self.space.order())
+    }
+
+    /// The map without terms beyond an order.
+    pub fn iteration_to<T: crate::core::scalar::Scalar>(&self, order: usize) -> Iteration<'_, T> {
+        Iteration::new(self, order)
+    }
+
+    /// How much the highest order changes the image of a point: an estimate of the error of the map of one
+    /// order less, and where the series converges a bound for that of its own.
+    pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
+        let (mut image, mut lower) = (x.to_vec(), x.to_vec());
+        self.iteration().apply(&mut image, p);
+        self.iteration_to(self.space.order() - 1).apply(&mut lower, p);
+        image.iter().zip(&lower).fold(0.0, |most, (a, b)| (a - b).abs().max(most))
+    }
+
+    /// The image of a point of the section, given deviations of its coordinates and of the parameters.
+    ///
+    /// # Errors
+    /// [`GrazingError::TooFar`] if the highest order changes it by more than the tolerance,
+    /// [`GrazingError::Length`] for another number of deviations.
+    pub fn image(&self, x: &[f64], p: &[f64], tolerance: f64) -> Result<Vec<f64>, GrazingError> {
+        let lengths = [
+            ("coordinates", x.len(), self.coordinates.len()),
+            ("parameters", p.len(), self.parameters.len()),
+        ];
+        if let Some((what, found, expected)) = lengths.into_iter().find(|(_, a, b)| a != b) {
+            return Err(GrazingError::Length { what, found, expected });
+        }
+        let (order, estimate) = (self.space.order(), self.error(x, p));
+        let mut iteration = self.iteration();
+        if estimate.is_nan() || estimate > tolerance {
+            let penetration = iteration.penetration(x, p);
+            return Err(GrazingError::TooFar { order, estimate, tolerance, penetration });
+        }
+        let mut image = x.to_vec();
+        iteration.apply(&mut image, p);
+        Ok(image)
+    }
+}
+
+/// An orbit returns to its touch when it misses it by no more than this.
+const RETURNS: f64 = 1e-3;
+
+/// Refuses an orbit that does not return.
+fn returns(smooth: &Smooth, coordinates: &[String]) -> Result<(), GrazingError> {
+    let missed = smooth.images.iter().map(|image| image.coefficients()[0]).zip(coordinates);
+    let farthest = missed.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    match farthest.filter(|(missed, _)| missed.is_nan() || missed.abs() > RETURNS) {
+        Some((missed, coordinate)) => {
+            Err(GrazingError::NoReturn { coordinate: coordinate.clone(), missed })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses a point at which the orbit does not touch.
+fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), GrazingError> {
+    let GrazingPoint { guard, mode, time, x, p, .. } = point;
+    let touch = Surface::Guard(*guard).moving(system, *mode, *time, x, p);
+    let (value, rate, time) = (touch.re, touch.eps, *time);
+    if value.abs() <= TOUCHES && rate.abs() <= TOUCHES {
+        return Ok(());
+    }
+    let guard = system.guards()[*guard].name.clone();
+    Err(GrazingError::NoTouch { guard, time, value, rate })
+}

@@ -1,0 +1,152 @@
+//! The two maps as Taylor polynomials.
+
+use super::chart::{Chart, Place};
+use super::error::GrazingError;
+use super::map::MapSettings;
+use super::point::GrazingPoint;
+use super::section::Section;
+use super::surface::Surface;
+use crate::core::hybrid::HybridSystem;
+use crate::core::jet::{Jet, Polynomial, Space};
+
+/// What a map is computed of: the system at a grazing point with its section, and positions of the parameters
+/// that deviate.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a, H> {
+    pub system: &'a H,
+    pub point: &'a GrazingPoint,
+    pub section: &'a Section,
+    pub parameters: &'a [usize],
+    pub settings: MapSettings,
+}
+
+/// `P_smooth` in the coordinates, and the penetration `−h` on the section.
+#[derive(Clone, Debug)]
+pub(super) struct Smooth {
+    pub images: Vec<Polynomial>,
+    pub penetration: Polynomial,
+}
+
+/// `D` in `y` and the other coordinates, and the normal coordinate of the virtual point.
+#[derive(Clone, Debug)]
+pub(super) struct Discontinuity {
+    pub images: Vec<Polynomial>,
+    pub entry: Polynomial,
+}
+
+/// Calls a function with room for the jets of a space.
+macro_rules! with_room {
+    ($space:expr, $self:ident . $method:ident) => {
+        match $space.len() {
+            ..=16 => $self.$method::<16>($space),
+            ..=64 => $self.$method::<64>($space),
+            ..=256 => $self.$method::<256>($space),
+            _ => $self.$method::<1024>($space),
+        }
+    };
+}
+
+impl<'a, H: HybridSystem> Source<'a, H> {
+    /// The space of the polynomials: coordinates, then parameters.
+    fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
+        Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
+    }
+
+    pub fn smooth(&self) -> Result<Smooth, GrazingError> {
+        let space = self.space(self.settings.order)?;
+        with_room!(space, self.smooth_in)
+    }
+
+    pub fn discontinuity(&self) -> Result<Discontinuity, GrazingError> {
+        // Dividing by y costs an order.
+        let space = self.space(self.settings.order + 1)?;
+        with_room!(space, self.discontinuity_in)
+    }
+
+    /// The section with parameters that are jets, and the deviations of the coordinates.
+    fn chart<const C: usize>(
+        &self,
+        space: &'static Space,
+    ) -> Result<(Chart<'a, H, C>, Vec<Jet<C>>), GrazingError> {
+        let Source { system, point, section, parameters, settings } = *self;
+        let count = section.coordinates.len();
+        let mut p: Vec<Jet<C>> = point.p.iter().map(|p| Jet::from(*p)).collect();
+        for (k, parameter) in parameters.iter().enumerate() {
+            p[*parameter] = Jet::variable(space, count + k, point.p[*parameter])?;
+        }
+        let deviations: Result<Vec<_>, _> =
+            (0..count).map(|k| Jet::variable(space, k, 0.0)).collect();
+        Ok((Chart::new((system, point, section), p, settings)?, deviations?))
+    }
+
+    fn smooth_in<const C: usize>(&self, space: &'static Space) -> Result<Smooth, GrazingError> {
+        let (mut chart, deviations) = self.chart::<C>(space)?;
+        let mut place = chart.on_section(&deviations);
+        let penetration = -chart.value(Surface::Guard(self.point.guard), &place);
+        let legs = &self.point.legs;
+        for (k, (leg, duration)) in legs.iter().enumerate() {
+            chart.follow(&mut place, *duration)?;
+            match (legs.get(k + 1), leg.exit) {
+                (Some((next, _)), Some(guard)) => {
+                    chart.land(&mut place, Surface::Guard(guard))?;
+                    chart.pass(&mut place, guard, next.mode);
+                }
+                _ => chart.land(&mut place, Surface::Turning(self.point.guard))?,
+            }
+        }
+        let images = chart.deviations(&place, self.point.periods);
+        let polynomial = |jet: &Jet<C>| Polynomial::of(space, jet);
+        let images = images.iter().map(polynomial).collect();
+        Ok(Smooth { images, penetration: polynomial(&penetration) })
+    }
+
+    fn discontinuity_in<const C: usize>(
+        &self,
+        space: &'static Space,
+    ) -> Result<Discontinuity, GrazingError> {
+        let (mut chart, mut deviations) = self.chart::<C>(space)?;
+        let (point, normal) = (self.point, self.section.normal_coordinate());
+        let y = std::mem::replace(&mut deviations[normal], Jet::from(0.0));
+        let start = chart.at_depth(&deviations, -(y * y));
+        let entry = chart.deviations(&start, 0)[normal];
+        let time = y * self.time_from_surface(&mut chart, normal, &start, y)?;
+        let mut place = start;
+        chart.shift(&mut place, -time)?;
+        let mut guard = point.guard;
+        for leg in &point.following {
+            chart.pass(&mut place, guard, leg.mode);
+            if let Some(exit) = leg.exit {
+                chart.land(&mut place, Surface::Guard(exit))?;
+                guard = exit;
+            }
+        }
+        chart.pass(&mut place, guard, point.mode);
+        chart.land(&mut place, Surface::Turning(point.guard))?;
+        let space = self.space(self.settings.order)?;
+        let polynomial = |jet: &Jet<C>| Polynomial::of(space, jet);
+        let images = chart.deviations(&place, 0).iter().map(polynomial).collect();
+        Ok(Discontinuity { images, entry: polynomial(&entry) })
+    }
+
+    /// The time from the surface to the virtual point in units of `y`, by Newton's iteration for `G(σ) = 0`,
+    /// where `G = h/y²` and `dG/dσ = −(dh/dt)/y`.
+    fn time_from_surface<const C: usize>(
+        &self,
+        chart: &mut Chart<'a, H, C>,
+        normal: usize,
+        start: &Place<Jet<C>>,
+        y: Jet<C>,
+    ) -> Result<Jet<C>, GrazingError> {
+        let surface = Surface::Guard(self.point.guard);
+        let mut sigma = Jet::from((2.0 / self.section.curvature).sqrt());
+        // Each iteration doubles the degree that is right.
+        for _ in 0..=self.settings.order.ilog2() + 2 {
+            let mut place = start.clone();
+            chart.shift(&mut place, -y * sigma)?;
+            let h = surface.moving(self.system, place.mode, place.t, &place.x, &chart.p);
+            let (g, slope) = (h.re.divided_by(normal).divided_by(normal), h.eps.divided_by(normal));
+            sigma += g / slope;
+        }
+        Ok(sigma)
+    }
+}

@@ -1,0 +1,221 @@
+//! Fixed and periodic points of local maps, as a boundary-value problem.
+
+use super::iteration::Iteration;
+use super::map::LocalMap;
+use crate::core::bvp::{
+    Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Mesh, Monitor, Return, Shooting,
+    Watched,
+};
+use crate::core::condition::EvaluationError;
+use crate::core::scalar::Scalar;
+
+/// The periodic points of a [`LocalMap`] that go through the surface, or do not, in a given order:
+///
+/// ```text
+///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
+/// ```
+///
+/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of `ξ_k` is
+/// tied as that of the virtual point, and elsewhere the distance `h` from the surface. In these unknowns the
+/// equations are regular where an impact is a touch, `y_k = 0`, and so is the linearisation with a
+/// multiplier: nothing grows like `1/y`.
+///
+/// It is a boundary-value problem on segments without motion, so that everything that periodic orbits have
+/// applies: multipliers, stability, folds, period doublings, torus points, grazings, and the curves of them.
+/// Coordinates and parameters are deviations from the grazing orbit.
+///
+/// ```
+/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+/// use tangency::core::orbit::{HybridOrbit, Itinerary};
+/// use tangency::problems::classic::ImpactOscillator;
+/// // The oscillator at resonance: orbits with one impact fold at A = 0.0999707536, 2.9e-5 before they graze.
+/// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+/// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+/// let settings = MapSettings { order: 3, ..MapSettings::default() };
+/// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
+/// let mut orbits = LocalOrbit::of(map, &[true]).system()?;
+/// let start = orbits.flowed(&[0.0, 0.0], &[0.0], &[0.0])?;
+/// let branch = Continuation::of(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
+/// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+/// assert!((0.1 + fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LocalOrbit {
+    map: LocalMap,
+    impacts: Vec<bool>,
+    order: usize,
+}
+
+/// Functions of the points: the least `y` at impacts, and the least distance from the surface elsewhere.
+const DEPTH: usize = 0;
+const DISTANCE: usize = 1;
+
+impl LocalOrbit {
+    /// The periodic points of as many iterates as there are answers to: is there an impact?
+    pub fn of(map: LocalMap, impacts: &[bool]) -> Self {
+        let order = map.space().order();
+        LocalOrbit { map, impacts: impacts.to_vec(), order }
+    }
+
+    /// Those of the map without terms beyond an order.
+    pub fn to_order(mut self, order: usize) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// The map.
+    pub fn map(&self) -> &LocalMap {
+        &self.map
+    }
+
+    /// The problem as a system. Its unknowns are made by
+    /// [`flowed`](crate::core::bvp::BoundarySystem::flowed) from the points and the `y` or distance of each.
+    ///
+    /// # Errors
+    /// [`BoundaryError`] if there is no iterate.
+    pub fn system(self) -> Result<BoundarySystem<Self, Shooting>, BoundaryError> {
+        let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
+        // Any method is exact where nothing moves.
+        BoundarySystem::new(self, Shooting::default(), meshes)
+    }
+
+    /// The number of coordinates.
+    fn size(&self) -> usize {
+        self.map.coordinates().len()
+    }
+
+    /// Points with whether there is an impact, and their further unknown.
+    fn points<'a, T: Scalar>(
+        &'a self,
+        x: &'a [T],
+        q: &'a [T],
+    ) -> impl Iterator<Item = (&'a [T], bool, T)> + 'a {
+        let extras = &q[self.map.parameters().len()..];
+        let points = x.chunks_exact(self.size()).zip(&self.impacts);
+        points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
+    }
+
+    /// The place of the virtual point: `y` in place of the normal coordinate.
+    fn virtual_point<T: Scalar>(&self, x: &[T], y: T) -> Vec<T> {
+        let mut z = x.to_vec();
+        z[self.map.normal()] = y;
+        z
+    }
+}
+
+impl BoundaryProblem for LocalOrbit {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![self.map.coordinates().to_vec(); self.impacts.len()]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.map.parameters().to_vec()
+    }
+
+    fn extras(&self) -> Vec<String> {
+        let names = self.impacts.iter().map(|impact| if *impact { "y" } else { "distance" });
+        match self.impacts.len() {
+            1 => names.map(String::from).collect(),
+            _ => names.enumerate().map(|(k, name)| format!("{name}[{k}]")).collect(),
+        }
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], f: &mut [T]) {
+        f.fill(T::zero());
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        let (n, count) = (self.size(), self.impacts.len());
+        let p = &q[..self.map.parameters().len()];
+        let mut iteration: Iteration<T> = self.map.iteration_to(self.order);
+        for (k, (x, impact, extra)) in self.points(ends.end, q).enumerate() {
+            let next = (k + 1) % count;
+            let rows = n * next..n * (next + 1);
+            b[n * count + k] = if impact {
+                let z = self.virtual_point(x, extra);
+                let entry = iteration.entry(&z, p);
+                iteration.apply_regular(&z, p, &mut b[rows.clone()]);
+                x[self.map.normal()] - entry
+            } else {
+                iteration.apply_smooth(x, p, &mut b[rows.clone()]);
+                iteration.penetration(x, p) + extra
+            };
+            for i in rows {
+                b[i] = ends.start[i] - b[i];
+            }
+        }
+    }
+
+    fn returns(&self) -> Vec<Return> {
+        Return::of_states(self.size())
+    }
+
+    fn of_ends<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        let least = |least: T, next: T| if next.real() < least.real() { next } else { least };
+        let impact = function == DEPTH;
+        let all = self.points(ends.start, q).filter(|point| point.1 == impact);
+        all.map(|point| point.2).fold(T::from(f64::INFINITY), least)
+    }
+
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let all = |i: usize| (0..self.impacts.len()).map(|k| Watched::state(k, i)).collect();
+        let names = self.map.coordinates().iter().enumerate();
+        let mut monitors: Vec<(String, Monitor)> =
+            names.map(|(i, name)| (format!("max_{name}"), Monitor::Maximum(all(i)))).collect();
+        if self.impacts.contains(&true) {
+            monitors.push(("depth".into(), Monitor::Ends(DEPTH)));
+        }
+        if self.impacts.contains(&false) {
+            monitors.push(("distance".into(), Monitor::Ends(DISTANCE)));
+        }
+        monitors
+    }
+
+    fn grazings(&self) -> Vec<usize> {
+        (self.size()..self.monitors().len()).collect()
+    }
+
+    fn itinerary(&self) -> String {
+        let word = |impact: &bool| if *impact { "impact" } else { "pass" };
+        self.impacts.iter().map(word).collect::<Vec<_>>().join(" ")
+    }
+
+    fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError> {
+        let impact = |word: &str| match word {
+            "impact" => Ok(true),
+            "pass" => Ok(false),
+            _ => Err(EvaluationError::NotApplicable(format!(
+                "`{word}` in the itinerary `{words}` is neither `impact` nor `pass`"
+            ))),
+        };
+        let impacts = words.split_whitespace().map(impact).collect::<Result<_, _>>()?;
+        Ok(LocalOrbit { impacts, ..self.clone() })
+    }
+
+    fn doubled(&self) -> Option<Self> {
+        Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() })
+    }
+
+    /// The orbit that impacts where this one passes nearest to the surface.
+    fn born_at_grazing(
+        &self,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<Option<Birth<Self>>, EvaluationError> {
+        let passes = self.points(starts, q).enumerate().filter(|(_, (_, impact, _))| !impact);
+        let distances = passes.map(|(k, (_, _, distance))| (distance.abs(), k));
+        let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, touched)) = nearest else { return Ok(None) };
+        let mut problem = self.clone();
+        problem.impacts[touched] = true;
+        let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
+        extras[touched] = 0.0;
+        Ok(Some(Birth { problem, starts: starts.to_vec(), extras }))
+    }
+}

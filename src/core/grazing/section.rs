@@ -1,0 +1,87 @@
+//! The section, and coordinates on it.
+
+use super::error::GrazingError;
+use super::point::GrazingPoint;
+use super::surface::Surface;
+use crate::core::hybrid::HybridSystem;
+use num_dual::Dual64;
+
+/// A coordinate on the section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinate {
+    /// A state of the touched mode, by number.
+    State(usize),
+    /// The phase of the forcing.
+    Phase,
+}
+
+/// The section `Π` of a grazing point: all states of the mode but one are coordinates on it, and the phase.
+///
+/// Of the states the one with the largest part in the rate of the guard follows from the section's equation
+/// (`eliminated`), and the one with the largest part in the guard itself gives way to `y` (`normal`).
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    pub eliminated: usize,
+    pub normal: usize,
+    /// `∂(h, dh/dt)/∂(normal, eliminated)`.
+    pub slopes: [[f64; 2]; 2],
+    /// `d²h/dt²`.
+    pub curvature: f64,
+    pub coordinates: Vec<Coordinate>,
+}
+
+/// What is left of a gradient beside another one, relative to it, where both are dependent.
+const DEPENDENT: f64 = 1e-9;
+
+/// The position of the largest number in size but for one position.
+fn largest(numbers: &[f64], except: Option<usize>) -> Option<usize> {
+    let positions = (0..numbers.len()).filter(|i| Some(*i) != except);
+    positions.max_by(|a, b| numbers[*a].abs().total_cmp(&numbers[*b].abs()))
+}
+
+/// The gradient of the function of a surface by the states.
+fn gradient<H: HybridSystem>(surface: Surface, system: &H, point: &GrazingPoint) -> Vec<f64> {
+    let p: Vec<Dual64> = point.p.iter().map(|p| Dual64::from(*p)).collect();
+    let slope = |i: usize| {
+        let mut x: Vec<Dual64> = point.x.iter().map(|x| Dual64::from(*x)).collect();
+        x[i] = x[i].derivative();
+        surface.value(system, point.mode, point.time.into(), &x, &p).eps
+    };
+    (0..point.x.len()).map(slope).collect()
+}
+
+impl Section {
+    /// The section of a grazing point, the phase being a coordinate under forcing.
+    pub fn of<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<Self, GrazingError> {
+        let (guard, turning) = (Surface::Guard(point.guard), Surface::Turning(point.guard));
+        let (h, r) = (gradient(guard, system, point), gradient(turning, system, point));
+        let dependent = |pivot: f64| GrazingError::NoSection {
+            guard: system.guards()[point.guard].name.clone(),
+            mode: system.modes()[point.mode].name.clone(),
+            pivot,
+        };
+        let eliminated = largest(&r, None).filter(|k| r[*k] != 0.0).ok_or(dependent(0.0))?;
+        let share = h[eliminated] / r[eliminated];
+        let left: Vec<f64> = h.iter().zip(&r).map(|(h, r)| h - share * r).collect();
+        let normal = largest(&left, Some(eliminated)).ok_or(dependent(0.0))?;
+        let size = h.iter().fold(f64::MIN_POSITIVE, |most, h| h.abs().max(most));
+        if left[normal].abs() / size < DEPENDENT {
+            return Err(dependent(left[normal].abs() / size));
+        }
+        let curvature = turning.moving(system, point.mode, point.time, &point.x, &point.p).eps;
+        if curvature.is_nan() || curvature <= 0.0 {
+            let (guard, time) = (system.guards()[point.guard].name.clone(), point.time);
+            return Err(GrazingError::Curvature { guard, time, curvature });
+        }
+        let states = (0..point.x.len()).filter(|i| *i != eliminated).map(Coordinate::State);
+        let phase = system.period(&point.p).map(|_| Coordinate::Phase);
+        let slopes = [[h[normal], h[eliminated]], [r[normal], r[eliminated]]];
+        let coordinates = states.chain(phase).collect();
+        Ok(Section { eliminated, normal, slopes, curvature, coordinates })
+    }
+
+    /// The position of the normal state among the coordinates.
+    pub fn normal_coordinate(&self) -> usize {
+        self.coordinates.iter().position(|c| *c == Coordinate::State(self.normal)).unwrap_or(0)
+    }
+}

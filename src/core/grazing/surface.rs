@@ -1,0 +1,58 @@
+//! Surfaces along the motion of a mode: a guard, and where it is least.
+
+use crate::core::hybrid::HybridSystem;
+use crate::core::orbit::rate;
+use crate::core::scalar::Scalar;
+use num_dual::Dual;
+
+/// A surface in time and state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Surface {
+    /// Where a guard vanishes.
+    Guard(usize),
+    /// Where its rate along the motion does.
+    Turning(usize),
+}
+
+impl Surface {
+    /// The function that vanishes there.
+    pub fn value<H: HybridSystem, T: Scalar>(
+        self,
+        system: &H,
+        mode: usize,
+        t: T,
+        x: &[T],
+        p: &[T],
+    ) -> T {
+        match self {
+            Surface::Guard(guard) => system.guard(guard, t, x, p),
+            Surface::Turning(guard) => rate(system, (guard, mode), t, x, p),
+        }
+    }
+
+    /// The function with its rate along the motion of a mode.
+    pub fn moving<H: HybridSystem, T: Scalar>(
+        self,
+        system: &H,
+        mode: usize,
+        t: T,
+        x: &[T],
+        p: &[T],
+    ) -> Dual<T> {
+        let mut f = vec![T::zero(); x.len()];
+        system.field(mode, t, x, p, &mut f);
+        let x: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
+        let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+        self.value(system, mode, Dual::new(t, T::one()), &x, &p)
+    }
+
+    /// Its name, given those of the guards.
+    pub fn name<H: HybridSystem>(self, system: &H) -> String {
+        let (Surface::Guard(guard) | Surface::Turning(guard)) = self;
+        let name = &system.guards()[guard].name;
+        match self {
+            Surface::Guard(_) => format!("the event `{name}`"),
+            Surface::Turning(_) => format!("the section where guard `{name}` is least"),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Grazing points from the orbits that touch.
+
+use super::error::GrazingError;
+use super::point::GrazingPoint;
+use crate::core::bvp::{BoundaryProblem, BoundarySystem, Method, OnSegment};
+use crate::core::condition::EvaluationError;
+use crate::core::flow::Flow;
+use crate::core::hybrid::HybridSystem;
+use crate::core::orbit::{HybridOrbit, Leg, rate};
+use crate::core::zero::LeftDomain;
+
+/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time.
+const NONE: f64 = 1e-6;
+
+/// An orbit: its problem, the states at which its legs begin, and its numbers.
+struct Orbit<'a, H> {
+    problem: &'a HybridOrbit<H>,
+    starts: &'a [f64],
+    q: &'a [f64],
+}
+
+impl<H: HybridSystem + Clone> Orbit<'_, H> {
+    fn legs(&self) -> &[Leg] {
+        &self.problem.itinerary().legs
+    }
+
+    fn parameters(&self) -> &[f64] {
+        &self.q[..self.problem.parameters().len()]
+    }
+
+    /// When the first leg begins (under forcing), and how long each lasts.
+    fn times(&self) -> (f64, &[f64]) {
+        let extras = &self.q[self.parameters().len()..];
+        let (begins, durations) = extras.split_at(extras.len().saturating_sub(self.legs().len()));
+        (begins.first().copied().unwrap_or(0.0), durations)
+    }
+
+    /// The state at the end of a leg.
+    fn end(&self, leg: usize) -> Result<Vec<f64>, GrazingError> {
+        let modes = self.problem.system().modes();
+        let sizes = |legs: &[Leg]| legs.iter().map(|leg| modes[leg.mode].states.len()).sum();
+        let first: usize = sizes(&self.legs()[..leg]);
+        let size: usize = sizes(&self.legs()[leg..=leg]);
+        let mut x = self.starts[first..first + size].to_vec();
+        let (field, mut flow) =
+            (OnSegment { problem: self.problem, segment: leg }, Flow::<f64>::default());
+        flow.advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
+            .map_err(|cause| EvaluationError::LeftDomain(LeftDomain::from(cause)))?;
+        Ok(x)
+    }
+
+    /// The point at which a leg ends by an event without a speed, if it does.
+    fn ending(&self, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
+        let Leg { mode, exit } = self.legs()[leg];
+        let Some(guard) = exit else { return Ok(None) };
+        let ((begins, durations), p) = (self.times(), self.parameters());
+        let last = leg + 1 == durations.len();
+        // The end of the last leg is the beginning of the first one.
+        let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
+        let x = self.end(leg)?;
+        if rate(self.problem.system(), (guard, mode), time, &x, p).abs() > NONE {
+            return Ok(None);
+        }
+        let mut legs: Vec<(Leg, f64)> =
+            self.legs().iter().copied().zip(durations.iter().copied()).collect();
+        legs.rotate_left(leg + 1);
+        let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
+        if legs[..returns].iter().any(|(_, duration)| duration.abs() > NONE) {
+            return Ok(None);
+        }
+        let following = legs.drain(..returns).map(|(leg, _)| leg).collect();
+        let (p, periods) = (p.to_vec(), self.problem.itinerary().periods);
+        Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
+    }
+
+    /// The point at which the orbit touches a guard that it does not pass.
+    fn touching(&self) -> Result<GrazingPoint, GrazingError> {
+        let birth = self.problem.born_at_grazing(self.starts, self.q)?.ok_or_else(|| {
+            let reason = "the orbit is none at which others with an event are born";
+            EvaluationError::NotApplicable(reason.into())
+        })?;
+        let q = [self.parameters(), &birth.extras].concat();
+        let born = Orbit { problem: &birth.problem, starts: &birth.starts, q: &q };
+        // The orbit that is born ends with the touch.
+        let last = born.legs().len() - 1;
+        let point = born.ending(last)?.ok_or_else(|| {
+            let reason =
+                "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
+            EvaluationError::NotApplicable(reason.into())
+        })?;
+        Ok(point)
+    }
+}
+
+impl GrazingPoint {
+    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from the states
+    /// at which its legs begin, and its parameters and further unknowns.
+    ///
+    /// # Errors
+    /// [`GrazingError::NotBorn`] if it does neither.
+    pub fn of<H: HybridSystem + Clone>(
+        orbit: &HybridOrbit<H>,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<Self, GrazingError> {
+        let orbit = Orbit { problem: orbit, starts, q };
+        for leg in 0..orbit.legs().len() {
+            if let Some(point) = orbit.ending(leg)? {
+                return Ok(point);
+            }
+        }
+        orbit.touching()
+    }
+
+    /// The same from the unknowns and all parameters of a special point, found by these orbits on a branch
+    /// (`G`) or on a curve of grazings.
+    ///
+    /// ```
+    /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+    /// use tangency::core::continuation::{Continuation, Kind};
+    /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings, Scenario};
+    /// use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// use tangency::problems::mita::Actuator;
+    /// let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    /// let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
+    /// let names = ["frequency", "clearance", "restitution", "damping", "static_friction"];
+    /// let more = ["dynamic_friction", "frame_mass", "gravity"];
+    /// let run = Continuation::of(&mut orbits).at("voltage", 0.01);
+    /// let known = names.iter().chain(&more).zip(&Actuator::DEFAULTS[1..]);
+    /// let run = known.fold(run, |run, (name, p)| run.at(name, *p));
+    /// let branch = run.along("voltage", 0.01..=1.0).trace()?;
+    /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
+    /// let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
+    /// let map = LocalMap::of(&Actuator, &point, &["voltage"], MapSettings::default())?;
+    /// // At ω = 0.5 the motion jumps.
+    /// assert_eq!(map.classified("voltage")?.scenario, Scenario::Jump);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn at<H: HybridSystem + Clone, M: Method>(
+        orbits: &mut BoundarySystem<HybridOrbit<H>, M>,
+        state: &[f64],
+        parameters: &[f64],
+    ) -> Result<Self, GrazingError> {
+        let problem = orbits.problem().clone();
+        let (x, mut starts) = ([state, parameters].concat(), Vec::new());
+        for leg in 0..problem.itinerary().legs.len() {
+            starts.extend(orbits.states(&x, leg, 0.0).map_err(EvaluationError::LeftDomain)?);
+        }
+        let extras = &state[state.len() - problem.extras().len()..];
+        GrazingPoint::of(&problem, &starts, &[parameters, extras].concat())
+    }
+}

@@ -1,0 +1,81 @@
+//! Taylor coefficients `f⁽ᵏ⁾(a)/k!` of elementary functions at a real number, by recurrence.
+
+use super::space::MOST_ORDER;
+
+/// Coefficients up to the highest order.
+pub(super) type Series = [f64; MOST_ORDER + 1];
+
+/// The series whose first coefficient is known, and whose coefficient `k + 1` follows from those up to `k`.
+fn continued(first: f64, next: impl Fn(usize, &Series) -> f64) -> Series {
+    let mut f = [0.0; MOST_ORDER + 1];
+    f[0] = first;
+    for k in 0..MOST_ORDER {
+        f[k + 1] = next(k, &f);
+    }
+    f
+}
+
+/// The series of an integral of `f` with this value.
+fn integral(value: f64, f: &Series) -> Series {
+    continued(value, |k, _| f[k] / (k + 1) as f64)
+}
+
+/// `exp a`, from its value or that of another integral of it.
+pub(super) fn exp(a: f64) -> Series {
+    continued(a.exp(), |k, f| f[k] / (k + 1) as f64)
+}
+
+/// `aʳ`, given `aʳ` itself.
+pub(super) fn power(value: f64, a: f64, r: f64) -> Series {
+    continued(value, |k, f| f[k] * (r - k as f64) / ((k + 1) as f64 * a))
+}
+
+/// `ln a`, or a function that differs from it by a constant, given its value.
+pub(super) fn ln(value: f64, a: f64) -> Series {
+    integral(value, &power(a.recip(), a, -1.0))
+}
+
+/// `sin a`, whose derivatives are those of a rotation, and `cos a`.
+pub(super) fn sin_cos(a: f64) -> [Series; 2] {
+    let (sin, cos) = a.sin_cos();
+    let cycle = |first: [f64; 4]| {
+        let mut factorial = 1.0;
+        std::array::from_fn(|k| {
+            factorial *= k.max(1) as f64;
+            first[k % 4] / factorial
+        })
+    };
+    [cycle([sin, cos, -sin, -cos]), cycle([cos, -sin, -cos, sin])]
+}
+
+/// `sinh a` and `cosh a`.
+pub(super) fn sinh_cosh(a: f64) -> [Series; 2] {
+    let (sinh, cosh) = (a.sinh(), a.cosh());
+    let cycle = |first: [f64; 2]| {
+        let mut factorial = 1.0;
+        std::array::from_fn(|k| {
+            factorial *= k.max(1) as f64;
+            first[k % 2] / factorial
+        })
+    };
+    [cycle([sinh, cosh]), cycle([cosh, sinh])]
+}
+
+/// The solution of `f' = 1 + s f²`: the tangent for `s = 1`, the hyperbolic one for `s = −1`.
+pub(super) fn tangent(value: f64, s: f64) -> Series {
+    continued(value, |k, f| {
+        let square: f64 = (0..=k).map(|i| f[i] * f[k - i]).sum();
+        (f64::from(u8::from(k == 0)) + s * square) / (k + 1) as f64
+    })
+}
+
+/// An integral, given its value, of `(p₀ + p₁ ε + p₂ ε²)ʳ`: all inverse functions of circle and hyperbola are
+/// such integrals.
+pub(super) fn integral_of_power(value: f64, p: [f64; 3], r: f64) -> Series {
+    let root = continued(p[0].powf(r), |k, b| {
+        let term = |j: usize| (r * j as f64 - (k + 1 - j) as f64) * p[j] * b[k + 1 - j];
+        let second = if k == 0 { 0.0 } else { term(2) };
+        (term(1) + second) / ((k + 1) as f64 * p[0])
+    });
+    integral(value, &root)
+}

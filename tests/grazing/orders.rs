@@ -1,0 +1,290 @@
+//! Promise: against event-driven simulation the error of the local map of order `n` is of the order above, by
+//! the distance from grazing: with slip after the impact, through other impacts, for a guard that moves and
+//! depends on several states, and without forcing.
+
+use crate::points::{Touching, actuator, settings, simulated};
+use std::f64::consts::{PI, TAU};
+use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::flow::{Flow, Scheme};
+use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
+use tangency::core::hybrid::{Guard, HybridSystem, InMode, Mode};
+use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::System;
+use tangency::problems::mita::Actuator;
+
+/// The place of a virtual point of a depth, the other coordinates being aside by a number, at these
+/// parameters.
+type Virtual<'a> = dyn Fn(f64, f64, &[f64]) -> (f64, Vec<f64>) + 'a;
+
+/// A system with its map and its grazing orbit, and virtual points on the section.
+struct Case<'a, S> {
+    system: &'a S,
+    point: &'a GrazingPoint,
+    map: &'a LocalMap,
+    /// Phase in units of time.
+    phase: f64,
+    place: &'a Virtual<'a>,
+    /// Positions of the parameters that deviate.
+    parameters: &'a [usize],
+}
+
+/// Below this errors are those of the simulation.
+const ROUNDING: f64 = 3e-12;
+
+impl<S: Touching> Case<'_, S> {
+    /// Coordinates on the section, as deviations; the state that the section determines is the second one.
+    fn coordinates(&self, (t, x): &(f64, Vec<f64>), turn: f64, p: &[f64]) -> Vec<f64> {
+        let states = (0..x.len()).filter(|i| *i != 1).map(|i| x[i] - self.point.x[i]);
+        let unit = |p: &[f64]| self.system.period(p).map(|period| period / self.phase);
+        let phase = unit(p).zip(unit(&self.point.p)).map(|(now, then)| {
+            let cycle = if turn > 0.0 { self.phase * self.point.periods as f64 } else { 0.0 };
+            t / now - self.point.time / then - cycle
+        });
+        states.chain(phase).collect()
+    }
+
+    /// The largest errors of the maps of all orders at a distance from grazing.
+    fn errors(&self, distance: f64) -> Vec<f64> {
+        let mut p = self.point.p.clone();
+        let change = 0.3 * distance;
+        self.parameters.iter().for_each(|k| p[*k] += change);
+        let start = (self.place)(distance, 0.5 * distance, &p);
+        let turn = self.point.legs.iter().map(|leg| leg.1).sum::<f64>();
+        let image = simulated(self.system, &start, turn, &p);
+        let exact = self.coordinates(&image, turn, &p);
+        let x = self.coordinates(&start, 0.0, &p);
+        let error = |order: usize| {
+            let mut x = x.clone();
+            let p = vec![change; self.parameters.len()];
+            self.map.iteration_to(order).apply(&mut x, &p);
+            x.iter().zip(&exact).fold(0.0, |most: f64, (a, b)| (a - b).abs().max(most))
+        };
+        (1..=self.map.space().order()).map(error).collect()
+    }
+
+    /// Halving the distance divides the error by `2^{n+1}`, with a half of that for what is of higher order.
+    fn orders_hold(&self, distance: f64) {
+        let (far, near) = (self.errors(distance), self.errors(0.5 * distance));
+        for (n, (far, near)) in far.iter().zip(&near).enumerate() {
+            let order = (far / near).log2();
+            assert!(
+                order > n as f64 + 2.0 - 0.5 || *near < ROUNDING,
+                "order {}: {far:.2e} → {near:.2e}, {order:.2}",
+                n + 1
+            );
+        }
+        // And the highest order is much better than the first.
+        let best = near.iter().fold(f64::INFINITY, |best, error| error.min(best));
+        assert!(best < 1e-3 * near[0], "{near:?}");
+    }
+}
+
+/// Mita's actuator at ω = 0.5: an impact and a slip.
+#[test]
+fn impacts_with_slip() {
+    let point = actuator(0.2271775831, 0.5, 5.985512558).located(&Actuator, "voltage").unwrap();
+    let map = LocalMap::of(&Actuator, &point, &["voltage", "frequency"], settings(5)).unwrap();
+    let place = |y: f64, aside: f64, p: &[f64]| {
+        let phase = 0.5 * point.time + aside;
+        (phase / p[1], vec![point.x[0] + y * y, 0.0])
+    };
+    let (system, point, map) = (&Actuator, &point, &map);
+    Case { system, point, map, phase: PI, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
+}
+
+/// The orbit with one impact in a period that touches the front stopper a second time, at V = 0.733767719564:
+/// once around leads through an impact and a slip. The touch comes from the branch that ends there.
+#[test]
+fn through_another_impact() {
+    let start = actuator(0.2271775831, 0.5, 5.985512558).located(&Actuator, "voltage").unwrap();
+    let itinerary = Itinerary::read("forward:rest stick:front", &Actuator).unwrap();
+    let problem = HybridOrbit::of(Actuator, itinerary);
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+    let mut orbits = BoundarySystem::new(problem, method, vec![Mesh::uniform(1); 2]).unwrap();
+    let states = [0.5, 0.0, 0.0, 0.0, 0.5, 0.0];
+    let extras = [start.time, 0.0, TAU];
+    let z = orbits.flowed(&states, &extras, &start.p).unwrap();
+    let names = orbits.names().parameters.clone();
+    let run = Continuation::of(&mut orbits).from(&z);
+    let run = names.iter().zip(&start.p).fold(run, |run, (name, p)| run.at(name, *p));
+    let branch = run.along("voltage", 0.1..=0.8).trace().unwrap();
+    let contact =
+        branch.of_kind(Kind::G).max_by(|a, b| a.parameters[0].total_cmp(&b.parameters[0]));
+    let contact = contact.unwrap();
+    crate::common::close(contact.parameters[0], 0.733767719564, 1e-10);
+    let point = GrazingPoint::at(&mut orbits, &contact.state, &contact.parameters).unwrap();
+    assert_eq!((point.legs.len(), point.following.len()), (3, 1));
+    let point = point.located(&Actuator, "voltage").unwrap();
+    let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();
+    let place =
+        |y: f64, aside: f64, p: &[f64]| (point.time + aside / p[1], vec![point.x[0] + y * y, 0.0]);
+    let (system, point, map) = (&Actuator, &point, &map);
+    Case { system, point, map, phase: PI, place: &place, parameters: &[0] }.orders_hold(0.005);
+}
+
+/// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven by the
+/// mass.
+struct Follower;
+
+impl Follower {
+    /// The velocity at which the mass follows the stop.
+    fn velocity<T: Scalar>(t: T, [x, w]: [T; 2]) -> T {
+        (w * w * 0.2 - t.cos() * 0.05) / (w * x * 0.06 + 1.0)
+    }
+}
+
+impl HybridSystem for Follower {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("free", ["x", "v", "w"])]
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("hit", 0)]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        ["drive", "stop", "restitution"].map(String::from).into()
+    }
+
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = p[0] * (t + 0.4).cos() - x[0] * 2.3 - x[1] * 0.3 - x[0].powi(3) * 0.4 + x[2] * 0.2;
+        f[2] = x[0] * x[1] * 0.3 - x[2];
+    }
+
+    fn guard<T: Scalar>(&self, _guard: usize, t: T, x: &[T], p: &[T]) -> T {
+        p[1] - x[0] - x[2] * x[2] * 0.1 - t.sin() * 0.05
+    }
+
+    fn reset<T: Scalar>(&self, _g: usize, _n: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+        let stop = Follower::velocity(t, [x[0], x[2]]);
+        after.copy_from_slice(&[x[0], stop - (x[1] - stop) * p[2], x[2]]);
+    }
+
+    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::constant(TAU))
+    }
+}
+
+impl Touching for Follower {
+    fn turning(&self, t: f64, x: &[f64], _p: &[f64]) -> f64 {
+        (Follower::velocity(t, [x[0], x[2]]) - x[1]) * (1.0 + 0.06 * x[0] * x[2])
+    }
+}
+
+/// Where the motion of a system on which it settles comes nearest to a guard, as a touch that is to be
+/// located.
+fn settled<S: HybridSystem>(
+    system: &S,
+    start: &[f64],
+    mut p: Vec<f64>,
+    stop: usize,
+    period: f64,
+) -> GrazingPoint {
+    let (mut x, mut flow) = (start.to_vec(), Flow::<f64>::default());
+    let field = InMode { system, mode: 0 };
+    // The guard is the stop's place less what is touched.
+    let reach = |t: f64, x: &[f64], p: &[f64]| p[stop] - system.guard(0, t, x, p);
+    for _ in 0..60 {
+        flow.advance(&field, 0.0, period, &mut x, &p).unwrap();
+    }
+    let (steps, mut nearest) = (20_000, (f64::MIN, 0.0, Vec::new()));
+    for k in 0..steps {
+        let t = period * f64::from(k) / f64::from(steps);
+        if reach(t, &x, &p) > nearest.0 {
+            nearest = (reach(t, &x, &p), t, x.clone());
+        }
+        flow.advance(&field, t, period / f64::from(steps), &mut x, &p).unwrap();
+    }
+    p[stop] = nearest.0;
+    let (guard, mode, following) = (0, 0, Vec::new());
+    let legs = vec![(Leg { mode: 0, exit: Some(0) }, period)];
+    GrazingPoint { guard, mode, time: nearest.1, x: nearest.2, p, following, legs, periods: 1 }
+}
+
+/// A guard of time and two states, neither of which is its normal.
+#[test]
+fn a_system_of_the_test() {
+    let rough = settled(&Follower, &[0.3, 0.0, 0.0], vec![1.0, 10.0, 0.7], 1, TAU);
+    let point = rough.located(&Follower, "stop").unwrap();
+    let names = ["drive", "stop", "restitution"];
+    let order = MapSettings { order: 4, ..MapSettings::default() };
+    let map = LocalMap::of(&Follower, &point, &names, order).unwrap();
+    assert_eq!(map.coordinates(), ["x", "w", "phase"]);
+    let place = |y: f64, aside: f64, p: &[f64]| {
+        let (t, w) = (point.time + aside, point.x[2] - aside);
+        let x = p[1] - 0.1 * w * w - 0.05 * t.sin() + y * y;
+        (t, vec![x, Follower::velocity(t, [x, w]), w])
+    };
+    let (system, point, map) = (&Follower, &point, &map);
+    Case { system, point, map, phase: TAU, place: &place, parameters: &[0, 1, 2] }
+        .orders_hold(0.05);
+}
+
+/// Van der Pol's oscillator with a stop: no forcing, one coordinate.
+struct Bounded;
+
+impl HybridSystem for Bounded {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("free", ["x", "v"])]
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("hit", 0)]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        ["stop", "restitution", "mu"].map(String::from).into()
+    }
+
+    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = p[2] * (-x[0] * x[0] + 1.0) * x[1] - x[0];
+    }
+
+    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], p: &[T]) -> T {
+        p[0] - x[0]
+    }
+
+    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+        after.copy_from_slice(&[x[0], -p[1] * x[1]]);
+    }
+
+    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+}
+
+impl Touching for Bounded {
+    fn turning(&self, _t: f64, x: &[f64], _p: &[f64]) -> f64 {
+        -x[1]
+    }
+}
+
+#[test]
+fn without_forcing() {
+    // The limit cycle of μ = 1: amplitude 2.00862, period 6.66329.
+    let point = GrazingPoint {
+        guard: 0,
+        mode: 0,
+        time: 0.0,
+        x: vec![2.00862, 0.0],
+        p: vec![2.00862, 0.6, 1.0],
+        following: Vec::new(),
+        legs: vec![(Leg { mode: 0, exit: Some(0) }, 6.66329)],
+        periods: 1,
+    };
+    let point = point.located(&Bounded, "stop").unwrap();
+    let order = MapSettings { order: 5, ..MapSettings::default() };
+    let map = LocalMap::of(&Bounded, &point, &["stop", "mu"], order).unwrap();
+    assert_eq!(map.coordinates(), ["x"]);
+    let place = |y: f64, _aside: f64, p: &[f64]| (0.0, vec![p[0] + y * y, 0.0]);
+    let (system, point, map) = (&Bounded, &point, &map);
+    Case { system, point, map, phase: 1.0, place: &place, parameters: &[0, 2] }.orders_hold(0.1);
+}
