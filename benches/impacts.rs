@@ -6,7 +6,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use tangency::core::field::VectorField;
-use tangency::core::flow::{Flow, Settings, evaluations};
+use tangency::core::flow::{Flow, Settings, work};
 use tangency::problems::mita::Block;
 use tangency::scene::{BUILT_IN, Scene, execute};
 
@@ -31,12 +31,15 @@ fn impacts(criterion: &mut Criterion) {
     for name in ["mita-type-1", "mita-grazing-curve"] {
         let built_in = BUILT_IN.iter().find(|scene| scene.name == name).expect("a scene");
         let scene = Scene::parse(built_in.text).expect("a scene");
-        let before = evaluations();
+        let before = work();
         assert_eq!(execute(&scene, None, &mut ()).error, None);
-        let count = evaluations() - before;
-        let periods = flows(&mut flow, count);
+        let after = work();
+        let count = after.evaluations - before.evaluations;
+        let periods = (after.time - before.time) / Block.period(&PARAMETERS).expect("a forcing");
+        let plain = flows(&mut flow, count);
         println!(
-            "{name}: {count} evaluations of the field, as many as {periods} flows of a period"
+            "{name}: flows over {periods:.0} periods, with {count} evaluations of the field, as many as in {plain} \
+             plain flows of a period"
         );
         criterion.bench_function(name, |b| b.iter(|| black_box(execute(&scene, None, &mut ()))));
         let plain = format!("{name}: its evaluations in plain flows");

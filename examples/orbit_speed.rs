@@ -85,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // shorter than need be, on finding out.
         let flow = flow::Settings {
             first_step: Some(0.05),
-            ..flow::Settings::new(Scheme::DormandPrince8, 5e-11)
+            ..flow::Settings::new(Scheme::DormandPrince8, 1.3e-10)
         };
         let shooting = Shooting::with(flow)?;
         Ok(Box::new(by_shooting(Block, 1, shooting)?))

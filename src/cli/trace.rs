@@ -7,7 +7,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use tangency::core::flow::evaluations;
+use tangency::core::flow::work;
 use tangency::output::{Document, FileError, UnknownName, draw, figures, write_atomically};
 use tangency::scene::{BUILT_IN, Scene, StartPoint, execute};
 
@@ -78,9 +78,14 @@ impl Trace {
                 branch.ends[1]
             )?;
         }
-        let evaluations = evaluations();
-        if evaluations > 0 {
-            writeln!(out, "flows: {evaluations} evaluations of the field")?;
+        let work = work();
+        if work.evaluations > 0 {
+            let evaluations = work.evaluations;
+            writeln!(
+                out,
+                "flows: {evaluations} evaluations of the field, a time of {:.1}",
+                work.time
+            )?;
         }
         Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
     }

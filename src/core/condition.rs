@@ -88,6 +88,11 @@ pub trait Condition {
         0
     }
 
+    /// Whether its values need the assembled `F_z`, with which the residual then comes.
+    fn assembles(&self) -> bool {
+        false
+    }
+
     /// Prepares the condition near a point: chooses borders, and the unknowns `y` of its own.
     ///
     /// # Errors

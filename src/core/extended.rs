@@ -199,6 +199,14 @@ impl<'a> Extended<'a> {
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
+    /// From now on the problem may err by as much as this, as a solution is only approached; conditions are
+    /// not stated for what errs.
+    pub fn allow(&mut self, error: f64) {
+        if error == 0.0 || self.conditions.is_empty() {
+            self.system.allow(error);
+        }
+    }
+
     /// Assembles the problem's matrix at `X`.
     ///
     /// # Errors
@@ -221,6 +229,9 @@ impl<'a> Extended<'a> {
     ) -> Result<(), EvaluationError> {
         let n = self.dimension();
         self.load(unknowns);
+        if self.conditions.iter().any(|condition| condition.assembles()) {
+            self.system.assemble(&self.x)?;
+        }
         self.system.residual(&self.x, &mut out[..n])?;
         let (mut row, mut place) = (n, n);
         for condition in &mut self.conditions {

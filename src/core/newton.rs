@@ -154,6 +154,10 @@ const LEAST_DAMPING: f64 = 1.0 / 256.0;
 const GOOD_CONTRACTION: f64 = 0.25;
 /// A correction is expected to be the last if the matrix changes by less than this over it.
 const NEARLY_LINEAR: f64 = 1e-4;
+/// A correction below this part of the tolerance is not made.
+const NEGLIGIBLE: f64 = 1e-3;
+/// Where the iteration begins, the equations may err by this part of the tolerance.
+pub(super) const ROUGHLY: f64 = 2e-4;
 /// Scaled corrections this small that shrink no more have met rounding: the point is as good as
 /// arithmetic allows, and its error estimate says how good that is.
 const ROUNDING: f64 = 1e-9;
@@ -175,6 +179,12 @@ impl Problem<'_, '_> {
 
     fn factor(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
         self.equations.factor(unknowns, self.closing.map(|closing| closing.row))
+    }
+
+    /// The residual where the iteration begins, and the matrix there.
+    fn linearise(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), NewtonError> {
+        self.residual(unknowns, out).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        self.factor(unknowns).map_err(|cause| NewtonError::from_evaluation(1, cause))
     }
 
     fn size(&self, correction: &[f64]) -> f64 {
@@ -201,14 +211,18 @@ impl Newton {
         let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
-        problem
-            .residual(unknowns, &mut self.residual)
-            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        // What errs by less than a correction that is left to be need not be computed where Newton begins.
+        problem.equations.allow(ROUGHLY * tolerance);
+        let start = problem.linearise(unknowns, &mut self.residual);
+        problem.equations.allow(0.0);
+        start?;
         for iteration in 1..=max_iterations {
             report.iterations = iteration;
-            problem
-                .factor(unknowns)
-                .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?;
+            if iteration > 1 {
+                problem
+                    .factor(unknowns)
+                    .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?;
+            }
             self.correction.copy_from_slice(&self.residual);
             problem.equations.solve(&mut self.correction);
             let size = problem.size(&self.correction);
@@ -216,6 +230,10 @@ impl Newton {
             report.correction = size;
             let contracts = ratio <= GOOD_CONTRACTION;
             if iteration > 1 && size <= ROUNDING && !contracts {
+                return Ok(report);
+            }
+            if iteration > 1 && size <= NEGLIGIBLE * tolerance {
+                // The matrix, and what was found with it, belong to this very point.
                 return Ok(report);
             }
             // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
@@ -261,11 +279,9 @@ impl Newton {
     ) -> Result<&[f64], NewtonError> {
         self.resize(unknowns.len());
         let mut problem = Problem { equations, closing, weights: &[], tolerance: 0.0 };
-        problem
-            .residual(unknowns, &mut self.correction)
-            .and_then(|()| problem.factor(unknowns))
-            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        self.correction_again(equations, unknowns, closing)
+        problem.linearise(unknowns, &mut self.correction)?;
+        problem.equations.solve(&mut self.correction);
+        Ok(&self.correction)
     }
 
     /// The same with the matrix factored last, which was that of a point near by: the residual alone tells
@@ -298,12 +314,13 @@ impl Newton {
             problem.equations.solve(&mut self.next);
             let left = problem.size(&self.next);
             let contraction = left / problem.size(&self.correction);
-            if left <= 0.001 * problem.tolerance {
+            if left <= NEGLIGIBLE * problem.tolerance {
                 // What was found with the residual belongs to this very point.
                 unknowns.copy_from_slice(&self.trial);
                 return true;
             }
-            if contraction <= NEARLY_LINEAR && left * contraction <= 0.001 * problem.tolerance {
+            if contraction <= NEARLY_LINEAR && left * contraction <= NEGLIGIBLE * problem.tolerance
+            {
                 let last = self.trial.iter().zip(&self.next).map(|(x, d)| x - d);
                 unknowns.iter_mut().zip(last).for_each(|(x, last)| *x = last);
                 return true;

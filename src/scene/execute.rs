@@ -2,10 +2,11 @@
 
 use super::simulate::Simulation;
 use super::{Run, Scene, SceneError, Simulated, Start, Way};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
+use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, Point, SpecialPoint};
 use crate::core::hybrid::HybridState;
 use crate::core::zero::{Group, System};
 use crate::output::{Document, UnknownName};
+use std::ops::ControlFlow;
 
 /// A special point of an earlier result, from which a scene's first shown run is to start.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,11 +68,16 @@ pub fn execute(
         observer.run(run, index, runs.len());
         let outcome = match (&run.start, run.along.is_empty()) {
             (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut last),
-            _ => trace(scene, run, start, &done, &mut *observer),
+            _ => {
+                let mut joined = Joined { done: &done, observer: &mut *observer };
+                trace(scene, run, start, &done, &mut joined)
+            }
         };
         match outcome {
             Ok(mut branch) => {
-                join(&mut branch, &done);
+                let mut special = std::mem::take(&mut branch.special);
+                special.iter_mut().for_each(|special| join(&branch, special, &done));
+                branch.special = special;
                 let interrupted = branch.ends.contains(&End::Interrupted);
                 done.push(branch);
                 if interrupted {
@@ -111,32 +117,53 @@ fn history(
 /// Two grazings are one if no number of theirs differs by more than this part.
 const SAME: f64 = 1e-7;
 
+/// Sees a branch with the grazings at which it meets earlier ones as ends.
+struct Joined<'a> {
+    done: &'a [Branch],
+    observer: &'a mut dyn SceneObserver,
+}
+
+impl Observer for Joined<'_> {
+    fn begin(&mut self, branch: &Branch) {
+        self.observer.begin(branch);
+    }
+
+    fn point(&mut self, point: &Point) -> ControlFlow<()> {
+        self.observer.point(point)
+    }
+
+    fn special(&mut self, branch: &Branch, special: &SpecialPoint) {
+        let mut special = special.clone();
+        join(branch, &mut special, self.done);
+        self.observer.special(branch, &special);
+    }
+}
+
 /// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of this branch.
 /// Monitors that vanish at a grazing do so on one of the branches only.
-fn join(branch: &mut Branch, done: &[Branch]) {
-    let mine = |branch: &Branch, column: &str, special: &SpecialPoint| {
+fn join(branch: &Branch, special: &mut SpecialPoint, done: &[Branch]) {
+    if special.kind != Kind::G || branch.condition.is_some() {
+        return;
+    }
+    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
         branch.column(column).and_then(|k| special.value(k))
     };
-    let (columns, this) = (branch.columns().map(String::from).collect::<Vec<_>>(), branch.clone());
-    for special in branch.special.iter_mut().filter(|special| special.kind == Kind::G) {
-        let same = |other: &Branch, there: &SpecialPoint| {
-            columns.iter().all(|column| {
-                match (mine(&this, column, special), mine(other, column, there)) {
-                    (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
-                        (a - b).abs() <= SAME * a.abs().max(1.0)
-                    }
-                    _ => true,
+    let same = |other: &Branch, there: &SpecialPoint| {
+        branch.columns().all(|column| {
+            match (value(branch, column, special), value(other, column, there)) {
+                (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
+                    (a - b).abs() <= SAME * a.abs().max(1.0)
                 }
-            })
-        };
-        let others =
-            done.iter().filter(|other| other.condition.is_none() && this.condition.is_none());
-        let met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
-        if let Some((other, there)) = met.into_iter().find(|(other, there)| same(other, there)) {
-            special.kind = Kind::EP;
-            special.event =
-                format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
-        }
+                _ => true,
+            }
+        })
+    };
+    let others = done.iter().filter(|other| other.condition.is_none());
+    let mut met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
+    if let Some((other, there)) = met.find(|(other, there)| same(other, there)) {
+        special.kind = Kind::EP;
+        special.event =
+            format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
     }
 }
 
@@ -167,7 +194,7 @@ fn trace(
     run: &Run,
     start: Option<&StartPoint>,
     done: &[Branch],
-    observer: &mut dyn SceneObserver,
+    observer: &mut dyn Observer,
 ) -> Result<Branch, SceneError> {
     let seen = scene.as_seen_by(run)?;
     let settled = match (start, &run.start) {

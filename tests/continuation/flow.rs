@@ -210,7 +210,7 @@ fn mita_costs_what_is_claimed() {
     let mut exact = start;
     steps(Scheme::DormandPrince8, 400).advance(&Block, 0.0, length, &mut exact, &p).unwrap();
     let mut x = start;
-    let mut flow = flow(Scheme::DormandPrince8, 1e-11);
+    let mut flow = flow(Scheme::DormandPrince8, 1.5e-11);
     let statistics = flow.advance(&Block, 0.0, length, &mut x, &p).unwrap();
     assert!(distance(&x, &exact) < 5e-12, "{:e}", distance(&x, &exact));
     assert!(distance(&x, &start) < 5e-12, "the orbit is closed");

@@ -1,6 +1,8 @@
 //! The modal model of the plate against independently computed values and against the full model.
 
-use crate::models::{ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all};
+use crate::models::{
+    ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters,
+};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Kind};
@@ -219,7 +221,7 @@ fn the_squared_frequency_falls_at_first_by_twice_the_load() {
         p[GAP_RATIO] = gap_ratio;
         let x = [vec![0.0; 6], p].concat();
         let (mut gradient, mut column) = (vec![0.0; x.len()], vec![0.0; 6]);
-        system.monitor_gradient(2, &x, &all(&system), &mut gradient);
+        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient);
         let mut load = vec![0.0; x.len()];
         load[6 + LOAD] = 1.0;
         system.derivative(&x, &load, &mut column);
@@ -330,7 +332,7 @@ fn assembled_derivatives_are_those_of_dual_numbers() {
                 system.gradient(&x, &w, &v, &all, &mut out[1]);
                 system.second_gradient(&x, &w, &v, &all, &mut out[2]);
                 for monitor in 0..4 {
-                    system.monitor_gradient(monitor, &x, &all(&system), &mut out[3 + monitor]);
+                    system.monitor_gradient(monitor, &x, &all, &mut out[3 + monitor]);
                 }
                 out
             };
@@ -360,7 +362,7 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let n = 4;
         for monitor in 0..5 {
             let mut gradient = vec![0.0; x.len()];
-            system.monitor_gradient(monitor, &x, &all(&system), &mut gradient);
+            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient);
             // All unknowns, voltage, thickness, gap and density.
             for i in (0..n).chain([n, n + 3, n + 4, n + 7]) {
                 let step = 1e-5 * if i < n { 1.0 } else { x[i] };

@@ -1,6 +1,6 @@
 //! The full Ritz model of the plate against exact and independently computed values.
 
-use crate::models::{ASPECT, FORCE, FORCE_X, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all};
+use crate::models::{ASPECT, FORCE, FORCE_X, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::zero::{Border, Slot, System};
@@ -494,7 +494,7 @@ fn the_frequency_always_falls_first() {
             plate.assemble(&x).unwrap();
             plate.factor(Slot::Curve, Border::NONE).unwrap();
             plate.solve(Slot::Curve, &mut column);
-            plate.monitor_gradient(2, &x, &all(&plate), &mut slope);
+            plate.monitor_gradient(2, &x, &all_parameters(&plate), &mut slope);
             let along: f64 = (0..n).map(|i| -slope[i] * column[i]).sum();
             let mut monitors = [0.0; 4];
             plate.monitors(&x, &mut monitors).unwrap();
@@ -606,7 +606,7 @@ fn gradients_of_monitors_agree_with_differences() {
         let count = plate.names().monitors.len();
         for monitor in 0..count {
             let mut slope = vec![0.0; x.len()];
-            plate.monitor_gradient(monitor, &x, &all(&plate), &mut slope);
+            plate.monitor_gradient(monitor, &x, &all_parameters(&plate), &mut slope);
             for i in 0..x.len() {
                 let step = 1e-5 * if x[i] == 0.0 { 1.0 } else { x[i].abs() };
                 let mut values = [vec![0.0; count], vec![0.0; count]];

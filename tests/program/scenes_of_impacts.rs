@@ -3,7 +3,9 @@
 
 use crate::common::close;
 use crate::scenarios::{built_in, column, traced, with};
+use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, End, Kind};
+use tangency::core::flow::work;
 use tangency::output::Document;
 
 /// Values of a parameter at all special points of a kind on a branch, in the order of the branch.
@@ -99,7 +101,10 @@ fn curves_meet_in_codimension_two_points() {
         values(document, branch, kind, "frequency", &[(expected[0], 1e-9)]);
         values(document, branch, kind, "voltage", &[(expected[1], 1e-9)]);
     };
+    let before = work();
     let document = traced(&built_in("mita-grazing-curve"));
+    // All in all less than 450 flows over a period π/ω, which is shortest at ω = 0.52.
+    assert!(work().time - before.time < 450.0 * PI / 0.52);
     near(&document, "grazing", Kind::LP, nonhyperbolic);
     near(&document, "births", Kind::LP, degenerate);
     assert_eq!(document.branch("births").unwrap().of_kind(Kind::PD).count(), 0);

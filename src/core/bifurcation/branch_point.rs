@@ -86,6 +86,10 @@ impl Condition for BranchPoint {
         Kind::BP
     }
 
+    fn assembles(&self) -> bool {
+        true
+    }
+
     fn unknowns(&self) -> usize {
         1
     }

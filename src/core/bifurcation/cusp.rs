@@ -71,6 +71,10 @@ impl Condition for Cusp {
         Kind::CP
     }
 
+    fn assembles(&self) -> bool {
+        true
+    }
+
     fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
         self.sensitivity.start(&mut at)
     }
@@ -114,6 +118,10 @@ impl Condition for Cusp {
 impl Condition for BogdanovTakens {
     fn kind(&self) -> Kind {
         Kind::BT
+    }
+
+    fn assembles(&self) -> bool {
+        true
     }
 
     fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {

@@ -35,6 +35,10 @@ impl Condition for Fold {
         self.kind
     }
 
+    fn assembles(&self) -> bool {
+        true
+    }
+
     fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
         self.null.start(&mut at)
     }

@@ -75,6 +75,10 @@ impl Condition for Hopf {
         self.kind
     }
 
+    fn assembles(&self) -> bool {
+        true
+    }
+
     fn unknowns(&self) -> usize {
         1
     }

@@ -17,7 +17,7 @@ mod basis;
 
 use super::interpolation::lagrange;
 use super::method::left_domain;
-use super::{Block, BoundaryProblem, Interval, Method, Observable};
+use super::{Block, BoundaryProblem, Interval, Method, Observable, Watchlist};
 use crate::core::chunk::{parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -147,7 +147,8 @@ impl Collocation {
         for right in (1..=count).map(|c| c as f64 / count as f64) {
             let right = (right, self.sight(interval, observable, right));
             if left.1.v1 * right.1.v1 < 0.0 {
-                let place = self.turn(interval, observable, [left, right]);
+                let slope = (left.1.v1, (|h: Dual2_64| [h.v1, h.v2]) as fn(Dual2_64) -> [f64; 2]);
+                let place = self.zero(interval, observable, [left.0, right.0], slope);
                 visit(k, place, self.sight(interval, observable, place).re);
             }
             left = right;
@@ -155,20 +156,22 @@ impl Collocation {
         visit(k, 1.0, left.1.re);
     }
 
-    /// Where the slope of a scalar vanishes between two places: Newton's method, kept inside by bisection.
-    fn turn<P: BoundaryProblem>(
+    /// Where a scalar or its slope vanishes between two places of which it has the sign of `low` at the first:
+    /// Newton's method, kept inside by bisection. `of` takes what is to vanish, and its rate.
+    fn zero<P: BoundaryProblem>(
         &self,
         interval: &Interval<P, f64>,
         observable: Observable,
-        [mut low, mut high]: [(f64, Dual2_64); 2],
+        [mut low, mut high]: [f64; 2],
+        (sign, of): (f64, fn(Dual2_64) -> [f64; 2]),
     ) -> f64 {
-        let mut place = 0.5 * (low.0 + high.0);
+        let mut place = 0.5 * (low + high);
         for _ in 0..ROUNDS {
-            let here = self.sight(interval, observable, place);
-            *(if here.v1 * low.1.v1 > 0.0 { &mut low } else { &mut high }) = (place, here);
-            let newton = place - here.v1 / here.v2;
-            let inside = newton > low.0 && newton < high.0;
-            let next = if inside { newton } else { 0.5 * (low.0 + high.0) };
+            let [value, rate] = of(self.sight(interval, observable, place));
+            *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
+            let newton = place - value / rate;
+            let inside = newton > low && newton < high;
+            let next = if inside { newton } else { 0.5 * (low + high) };
             let moved = (next - place).abs();
             place = next;
             if moved < 1e-14 {
@@ -249,13 +252,13 @@ impl Method for Collocation {
     fn extrema<P: BoundaryProblem>(
         &mut self,
         interval: Interval<P, f64>,
-        watched: &[Observable],
+        watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         let (basis, nodes) = (&self.basis, interval.nodes);
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
-        for (k, &observable) in watched.iter().enumerate() {
+        for (k, &observable) in watched.extrema.iter().enumerate() {
             let Observable::State(state) = observable else {
                 self.extrema_of(&interval, k, observable, visit);
                 continue;
@@ -266,6 +269,13 @@ impl Method for Collocation {
                 visit(k, s, (0..=m).map(|j| lagrange(&basis.nodes, j, s) * at(j)).sum());
             });
             visit(k, 1.0, at(m));
+        }
+        for (k, &[through, value]) in (watched.extrema.len()..).zip(watched.rises) {
+            let ends = [0.0, 1.0].map(|place| self.sight(&interval, through, place).re);
+            if ends[0] <= 0.0 && ends[1] > 0.0 {
+                let place = self.zero(&interval, through, [0.0, 1.0], (-1.0, |h| [h.re, h.v1]));
+                visit(k, place, self.sight(&interval, value, place).re);
+            }
         }
         match residual {
             Some(r) => self.residual(interval, &mut CollocationWork::default(), r),

@@ -69,13 +69,30 @@ pub struct Block<'a> {
     pub numbers: &'a mut [f64],
 }
 
+/// What is watched along an interval, numbered from the first extremum to the last rise.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watchlist<'a> {
+    /// Scalars whose extrema are wanted.
+    pub extrema: &'a [Observable],
+    /// Pairs of which the second is wanted where the first one rises through zero.
+    pub rises: &'a [[Observable; 2]],
+}
+
+impl Watchlist<'_> {
+    /// Whether nothing is watched.
+    pub fn is_empty(&self) -> bool {
+        self.extrema.is_empty() && self.rises.is_empty()
+    }
+}
+
 /// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
 /// with the next interval, and `m·n` equations. Collocation and shooting (`m = 1`) are methods.
 pub trait Method {
     /// Buffers for evaluations in one scalar type.
     type Work<T: Scalar>: Default;
 
-    /// Whether extrema come from the same work as the residual, so that both are best asked for together.
+    /// Whether extrema come from the same work as the residual and its derivatives, so that they are best
+    /// asked for together.
     const EXTREMA_WITH_RESIDUAL: bool = false;
 
     /// The places of the nodes in an interval, from 0 to 1: `m + 1` of them.
@@ -136,15 +153,38 @@ pub trait Method {
         block: Block,
     ) -> Result<(), LeftDomain>;
 
-    /// Calls `visit` with number, place (from 0 to 1) and value of some scalars at every local extremum inside
-    /// an interval, and at its ends; and writes the residual, where that is asked for.
+    /// The same with what [`extrema`](Self::extrema) visits, for methods that have both from the same work.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    fn linearise_watching<P: BoundaryProblem>(
+        &mut self,
+        interval: Interval<P, f64>,
+        active: &[usize],
+        block: Block,
+        watched: Watchlist,
+        visit: &mut dyn FnMut(usize, f64, f64),
+    ) -> Result<(), LeftDomain> {
+        self.linearise(interval, active, block)?;
+        self.extrema(interval, watched, None, visit)
+    }
+
+    /// From now on residuals and their derivatives may err by as much as this: what is asked for is on the way
+    /// to a solution, and extrema are not looked for. 0 asks for the method's own accuracy. Returns whether
+    /// what is computed meanwhile serves on the way only.
+    fn allow(&mut self, _error: f64) -> bool {
+        false
+    }
+
+    /// Calls `visit` with number, place (from 0 to 1) and value of what is watched: at every local extremum inside
+    /// an interval and at its ends, and at every rise; and writes the residual, where that is asked for.
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
     fn extrema<P: BoundaryProblem>(
         &mut self,
         interval: Interval<P, f64>,
-        watched: &[Observable],
+        watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain>;

@@ -23,7 +23,7 @@ mod system;
 pub use collocation::{Collocation, CollocationWork, PointsError};
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
-pub use method::{Block, Interval, Method, Span};
+pub use method::{Block, Interval, Method, Span, Watchlist};
 pub use problem::{
     Birth, BoundaryProblem, Ends, Monitor, Observable, OnSegment, Return, Unknown, Watched,
 };

@@ -1,13 +1,19 @@
 //! Shooting: the trajectory of an interval is flowed from its left end.
 
-use super::method::{Block, Interval, Method};
-use super::problem::{BoundaryProblem, Observable};
-use crate::core::chunk::{parts, seeded};
-use crate::core::flow::{Extrema, Flow, Scheme, Settings, SettingsError};
+mod lookout;
+mod variation;
+
+use super::method::{Block, Interval, Method, Watchlist};
+use super::problem::BoundaryProblem;
+use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
-use num_dual::DualSVec64;
+use lookout::{Lookout, Search};
 use std::ops::ControlFlow;
+use variation::Variation;
+
+/// What is drawn need not be more accurate than this.
+const DRAWN: f64 = 1e-8;
 
 /// Tolerances are not made smaller than this: rounding errors of a flow are of this size.
 const SMALLEST_TOLERANCE: f64 = 1e-14;
@@ -16,7 +22,9 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// end. Several intervals make it multiple shooting, for trajectories along which errors grow.
 ///
 /// Derivatives by the left states and all active numbers come from one flow of dual numbers that takes the
-/// same steps as that of real numbers, so that residual and Jacobian belong together.
+/// same steps as that of real numbers, so that residual and Jacobian belong together. So do the extrema that
+/// monitors ask for. On the way to a solution the flow may err more than its settings say, by as much as
+/// Newton's iteration allows.
 ///
 /// ```
 /// use tangency::core::bvp::Shooting;
@@ -27,14 +35,15 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// ```
 pub struct Shooting {
     settings: Settings,
+    /// The error that is allowed on the way to a solution.
+    allowed: f64,
     two: Variation<2>,
     three: Variation<3>,
     four: Variation<4>,
     six: Variation<6>,
     eight: Variation<8>,
     plain: Flow<f64>,
-    /// One search for each state whose extrema are wanted.
-    extrema: Vec<Extrema<f64>>,
+    search: Search,
     x: Vec<f64>,
 }
 
@@ -60,6 +69,13 @@ impl Shooting {
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
+
+    /// The settings with the error that is allowed at present.
+    fn present(&self) -> Settings {
+        let Settings { relative, absolute, .. } = self.settings;
+        let (relative, absolute) = (relative.max(self.allowed), absolute.max(self.allowed));
+        Settings { relative, absolute, ..self.settings }
+    }
 }
 
 impl Default for Shooting {
@@ -67,13 +83,14 @@ impl Default for Shooting {
     fn default() -> Self {
         Shooting {
             settings: Settings::default(),
+            allowed: 0.0,
             two: Variation::default(),
             three: Variation::default(),
             four: Variation::default(),
             six: Variation::default(),
             eight: Variation::default(),
             plain: Flow::default(),
-            extrema: Vec::new(),
+            search: Search::default(),
             x: Vec::new(),
         }
     }
@@ -104,56 +121,6 @@ fn times<P: BoundaryProblem, T: Scalar>(interval: &Interval<P, T>) -> (T, T) {
     (duration * interval.span.start, duration * interval.length())
 }
 
-/// A flow with derivatives in `N` directions.
-struct Variation<const N: usize> {
-    flow: Flow<DualSVec64<N>>,
-    x: Vec<DualSVec64<N>>,
-    q: Vec<DualSVec64<N>>,
-}
-
-impl<const N: usize> Default for Variation<N> {
-    fn default() -> Self {
-        Variation { flow: Flow::default(), x: Vec::new(), q: Vec::new() }
-    }
-}
-
-impl<const N: usize> Variation<N> {
-    /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left states,
-    /// then the active numbers.
-    fn linearise<P: BoundaryProblem>(
-        &mut self,
-        settings: Settings,
-        interval: &Interval<P, f64>,
-        active: &[usize],
-        first: usize,
-        block: &mut Block,
-    ) -> Result<(), LeftDomain> {
-        let Interval { problem, span, nodes, q } = *interval;
-        let n = nodes.len() / 2;
-        let states = nodes[..n].iter().enumerate();
-        self.x.clear();
-        self.x.extend(states.map(|(i, x)| seeded(*x, i, first)));
-        self.q.clear();
-        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
-        for (k, number) in active.iter().enumerate() {
-            self.q[*number] = seeded(q[*number], n + k, first);
-        }
-        self.flow.settings = settings;
-        let dual = Interval { problem, span, nodes: &[], q: &self.q };
-        flow_to(&mut self.flow, dual, 1.0, &mut self.x)?;
-        for (i, x) in self.x.iter().enumerate() {
-            block.residual[i] = x.re - nodes[n + i];
-            for (direction, part) in (first..n + active.len()).zip(parts(x)) {
-                match direction.checked_sub(n) {
-                    None => block.nodes[i * 2 * n + direction] = part,
-                    Some(k) => block.numbers[i * active.len() + k] = part,
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
 impl Method for Shooting {
     type Work<T: Scalar> = Flow<T>;
 
@@ -171,7 +138,7 @@ impl Method for Shooting {
     ) -> Result<(), LeftDomain> {
         let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
         r.copy_from_slice(left);
-        work.settings = self.settings;
+        work.settings = self.present();
         flow_to(work, interval, 1.0, r)?;
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
         Ok(())
@@ -185,7 +152,7 @@ impl Method for Shooting {
         x: &mut [T],
     ) -> Result<(), LeftDomain> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
-        work.settings = self.settings;
+        work.settings = self.present();
         if place == 0.0 { Ok(()) } else { flow_to(work, interval, place, x) }
     }
 
@@ -199,7 +166,9 @@ impl Method for Shooting {
     ) -> Result<(), LeftDomain> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         let (mut next, mut between) = (0, x.clone());
-        work.settings = self.settings;
+        let Settings { relative, absolute, .. } = self.settings;
+        let (relative, absolute) = (relative.max(DRAWN), absolute.max(DRAWN));
+        work.settings = Settings { relative, absolute, ..self.settings };
         let (start, length) = times(&interval);
         work.observe(&interval.field(), start, length, &mut x, interval.q, |step| {
             let (start, end) = step.span();
@@ -218,59 +187,72 @@ impl Method for Shooting {
         &mut self,
         interval: Interval<P, f64>,
         active: &[usize],
-        mut block: Block,
+        block: Block,
     ) -> Result<(), LeftDomain> {
+        self.linearise_watching(interval, active, block, Watchlist::default(), &mut |_, _, _| {})
+    }
+
+    fn linearise_watching<P: BoundaryProblem>(
+        &mut self,
+        interval: Interval<P, f64>,
+        active: &[usize],
+        mut block: Block,
+        watched: Watchlist,
+        visit: &mut dyn FnMut(usize, f64, f64),
+    ) -> Result<(), LeftDomain> {
+        if !(watched.is_empty() || self.settings.scheme.is_explicit()) {
+            self.linearise(interval, active, block)?;
+            return self.extrema(interval, watched, None, visit);
+        }
         let n = interval.nodes.len() / 2;
-        let (settings, interval, block) = (self.settings, &interval, &mut block);
+        let (settings, interval, block) = (self.present(), &interval, &mut block);
         for (i, row) in block.nodes.chunks_exact_mut(2 * n).enumerate() {
             row[n..].fill(0.0);
             row[n + i] = -1.0;
         }
+        let (all, search) = ((active, 0), &mut self.search);
+        let lookout = &mut Lookout { watched, search, visit };
         match n + active.len() {
-            0..=2 => self.two.linearise(settings, interval, active, 0, block),
-            3 => self.three.linearise(settings, interval, active, 0, block),
-            4 => self.four.linearise(settings, interval, active, 0, block),
-            5..=6 => self.six.linearise(settings, interval, active, 0, block),
+            0..=2 => self.two.linearise(settings, interval, all, block, lookout),
+            3 => self.three.linearise(settings, interval, all, block, lookout),
+            4 => self.four.linearise(settings, interval, all, block, lookout),
+            5..=6 => self.six.linearise(settings, interval, all, block, lookout),
             directions => (0..directions).step_by(8).try_for_each(|first| {
-                self.eight.linearise(settings, interval, active, first, block)
+                // Trajectories in further directions are the same one.
+                if first > 0 {
+                    lookout.watched = Watchlist::default();
+                }
+                self.eight.linearise(settings, interval, (active, first), block, lookout)
             }),
         }
+    }
+
+    fn allow(&mut self, error: f64) -> bool {
+        self.allowed = error;
+        error > 0.0
     }
 
     fn extrema<P: BoundaryProblem>(
         &mut self,
         interval: Interval<P, f64>,
-        watched: &[Observable],
+        watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
-        let Shooting { plain, extrema, x, .. } = self;
-        plain.settings = self.settings;
-        extrema.resize_with(watched.len(), Extrema::default);
-        extrema.iter_mut().for_each(Extrema::restart);
+        let settings = self.present();
+        let Shooting { plain, search, x, .. } = self;
+        plain.settings = settings;
         let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
+        let mut lookout = Lookout { watched, search, visit };
+        lookout.begin();
+        lookout.end(&interval, 0.0, left);
         x.clear();
         x.extend_from_slice(left);
-        let observe = |observable, t, x: &[f64]| {
-            interval.problem.observe(observable, interval.span.segment, t, x, interval.q)
-        };
         let (start, length) = times(&interval);
-        let ends = |place: f64, x: &[f64], visit: &mut dyn FnMut(usize, f64, f64)| {
-            for (k, &observable) in watched.iter().enumerate() {
-                visit(k, place, observe(observable, start + place * length, x));
-            }
-        };
-        ends(0.0, x, visit);
         plain.observe(&interval.field(), start, length, x, interval.q, |step| {
-            for (k, (extrema, &observable)) in extrema.iter_mut().zip(watched).enumerate() {
-                let watch = interval.watching(observable);
-                extrema.search(&watch, step, |extremum| {
-                    visit(k, extremum.place, extremum.value);
-                });
-            }
-            ControlFlow::Continue(())
+            lookout.real(&interval, step)
         })?;
-        ends(1.0, x, visit);
+        lookout.end(&interval, 1.0, x);
         if let Some(r) = residual {
             r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
         }
@@ -289,7 +271,7 @@ impl Method for Shooting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::bvp::{Ends, Span};
+    use crate::core::bvp::{Ends, Observable, Span};
     use num_dual::Dual64;
 
     /// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no effect.
@@ -359,7 +341,7 @@ mod tests {
     }
 
     /// `x = cos t` (ω = 1, no damping, no force) from the middle of a segment of duration 8: its value within
-    /// an interval, and its extrema at π and 2π between `t = 2` and `t = 7`.
+    /// an interval, its extrema at π and 2π between `t = 2` and `t = 7`, and its rise at 3π/2.
     #[test]
     fn values_and_extrema_are_those_of_the_trajectory() {
         let (problem, q) = (Oscillator(0), [1.0, 0.0, 0.0, 4.0]);
@@ -375,9 +357,14 @@ mod tests {
             let t = 2.0 + 5.0 * place;
             assert!((x[0] - t.cos()).abs() < 2e-12 && (x[1] + t.sin()).abs() < 2e-12);
         }
-        let mut found = Vec::new();
-        let mut visit = |_, place, value| found.push((2.0 + 5.0 * place, value));
-        shooting.extrema(interval, &[Observable::State(0)], None, &mut visit).unwrap();
+        let mut all = [Vec::new(), Vec::new()];
+        let mut visit = |k: usize, place, value| all[k].push((2.0 + 5.0 * place, value));
+        let through = [[Observable::State(0), Observable::State(1)]];
+        let watched = Watchlist { extrema: &[Observable::State(0)], rises: &through };
+        shooting.extrema(interval, watched, None, &mut visit).unwrap();
+        let [found, risen] = all;
+        let (time, speed) = risen[0];
+        assert!((time - 1.5 * std::f64::consts::PI).abs() < 1e-11 && (speed - 1.0).abs() < 2e-12);
         let exact = [2.0, std::f64::consts::PI, std::f64::consts::TAU, 7.0];
         assert_eq!(found.len(), exact.len(), "{found:?}");
         for ((t, x), exact) in found.iter().zip(exact) {

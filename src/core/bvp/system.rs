@@ -100,6 +100,8 @@ pub struct BoundarySystem<P, M: Method> {
     /// The sign of the leading coefficient of the multipliers' polynomial.
     orientation: f64,
     plain: Work<f64, M>,
+    /// Where `plain` holds the accurate residual; empty if it is none.
+    evaluated: Vec<f64>,
     first: Work<Dual64, M>,
     second: Work<HyperDual64, M>,
     third: Work<HyperHyperDual64, M>,
@@ -110,6 +112,8 @@ pub struct BoundarySystem<P, M: Method> {
     grazings: Vec<usize>,
     /// Components of `q` by which a gradient is taken.
     numbers: Vec<usize>,
+    /// Whether a solution is only approached, so that the equations may err.
+    rough: bool,
     /// How many points of a branch were followed.
     followed: usize,
     /// How often the system was refined to become this one.
@@ -138,7 +142,9 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             right: Vec::new(),
             trial: (0.0, 1.0),
             orientation: 1.0,
+            rough: false,
             plain: Work::new(layout),
+            evaluated: Vec::new(),
             first: Work::new(layout),
             second: Work::new(layout),
             third: Work::new(layout),
@@ -280,7 +286,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
-        self.linearisation.at.clear();
+        self.forget();
         self.equations.set_reference(x, &mut self.plain)
     }
 

@@ -26,6 +26,8 @@ struct Bracket {
     ends: [Vec<f64>; 2],
     tangents: [Vec<f64>; 2],
     tests: [f64; 2],
+    /// How fast the test function grows at the second end, if that is known.
+    slope: Option<f64>,
 }
 
 impl Bracket {
@@ -35,6 +37,10 @@ impl Bracket {
         let [low, high] = self.tests;
         let fraction = match test {
             Test::BranchPoint | Test::Hopf => 0.5,
+            Test::Level(..) => match self.slope {
+                Some(slope) => zero_of_parabola(low, high, slope * (self.high - self.low)),
+                None => low / (low - high),
+            },
             Test::Fold => {
                 let rise = self.ends[1][parameter] - self.ends[0][parameter];
                 turn_of_cubic(low, high, rise / (self.high - self.low))
@@ -56,6 +62,16 @@ impl Bracket {
         ];
         hermite(&knots, fraction * length)
     }
+}
+
+/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval from 0 to 1, and
+/// ends with this `slope`.
+fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
+    // high + slope (s − 1) + c (s − 1)²
+    let c = low - high + slope;
+    let root = (slope * slope - 4.0 * c * high).max(0.0).sqrt();
+    // Of both roots the one without cancellation: the parabola passes zero once between the ends.
+    1.0 - 2.0 * high / (slope + root.copysign(high - low))
 }
 
 /// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the interval
@@ -87,6 +103,10 @@ impl Stepper<'_> {
             ends: [from.unknowns.clone(), to.unknowns.clone()],
             tangents: [from.tangent.clone(), to.tangent.clone()],
             tests: [from.tests[index], to.tests[index]],
+            slope: match event.test {
+                Test::Level(quantity, _) => Some(self.slope_of(quantity, to)),
+                _ => None,
+            },
         };
         let mut applicable = true;
         for _ in 0..MOST_HALVINGS {
@@ -135,6 +155,7 @@ impl Stepper<'_> {
         bracket.ends[side] = place.unknowns;
         bracket.tangents[side] = place.tangent;
         bracket.tests[side] = test;
+        bracket.slope = bracket.slope.filter(|_| side == 0);
         *(if side == 0 { &mut bracket.low } else { &mut bracket.high }) = length;
         bracket.high - bracket.low > 1e-12 * bracket.high
     }
@@ -265,6 +286,7 @@ impl Stepper<'_> {
     fn tangent_at(&mut self, unknowns: &[f64], from: &Place) -> Option<Vec<f64>> {
         let row = self.covector(&from.tangent);
         let mut tangent = vec![0.0; unknowns.len()];
+        self.equations.assemble(unknowns).ok()?;
         self.equations.residual(unknowns, None, &mut tangent).ok()?;
         let regular = self.equations.factor(unknowns, Some(&row)).is_ok();
         tangent.fill(0.0);
@@ -299,18 +321,17 @@ pub(super) fn converge(
     let report = newton.solve(equations, unknowns, None, weights, tolerances)?;
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
-    let apply = |unknowns: &mut [f64], correction: &[f64]| {
-        unknowns.iter_mut().zip(correction).for_each(|(x, d)| *x -= d);
-        correction[parameter].abs()
-    };
     // The first correction is Newton's own last one; what the second one changes is the error left.
     let first = match Matrix::after(&report) {
         Matrix::Known => newton.correction_again(equations, unknowns, None)?,
         Matrix::Unknown => newton.correction_left(equations, unknowns, None)?,
     };
-    let mut left = apply(unknowns, first);
+    let mut left = first[parameter].abs();
+    unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);
     if left > rounding {
-        left = apply(unknowns, newton.correction_again(equations, unknowns, None)?);
+        // It is not made, so that what is assembled for it belongs to the point.
+        equations.assemble(unknowns).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        left = newton.correction_again(equations, unknowns, None)?[parameter].abs();
     }
     Ok(4.0 * left + rounding)
 }

@@ -7,7 +7,7 @@ use super::{Point, Settings};
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::Stability;
-use crate::core::newton::{Convergence, Newton, NewtonError, Tolerances, scaled_norm};
+use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, Tolerances, scaled_norm};
 use std::ops::Range;
 
 /// A point of the curve with everything that the next step, and the events, need of it.
@@ -129,6 +129,11 @@ impl Stepper<'_> {
         self.newton.solve(&mut self.equations, unknowns, Some(closing), weights, tolerances)
     }
 
+    /// Whether test functions need the matrix of the point itself, with which its monitors then come.
+    fn tests_assemble(&self) -> bool {
+        self.tested.iter().flatten().any(|condition| condition.assembles())
+    }
+
     /// Records a corrected point: tangent (along `row`), monitors, stability, test functions. `matrix`
     /// says whether the matrix factored last, with the same `row`, is that of this point.
     pub fn arrive(
@@ -149,7 +154,7 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        if matrix == Matrix::Known {
+        if matrix == Matrix::Known && !self.tests_assemble() {
             self.equations.load(&unknowns);
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();
@@ -163,7 +168,11 @@ impl Stepper<'_> {
             self.tangent(&mut tangent);
         }
         let determinant = self.equations.determinant_sign();
-        let (point, stability) = self.record(stability)?;
+        // Monitors need not be known better than the point.
+        self.equations.allow(ROUGHLY * self.settings.tolerance);
+        let recorded = self.record(stability);
+        self.equations.allow(0.0);
+        let (point, stability) = recorded?;
         let tests = self.tests(&unknowns, &tangent, determinant, stability, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
     }
@@ -208,32 +217,37 @@ impl Stepper<'_> {
     /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
     /// how fast each level's test function grows along the curve at the start.
     pub fn forget_levels_at(&mut self, start: &mut Place) -> Result<Vec<f64>, EvaluationError> {
-        let n = self.equations.dimension();
-        let first = self.equations.parameters_at();
-        self.equations.load(&start.unknowns);
-        let At { system, x, released } = self.equations.at();
-        let mut direction = vec![0.0; x.len()];
-        direction[..n].copy_from_slice(&start.tangent[..n]);
-        for (&p, slope) in released.iter().zip(&start.tangent[first..]) {
-            direction[n + p] = *slope;
-        }
-        let mut gradient = vec![0.0; x.len()];
         let mut slopes = vec![0.0; self.events.len()];
-        for (i, event) in self.events.iter().enumerate() {
-            let Test::Level(quantity, level) = event.test else { continue };
-            slopes[i] = match quantity {
-                Quantity::Parameter(p) => direction[n + p],
-                Quantity::Monitor(m) => {
-                    system.monitor_gradient(m, x, released, &mut gradient);
-                    gradient.iter().zip(&direction).map(|(g, d)| g * d).sum()
-                }
-            };
+        for i in 0..self.events.len() {
+            let Test::Level(quantity, level) = self.events[i].test else { continue };
+            slopes[i] = self.slope_of(quantity, start);
             let rounding = AT_START * f64::abs(slopes[i]) + 1e-12 * level.abs();
             if start.tests[i].abs() <= rounding {
                 start.tests[i] = 0.0;
             }
         }
         Ok(slopes)
+    }
+
+    /// How fast a parameter or a monitor grows along the curve.
+    pub fn slope_of(&mut self, quantity: Quantity, place: &Place) -> f64 {
+        let n = self.equations.dimension();
+        let first = self.equations.parameters_at();
+        self.equations.load(&place.unknowns);
+        let At { system, x, released } = self.equations.at();
+        let mut direction = vec![0.0; x.len()];
+        direction[..n].copy_from_slice(&place.tangent[..n]);
+        for (&p, slope) in released.iter().zip(&place.tangent[first..]) {
+            direction[n + p] = *slope;
+        }
+        match quantity {
+            Quantity::Parameter(p) => direction[n + p],
+            Quantity::Monitor(m) => {
+                let mut gradient = vec![0.0; x.len()];
+                system.monitor_gradient(m, x, released, &mut gradient);
+                gradient.iter().zip(&direction).map(|(g, d)| g * d).sum()
+            }
+        }
     }
 
     /// One step of at most this length; shorter ones are tried down to `min_step`.

@@ -1,9 +1,12 @@
 //! How large an error is, and how long the next step may be.
 
 use super::settings::Settings;
-use super::stages::{Stages, each_sum};
+use super::stages::Stages;
 use super::tableau::{Row, Tableau};
 use crate::core::scalar::Scalar;
+
+/// States are small if the relative tolerance adds less than this part to the absolute one.
+const SMALL: f64 = 0.01;
 
 /// How a number enters the error: by its real part, or as the caller says.
 pub type Size<T> = fn(&T) -> f64;
@@ -23,33 +26,57 @@ impl<T: Scalar> Measure<T> {
         self.absolute + self.relative * size(x).max(size(y))
     }
 
-    /// `Σ_i (h Σ_j e_j k_ij / tolerated_i)²`.
-    fn square(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
-        let mut square = 0.0;
-        let mut add =
-            |i: usize, e: f64| square += (e / self.tolerated(&x[i], &stages.end[i])).powi(2);
-        match self.size {
-            None => each_sum(x.len(), h, row, &stages.slopes, T::real, add),
-            Some(size) => {
-                each_sum(x.len(), h, row, &stages.slopes, |k| *k, |i, e| add(i, size(&e)));
+    /// The measure of numbers by another size, where their real parts are small.
+    #[cold]
+    pub fn at_rest(self, size: Size<T>) -> Self {
+        let (relative, absolute) = (10.0 * self.relative, 10.0 * self.absolute);
+        Measure { relative, absolute, size: Some(size) }
+    }
+
+    /// Whether the absolute tolerance is nearly all of what is tolerated, throughout a step.
+    pub fn is_small(&self, x: &[T], stages: &Stages<T>) -> bool {
+        let mut states = x.iter().chain(&stages.end);
+        states.all(|x| self.relative * x.real().abs() < SMALL * self.absolute)
+    }
+
+    /// `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e`.
+    fn squares<const R: usize>(
+        &self,
+        h: f64,
+        rows: [Row; R],
+        x: &[T],
+        stages: &Stages<T>,
+    ) -> [f64; R] {
+        let (n, slopes) = (x.len(), &stages.slopes);
+        let mut squares = [0.0; R];
+        for (i, (x, end)) in x.iter().zip(&stages.end).enumerate() {
+            let scale = 1.0 / self.tolerated(x, end);
+            for (square, row) in squares.iter_mut().zip(rows) {
+                let terms = row.iter().map(|(j, e)| (&slopes[j * n + i], h * e));
+                let error = match self.size {
+                    None => terms.map(|(k, e)| k.real() * e).sum(),
+                    Some(size) => size(&terms.fold(T::zero(), |sum, (k, e)| sum + *k * e)),
+                };
+                *square += (scale * error).powi(2);
             }
         }
-        square
+        squares
     }
 
     /// The root mean square of an estimate in units of what is tolerated: acceptable up to 1.
     pub fn error(&self, h: f64, row: Row, x: &[T], stages: &Stages<T>) -> f64 {
-        (self.square(h, row, x, stages) / x.len().max(1) as f64).sqrt()
+        let [square] = self.squares(h, [row], x, stages);
+        (square / x.len().max(1) as f64).sqrt()
     }
 
     /// The error of an explicit step; where there are two estimates `e₅` and `e₃`, it is
     /// `e₅² / √(e₅² + e₃²/100)` (Hairer, Nørsett, Wanner 1993, eq. II.10.17).
+    #[inline(never)]
     pub fn explicit_error(&self, h: f64, tableau: &Tableau, x: &[T], stages: &Stages<T>) -> f64 {
         if tableau.rough_error.is_empty() {
             return self.error(h, tableau.error, x, stages);
         }
-        let fine = self.square(h, tableau.error, x, stages);
-        let rough = self.square(h, tableau.rough_error, x, stages);
+        let [fine, rough] = self.squares(h, [tableau.error, tableau.rough_error], x, stages);
         let together = fine + 0.01 * rough;
         let n = x.len() as f64;
         if together == 0.0 { 0.0 } else { fine / (together * n).sqrt() }
@@ -84,7 +111,7 @@ impl<T: Scalar> Measure<T> {
 }
 
 /// A step as long as is predicted to err by the tolerance is made shorter by this factor.
-const SAFETY: f64 = 0.9;
+const SAFETY: f64 = 0.8;
 
 /// An error smaller than this is remembered as this.
 const LEAST_ERROR: f64 = 1e-4;

@@ -1,7 +1,7 @@
 //! Extrema along a flow.
 
 use super::sight::{PARTS, Sample, Sight, crosses_once, keep_clear_of_zero, slopes};
-use super::step::Step;
+use super::step::{RealStep, Step};
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
@@ -15,6 +15,8 @@ pub struct Extremum<T> {
     pub value: T,
 }
 
+/// What changes by less than this in a step has no extrema there: they would be those of rounding errors.
+const FLAT: f64 = 1e-14;
 /// How many times an extremum is improved at most.
 const ROUNDS: usize = 12;
 /// After a change of place by this part of a step, the parabola through it is the solution to rounding.
@@ -76,15 +78,41 @@ impl<T: Scalar> Extrema<T> {
         &mut self,
         watch: &W,
         step: &mut Step<F, T>,
-        mut visit: impl FnMut(Extremum<T>),
+        visit: impl FnMut(Extremum<T>),
     ) {
         let slopes = self.sight.ends(step, watch, None).as_ref().map(slopes);
-        if let Some([_, _, last]) = slopes.filter(keep_clear_of_zero)
-            && self.slope * last >= 0.0
-        {
-            self.slope = last;
-            return;
+        if !self.passes(watch, step, slopes) {
+            self.survey(watch, step, slopes, visit);
         }
+    }
+
+    /// Whether slopes show that there is no extremum in a step: those at the ends and in the middle, or, of a
+    /// state, those of all stages.
+    fn passes<F: VectorField, S: Scalar, W: Watch>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, S>,
+        slopes: Option<[f64; 3]>,
+    ) -> bool {
+        let Some(slopes) = slopes else { return false };
+        if slopes.iter().all(|slope| slope.abs() < FLAT) {
+            return true;
+        }
+        let steady = || watch.state().is_some_and(|i| step.keeps_direction(i));
+        let passes = self.slope * slopes[2] >= 0.0 && (keep_clear_of_zero(&slopes) || steady());
+        if passes {
+            self.slope = slopes[2];
+        }
+        passes
+    }
+
+    fn survey<F: VectorField, W: Watch>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, T>,
+        slopes: Option<[f64; 3]>,
+        mut visit: impl FnMut(Extremum<T>),
+    ) {
         let brief = slopes.is_some_and(|slopes| crosses_once(&slopes));
         self.sight.survey(step, watch, brief);
         let mut left = self.sight.samples[0];
@@ -115,6 +143,22 @@ impl<T: Scalar> Extrema<T> {
     }
 }
 
+impl Extrema<f64> {
+    /// The same in steps of dual numbers of an explicit method, without derivatives.
+    pub(in crate::core) fn search_real<F: VectorField, T: Scalar, W: Watch>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, T>,
+        real: &mut RealStep,
+        visit: impl FnMut(Extremum<f64>),
+    ) {
+        let slopes = self.sight.ends(step, watch, None).as_ref().map(slopes);
+        if !self.passes(watch, step, slopes) {
+            step.without_derivatives(real, |step| self.survey(watch, step, slopes, visit));
+        }
+    }
+}
+
 /// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every round gains the
 /// digits that dense output has, and one order of derivatives. Returns `θ` and the value there.
 pub(super) fn improved<F: VectorField, T: Scalar, W: Watch>(
@@ -124,7 +168,7 @@ pub(super) fn improved<F: VectorField, T: Scalar, W: Watch>(
     guess: f64,
 ) -> (T, T) {
     let curvature = sight.curvature(step, watch, guess);
-    let mut theta = T::constant(guess);
+    let mut theta = T::constant(step.met_near(guess).unwrap_or(guess));
     let mut extreme = T::zero();
     for round in 0..ROUNDS {
         let (value, slope) = sight.exact(step, watch, theta);

@@ -6,7 +6,7 @@ use super::motion::Motion;
 use super::rodas;
 use super::settings::Settings;
 use super::stages::{Stages, combine};
-use super::step::{Buffers, Step};
+use super::step::{Buffers, Known, Step};
 use super::tableau::Tableau;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
@@ -25,28 +25,37 @@ pub struct Statistics {
     pub rejected: usize,
 }
 
-thread_local! {
-    static EVALUATIONS: Cell<u64> = const { Cell::new(0) };
+/// What flows have done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// How often they have evaluated a field.
+    pub evaluations: u64,
+    /// Over how much time they went, backwards or forwards.
+    pub time: f64,
 }
 
-/// How often this thread's flows have evaluated fields so far, on dual numbers or not: what tracing orbits by
-/// shooting costs.
+thread_local! {
+    static WORK: Cell<Work> = const { Cell::new(Work { evaluations: 0, time: 0.0 }) };
+}
+
+/// What this thread's flows have done so far, on dual numbers or not: what tracing orbits by shooting costs.
 ///
 /// ```
-/// use tangency::core::flow::{Flow, Settings, evaluations};
+/// use tangency::core::flow::{Flow, Settings, work};
 /// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
 /// # struct Growth;
 /// # impl VectorField for Growth {
 /// #     fn names(&self) -> Names { Names::new(["x"], ["rate"]) }
 /// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) { f[0] = p[0] * x[0]; }
 /// # }
-/// let before = evaluations();
+/// let before = work();
 /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
 /// let statistics = flow.advance(&Growth, 0.0, 1.0, &mut [1.0], &[1.0]).unwrap();
-/// assert_eq!(evaluations() - before, statistics.evaluations as u64);
+/// assert_eq!(work().evaluations - before.evaluations, statistics.evaluations as u64);
+/// assert_eq!(work().time - before.time, 1.0);
 /// ```
-pub fn evaluations() -> u64 {
-    EVALUATIONS.get()
+pub fn work() -> Work {
+    WORK.get()
 }
 
 /// The flow of vector fields in one scalar type, with all buffers.
@@ -83,6 +92,7 @@ pub fn evaluations() -> u64 {
 pub struct Flow<T: Scalar> {
     pub(in crate::core) settings: Settings,
     size: Option<Size<T>>,
+    size_at_rest: Option<Size<T>>,
     buffers: Buffers<T>,
     real: Vec<f64>,
 }
@@ -90,7 +100,7 @@ pub struct Flow<T: Scalar> {
 impl<T: Scalar> Default for Flow<T> {
     fn default() -> Self {
         let (settings, buffers) = Default::default();
-        Flow { settings, size: None, buffers, real: Vec::new() }
+        Flow { settings, size: None, size_at_rest: None, buffers, real: Vec::new() }
     }
 }
 
@@ -128,6 +138,14 @@ impl<T: Scalar> Flow<T> {
     /// steps as one of real numbers.
     pub fn measured_by(mut self, size: Size<T>) -> Self {
         self.size = Some(size);
+        self
+    }
+
+    /// Controls steps in which all states are small, against the absolute tolerance as a part of the relative
+    /// one, by the size of numbers as well, at ten times the tolerances. Near an equilibrium at zero real
+    /// parts say nothing about how derivatives move: the size of derivatives does.
+    pub fn measured_at_rest_by(mut self, size: Size<T>) -> Self {
+        self.size_at_rest = Some(size);
         self
     }
 
@@ -192,7 +210,9 @@ impl<T: Scalar> Flow<T> {
         let result = self.integrate(&motion, &mut statistics, &mut observe);
         x.copy_from_slice(&self.buffers.x);
         statistics.evaluations = evaluations.get();
-        EVALUATIONS.set(EVALUATIONS.get() + statistics.evaluations as u64);
+        let Work { evaluations, time } = WORK.get();
+        let evaluations = evaluations + statistics.evaluations as u64;
+        WORK.set(Work { evaluations, time: time + length.real().abs() });
         result.map(|()| statistics)
     }
 
@@ -344,7 +364,13 @@ impl<T: Scalar> Flow<T> {
         if tableau.end_in_error() {
             stages.end_slope(tableau.end(), motion, sigma + h);
         }
-        measure.explicit_error(h, tableau, x, stages)
+        let error = measure.explicit_error(h, tableau, x, stages);
+        match self.size_at_rest {
+            Some(size) if measure.is_small(x, stages) => {
+                error.max(measure.at_rest(size).explicit_error(h, tableau, x, stages))
+            }
+            _ => error,
+        }
     }
 
     /// Shows an accepted step to the observer.
@@ -358,7 +384,7 @@ impl<T: Scalar> Flow<T> {
         if let Some(tableau) = scheme.tableau().filter(|tableau| !tableau.end_in_error()) {
             buffers.stages.end_slope(tableau.end(), motion, sigma + h);
         }
-        observe(&mut Step { motion, scheme, sigma, h, buffers, interpolant: false })
+        observe(&mut Step { motion, scheme, sigma, h, buffers, known: Known::default() })
     }
 
     /// How many steps in a row stability has limited: the slopes of the last stage and of the end belong to

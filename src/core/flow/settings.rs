@@ -27,6 +27,11 @@ impl Scheme {
         }
     }
 
+    /// Whether steps need no linear systems to be solved.
+    pub(in crate::core) fn is_explicit(self) -> bool {
+        self.tableau().is_some()
+    }
+
     /// The order of the method: halving all steps divides the error by `2^order`.
     pub fn order(self) -> usize {
         self.tableau().map_or(5, |tableau| tableau.order)

@@ -64,8 +64,6 @@ impl<S: Scalar> Arguments<S> {
 #[derive(Clone, Debug)]
 pub(super) struct Sight<T> {
     pub samples: Vec<Sample>,
-    x: Vec<T>,
-    slopes: Vec<T>,
     real: Arguments<Dual2_64>,
     lifted: Arguments<Dual2<T>>,
 }
@@ -73,28 +71,28 @@ pub(super) struct Sight<T> {
 impl<T: Scalar> Sight<T> {
     pub fn new() -> Self {
         let (real, lifted) = (Arguments::new(), Arguments::new());
-        Sight { samples: Vec::new(), x: Vec::new(), slopes: Vec::new(), real, lifted }
+        Sight { samples: Vec::new(), real, lifted }
     }
 
     /// Values and slopes at both ends of the step, that at the start unless it is known; they cost no evaluation
     /// of the field. Slopes of a Rosenbrock method are not known.
-    pub fn ends<F: VectorField, W: Watch>(
+    pub fn ends<F: VectorField, S: Scalar, W: Watch>(
         &mut self,
-        step: &Step<F, T>,
+        step: &Step<F, S>,
         watch: &W,
         start: Option<Sample>,
     ) -> Option<[Sample; 2]> {
         let end = step.scheme.tableau()?.end();
         let (stages, h, motion) = (&step.buffers.stages, step.h, step.motion);
-        let mut sample = |fraction: f64, x: &[T], stage: usize| {
+        let mut sample = |fraction: f64, x: &[S], stage: usize| {
             let slopes = stages.slope(stage);
             let state = |i: usize| Dual2_64::new(x[i].real(), slopes[i].real() * h, 0.0);
             let value = match watch.state() {
                 Some(i) => state(i),
                 None => {
                     let rate = motion.length.real() * h;
-                    let time = Dual2_64::new(step.time(T::constant(fraction)).real(), rate, 0.0);
-                    let lift = |p: T| Dual2_64::from(p.real());
+                    let time = Dual2_64::new(step.time(S::constant(fraction)).real(), rate, 0.0);
+                    let lift = |p: S| Dual2_64::from(p.real());
                     self.real.evaluate(watch, time, motion.p, lift, (0..x.len()).map(state))
                 }
             };
@@ -154,19 +152,15 @@ impl<T: Scalar> Sight<T> {
         watch: &W,
         theta: T,
     ) -> (T, T) {
-        let n = step.start().len();
-        self.x.resize(n, T::zero());
-        self.slopes.resize(n, T::zero());
-        step.state(theta, &mut self.x);
-        step.slope(theta, &self.x, &mut self.slopes);
-        let (x, slopes, h) = (&self.x, &self.slopes, step.h);
+        let (h, time, motion) = (step.h, step.time(theta), step.motion);
+        let (x, slopes) = step.exact(theta);
         if let Some(i) = watch.state() {
             return (x[i], slopes[i] * h);
         }
         let along = |value: T, rate: T| Dual2::new(value, rate * h, T::zero());
-        let time = along(step.time(theta), step.motion.length);
+        let time = along(time, motion.length);
         let states = x.iter().zip(slopes).map(|(x, slope)| along(*x, *slope));
-        let value = self.lifted.evaluate(watch, time, step.motion.p, Dual2::from_re, states);
+        let value = self.lifted.evaluate(watch, time, motion.p, Dual2::from_re, states);
         (value.re, value.v1)
     }
 

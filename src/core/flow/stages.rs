@@ -6,6 +6,7 @@ use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 
 /// The stages of one step.
+#[derive(Clone, Debug)]
 pub(super) struct Stages<T> {
     /// The slopes `k_0, k_1, …`, one stage after the other (increments `u_j` of a Rosenbrock method).
     pub slopes: Vec<T>,
@@ -50,6 +51,22 @@ impl<T: Scalar> Stages<T> {
         &mut self,
         tableau: &Tableau,
         motion: &Motion<F, T>,
+        step: (f64, f64),
+        x: &[T],
+    ) {
+        match x.len() {
+            1 => self.advance_all::<F, 1>(tableau, motion, step, x),
+            2 => self.advance_all::<F, 2>(tableau, motion, step, x),
+            3 => self.advance_all::<F, 3>(tableau, motion, step, x),
+            4 => self.advance_all::<F, 4>(tableau, motion, step, x),
+            _ => self.advance_any(tableau, motion, step, x),
+        }
+    }
+
+    fn advance_any<F: VectorField>(
+        &mut self,
+        tableau: &Tableau,
+        motion: &Motion<F, T>,
         (sigma, h): (f64, f64),
         x: &[T],
     ) {
@@ -60,6 +77,29 @@ impl<T: Scalar> Stages<T> {
             motion.slope(sigma + node * h, &self.argument, slope);
         }
         combine(x, h, tableau.weights, &self.slopes, &mut self.end);
+    }
+
+    /// The same for `N` states, which stay in registers.
+    fn advance_all<F: VectorField, const N: usize>(
+        &mut self,
+        tableau: &Tableau,
+        motion: &Motion<F, T>,
+        (sigma, h): (f64, f64),
+        x: &[T],
+    ) {
+        let (slopes, _) = self.slopes.as_chunks_mut::<N>();
+        let Some(x) = x.first_chunk::<N>() else { return };
+        let mut argument = *x;
+        for (i, (row, node)) in tableau.rows.iter().zip(tableau.nodes).enumerate() {
+            argument = combination(x, h, row, slopes);
+            motion.slope(sigma + node * h, &argument, &mut slopes[i + 1]);
+        }
+        let end = combination(x, h, tableau.weights, slopes);
+        for (to, from) in [(&mut self.argument, argument), (&mut self.end, end)] {
+            if let Some(to) = to.first_chunk_mut::<N>() {
+                *to = from;
+            }
+        }
     }
 
     /// The slope at the end of the step.
@@ -96,15 +136,27 @@ fn combine_all<T: Scalar, const N: usize>(
     out: &mut [T],
 ) {
     let (slopes, _) = slopes.as_chunks::<N>();
-    let mut sums = [T::zero(); N];
-    for (j, a) in row {
+    if let (Some(x), Some(out)) = (x.first_chunk::<N>(), out.first_chunk_mut::<N>()) {
+        *out = combination(x, h, row, slopes);
+    }
+}
+
+#[inline(always)]
+fn combination<T: Scalar, const N: usize>(
+    x: &[T; N],
+    h: f64,
+    row: &[(usize, f64)],
+    slopes: &[[T; N]],
+) -> [T; N] {
+    let Some(((first, a), rest)) = row.split_first() else { return *x };
+    let mut sums = slopes[*first].map(|k| k * (h * a));
+    for (j, a) in rest {
+        let a = h * a;
         for (sum, k) in sums.iter_mut().zip(&slopes[*j]) {
-            *sum += *k * *a;
+            *sum += *k * a;
         }
     }
-    for (out, (x, sum)) in out.iter_mut().zip(x.iter().zip(sums)) {
-        *out = *x + sum * h;
-    }
+    std::array::from_fn(|i| x[i] + sums[i])
 }
 
 /// Calls `take` with every component `i` of `h Σ_j a_j k_j`, two at a time so that sums stay in registers.

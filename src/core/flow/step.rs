@@ -20,6 +20,17 @@ pub(super) struct Buffers<T: Scalar> {
     pub linear: Linearisation<T>,
     /// Coefficients of dense output: `n` numbers for each power.
     pub dense: Vec<T>,
+    /// The slopes at the end of `partial`.
+    pub slopes: Vec<T>,
+}
+
+/// What is known of a step beyond its stages.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Known {
+    /// Whether dense output is prepared.
+    interpolant: bool,
+    /// The fraction at which state and slopes, of real numbers, were found exactly: the last one.
+    exact: Option<f64>,
 }
 
 impl<T: Scalar> Default for Buffers<T> {
@@ -30,7 +41,30 @@ impl<T: Scalar> Default for Buffers<T> {
             partial: Stages::default(),
             linear: Linearisation::default(),
             dense: Vec::new(),
+            slopes: Vec::new(),
         }
+    }
+}
+
+/// Slopes of a state are clear of zero if the least one is more than this part of the largest.
+const CLEAR: f64 = 0.05;
+
+/// Fractions of a step that are nearer to each other than this are so for the polynomials of dense output.
+const NEAR: f64 = 1e-4;
+
+/// What a step without its derivatives is computed in.
+#[derive(Default)]
+pub(in crate::core) struct RealStep {
+    buffers: Buffers<f64>,
+    p: Vec<f64>,
+    /// Where the step begins that was copied last, and what is known of it.
+    copied: Option<(f64, Known)>,
+}
+
+impl RealStep {
+    /// Begins a new flow.
+    pub fn restart(&mut self) {
+        self.copied = None;
     }
 }
 
@@ -44,7 +78,7 @@ pub struct Step<'a, F, T: Scalar> {
     pub(super) sigma: f64,
     pub(super) h: f64,
     pub(super) buffers: &'a mut Buffers<T>,
-    pub(super) interpolant: bool,
+    pub(super) known: Known,
 }
 
 /// `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of Hairer, Nørsett
@@ -100,6 +134,13 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
     /// The state at a fraction of the step by a shorter step of the same method: exact to the method's
     /// order, at the cost of a step.
     pub fn state(&mut self, fraction: T, x: &mut [T]) {
+        self.shorten(fraction);
+        self.known.exact = None;
+        x.copy_from_slice(&self.buffers.partial.end);
+    }
+
+    /// Takes a fraction of the step again.
+    fn shorten(&mut self, fraction: T) {
         let (sigma, h) = (self.sigma, self.h);
         let motion = self.motion.slowed(sigma, fraction);
         let Buffers { x: start, stages, partial, linear, .. } = &mut *self.buffers;
@@ -115,12 +156,72 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
                 partial.advance_linearised(linear, &motion, fraction, (0.0, h), start);
             }
         }
-        x.copy_from_slice(&partial.end);
     }
 
-    /// The slope `dx/dσ = L f(t, x, p)` of the flow in a state at a fraction of the step.
-    pub fn slope(&self, fraction: T, x: &[T], slope: &mut [T]) {
-        self.motion.slope_at(self.time(fraction), x, slope);
+    /// State and slopes at a fraction of the step by a shorter step of the same method.
+    pub(super) fn exact(&mut self, fraction: T) -> (&[T], &[T]) {
+        if T::NDERIV > 0 || self.known.exact != Some(fraction.real()) {
+            self.shorten(fraction);
+            let time = self.time(fraction);
+            let Buffers { x, partial, slopes, .. } = &mut *self.buffers;
+            slopes.resize(x.len(), T::zero());
+            self.motion.slope_at(time, &partial.end, slopes);
+            self.known.exact = Some(fraction.real());
+        }
+        (&self.buffers.partial.end, &self.buffers.slopes)
+    }
+
+    /// A fraction of real numbers so near to this one that was met before, of which all is known.
+    pub(super) fn met_near(&self, fraction: f64) -> Option<f64> {
+        self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction).abs() < NEAR)
+    }
+
+    /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear of zero.
+    /// The stages are so close to each other that it does not turn between them.
+    pub(super) fn keeps_direction(&self, state: usize) -> bool {
+        let Some(tableau) = self.scheme.tableau() else { return false };
+        let (n, slopes) = (self.buffers.x.len(), &self.buffers.stages.slopes);
+        let of_state = slopes[state..(tableau.end() + 1) * n].iter().step_by(n).map(T::real);
+        let outermost = |(least, most): (f64, f64), slope| (least.min(slope), most.max(slope));
+        let (least, most) = of_state.fold((f64::INFINITY, f64::NEG_INFINITY), outermost);
+        least > CLEAR * most || most < CLEAR * least
+    }
+
+    /// Shows this step of an explicit method without its derivatives.
+    pub(super) fn without_derivatives(
+        &self,
+        real: &mut RealStep,
+        show: impl FnOnce(&mut Step<F, f64>),
+    ) {
+        let Some(tableau) = self.scheme.tableau() else { return };
+        let known = match real.copied {
+            Some((sigma, known)) if sigma == self.sigma => known,
+            _ => self.copy_to(real, (tableau.end() + 1) * self.buffers.x.len()),
+        };
+        let RealStep { buffers, p, copied } = real;
+        let Motion { field, evaluations, .. } = *self.motion;
+        let (start, length) = (self.motion.start.real(), self.motion.length.real());
+        let motion = &Motion { field, start, length, p, evaluations };
+        let (scheme, sigma, h) = (self.scheme, self.sigma, self.h);
+        let mut step = Step { motion, scheme, sigma, h, buffers, known };
+        show(&mut step);
+        *copied = Some((sigma, step.known));
+    }
+
+    /// Copies the real parts, with so many slopes, of which nothing more is known then.
+    fn copy_to(&self, real: &mut RealStep, slopes: usize) -> Known {
+        let (Buffers { x, stages, .. }, RealStep { buffers, p, .. }) = (&*self.buffers, real);
+        let copy = |from: &[T], to: &mut Vec<f64>| {
+            to.clear();
+            to.extend(from.iter().map(T::real));
+        };
+        copy(&stages.slopes[..slopes], &mut buffers.stages.slopes);
+        copy(&stages.end, &mut buffers.stages.end);
+        copy(x, &mut buffers.x);
+        copy(self.motion.p, p);
+        buffers.stages.resize(x.len());
+        buffers.partial.resize(x.len());
+        Known::default()
     }
 
     /// State `i` at a fraction of the step by dense output, in any scalar type that the coefficients can be
@@ -135,12 +236,12 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
 
     /// Computes the coefficients of dense output, once.
     pub(super) fn prepare(&mut self) {
-        if !self.interpolant {
+        if !self.known.interpolant {
             match self.scheme.tableau() {
                 Some(_) => self.prepare_explicit(),
                 None => self.prepare_linearised(),
             }
-            self.interpolant = true;
+            self.known.interpolant = true;
         }
     }
 

@@ -17,7 +17,7 @@ pub const SHEAR: usize = 7;
 pub const PRESSURE: usize = 8;
 
 /// The positions of all parameters.
-pub fn all(system: &dyn System) -> Vec<usize> {
+pub fn all_parameters(system: &dyn System) -> Vec<usize> {
     (0..system.names().parameters.len()).collect()
 }
 

@@ -98,7 +98,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
                 return Err(cause);
             }
         }
-        self.linearisation.at.clear();
+        self.forget();
         for vector in std::iter::once(x).chain(directions.iter_mut().map(|d| &mut **d)) {
             transfer.apply(&self.equations.layout, vector);
         }

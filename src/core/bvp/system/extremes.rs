@@ -1,7 +1,7 @@
 //! What is seen of watched scalars along the segments, in one pass over the intervals.
 
 use super::layout::Layout;
-use crate::core::bvp::{Monitor, Observable, Watched};
+use crate::core::bvp::{Monitor, Observable, Watched, Watchlist};
 
 /// A place on a segment, and the value of a watched scalar there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +23,6 @@ pub(super) struct Seen {
     leading: Option<Sighting>,
     between: Option<Sighting>,
     trailing: Option<Sighting>,
-    /// The first place where it rises through zero: between these two, in one interval.
-    pub rise: Option<[Sighting; 2]>,
     falling: bool,
     /// Whether it has risen before the minimum visited last, or at all.
     risen: [bool; 2],
@@ -44,7 +42,6 @@ impl Seen {
             leading: None,
             between: None,
             trailing: None,
-            rise: None,
             falling: false,
             risen: [false; 2],
         }
@@ -59,9 +56,6 @@ impl Seen {
             self.smallest = here;
         }
         self.visit_minimum(here);
-        if last.value <= 0.0 && value > 0.0 && self.rise.is_none() {
-            self.rise = Some([last, here]);
-        }
         if (value - last.value).abs() > DEPTH {
             self.falling = value < last.value;
         }
@@ -102,21 +96,44 @@ pub(super) struct Extremes {
     watched: Vec<Vec<Observable>>,
     /// What is seen of them.
     seen: Vec<Vec<Seen>>,
+    /// The pairs asked for where the first of them rises through zero, for each segment.
+    rises: Vec<Vec<[Observable; 2]>>,
+    /// The first such place, with the value of the second.
+    risen: Vec<Vec<Option<Sighting>>>,
     /// The values at the nodes and the numbers for which they were found.
     at: Vec<f64>,
+    /// Whether they are found, and whether they were, with a larger error than the method's own.
+    pub allowed: bool,
+    rough: bool,
 }
 
 impl Extremes {
     /// What these monitors ask for.
     pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
         let mut watched = vec![Vec::new(); layout.segments.len()];
-        for Watched { segment, observable } in monitors.iter().flat_map(Monitor::watched) {
+        let extreme = monitors.iter().filter(|m| !matches!(m, Monitor::Rising { .. }));
+        for Watched { segment, observable } in extreme.flat_map(Monitor::watched) {
             if !watched[segment].contains(&observable) {
                 watched[segment].push(observable);
             }
         }
+        let mut rises = vec![Vec::new(); layout.segments.len()];
+        for monitor in monitors {
+            let Monitor::Rising { through, value } = monitor else { continue };
+            for (w, value) in through.iter().zip(value) {
+                rises[w.segment].push([w.observable, *value]);
+            }
+        }
         let seen = watched.iter().map(|w| vec![Seen::NOTHING; w.len()]).collect();
-        Extremes { watched, seen, at: Vec::new() }
+        let risen = rises.iter().map(|r| vec![None; r.len()]).collect();
+        Extremes { watched, seen, rises, risen, ..Extremes::default() }
+    }
+
+    /// Where a scalar first rises through zero on its segment, with the value of another one.
+    pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting> {
+        let pair = [through.observable, value];
+        let position = self.rises[through.segment].iter().position(|rise| *rise == pair)?;
+        self.risen[through.segment][position]
     }
 
     /// What is seen of a scalar that was asked for.
@@ -130,31 +147,38 @@ impl Extremes {
             .unwrap_or(Seen::NOTHING)
     }
 
-    /// Whether all is known at these values and numbers.
+    /// Whether all is known at these values and numbers, as well as is asked for.
     pub fn known(&self, nodes: &[f64], q: &[f64]) -> bool {
-        self.at.iter().eq(nodes.iter().chain(q))
+        (self.allowed || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
     pub fn begin(&mut self) {
         self.seen.iter_mut().for_each(|seen| seen.fill(Seen::NOTHING));
+        self.risen.iter_mut().for_each(|risen| risen.fill(None));
         self.at.clear();
     }
 
     pub fn end(&mut self, nodes: &[f64], q: &[f64]) {
         self.at.extend(nodes.iter().chain(q));
+        self.rough = self.allowed;
     }
 
-    /// The scalars asked for on a segment, and what takes in the extrema of an interval, by the scalar's
-    /// position.
+    /// What is asked for on a segment, and what takes in the extrema and rises of an interval, by number.
     pub fn visitor(
         &mut self,
         segment: usize,
         interval: usize,
-    ) -> (&[Observable], impl FnMut(usize, f64, f64)) {
-        let seen = &mut self.seen[segment];
+    ) -> (Watchlist<'_>, impl FnMut(usize, f64, f64)) {
+        let (seen, risen) = (&mut self.seen[segment], &mut self.risen[segment]);
         let visit = move |k: usize, place: f64, value: f64| {
-            seen[k].visit(Sighting { interval, place, value });
+            let (here, extrema) = (Sighting { interval, place, value }, seen.len());
+            match seen.get_mut(k) {
+                Some(seen) => seen.visit(here),
+                None => {
+                    risen[k - extrema].get_or_insert(here);
+                }
+            }
         };
-        (&self.watched[segment], visit)
+        (Watchlist { extrema: &self.watched[segment], rises: &self.rises[segment] }, visit)
     }
 }

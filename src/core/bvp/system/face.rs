@@ -15,6 +15,10 @@ use crate::core::zero::{
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
+/// Gradients of conditions may err by this much, relatively: they decide how fast Newton's iteration
+/// converges, not where to.
+const GRADIENT: f64 = 1e-8;
+
 impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
@@ -23,6 +27,17 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             self.set_reference(x)?;
         }
         Ok(())
+    }
+
+    /// Whether the equations are assembled at `x`, as accurately as is asked for.
+    fn is_assembled(&self, x: &[f64]) -> bool {
+        self.linearisation.at == x && (self.rough || !self.linearisation.rough)
+    }
+
+    /// What was evaluated belongs to other equations.
+    pub(super) fn forget(&mut self) {
+        self.linearisation.at.clear();
+        self.evaluated.clear();
     }
 
     /// Prepares a gradient by the unknowns and the released parameters.
@@ -55,22 +70,35 @@ where
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
         self.refer(x)?;
-        if self.linearisation.at == x {
+        if self.is_assembled(x) {
             r.copy_from_slice(&self.linearisation.residual);
             return Ok(());
         }
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.residual_watching(&mut self.plain)?;
+        if self.evaluated != x {
+            self.evaluated.clear();
+            self.plain.load(&self.equations.layout, |i| x[i]);
+            self.equations.residual_watching(&mut self.plain)?;
+            self.equations.check(&self.plain.r, &self.plain.q)?;
+            if !self.rough {
+                self.evaluated.extend_from_slice(x);
+            }
+        }
         r.copy_from_slice(&self.plain.r);
-        self.equations.check(r, &self.plain.q)
+        Ok(())
+    }
+
+    fn allow(&mut self, error: f64) {
+        self.rough = self.equations.method.allow(error);
+        self.equations.extremes.allowed = self.rough;
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
-        if self.linearisation.at == x {
+        if self.is_assembled(x) {
             return Ok(());
         }
         self.refer(x)?;
         self.linearisation.at.clear();
+        self.linearisation.rough = self.rough;
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.linearisation.assemble(&mut self.equations, x, &self.plain, &mut self.chunk)?;
         self.linearisation.at.extend_from_slice(x);
@@ -145,7 +173,9 @@ where
         self.release(released, out);
         let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
         let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.eps };
+        self.equations.method.allow(GRADIENT);
         let outcome = self.equations.add_gradient(&weighted, &mut self.nested, out);
+        self.equations.method.allow(0.0);
         not_a_number(outcome, out);
     }
 
@@ -161,7 +191,9 @@ where
         let make =
             |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), Chunk::from(0.0));
         let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.v2 };
+        self.equations.method.allow(GRADIENT);
         let outcome = self.equations.add_gradient(&weighted, &mut self.nested_twice, out);
+        self.equations.method.allow(0.0);
         not_a_number(outcome, out);
     }
 
@@ -211,7 +243,13 @@ where
         self.release(released, out);
         self.plain.load(&self.equations.layout, |i| x[i]);
         let Self { equations, plain, chunk, numbers, .. } = self;
-        let outcome = equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out);
+        // Where extremes are is known as well as can be.
+        let watched = equations.watch_for(monitor, plain);
+        equations.method.allow(GRADIENT);
+        let outcome = watched.and_then(|()| {
+            equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out)
+        });
+        equations.method.allow(0.0);
         not_a_number(outcome, out);
     }
 
@@ -249,6 +287,7 @@ where
         }
         let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
         system.refinements = self.refinements + 1;
+        system.linearisation.active.clone_from(&self.linearisation.active);
         let Equations { method, meshes, layout, .. } = &system.equations;
         let x =
             self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;

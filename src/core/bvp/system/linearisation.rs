@@ -28,6 +28,8 @@ pub(super) struct Linearisation {
     pub active: Vec<usize>,
     /// Where everything was assembled last; empty where that failed.
     pub at: Vec<f64>,
+    /// Whether it may err by more than what is allowed at a solution.
+    pub rough: bool,
     /// How often it was assembled.
     pub count: usize,
 }
@@ -73,7 +75,11 @@ impl Linearisation {
         work: &Work<f64, M>,
     ) -> Result<(), LeftDomain> {
         let active = self.active.len();
-        let Equations { problem, method, meshes, layout, .. } = equations;
+        let Equations { problem, method, meshes, layout, extremes, .. } = equations;
+        let watching = M::EXTREMA_WITH_RESIDUAL && !self.rough;
+        if watching {
+            extremes.begin();
+        }
         for (s, segment) in layout.segments.iter().enumerate() {
             let (rows, n) = (layout.degree * segment.states, segment.states);
             let size = rows * (rows + n);
@@ -85,8 +91,17 @@ impl Linearisation {
                 };
                 let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
                 let interval = Interval { problem, span, nodes, q: &work.q };
-                method.linearise(interval, &self.active, block)?;
+                if watching {
+                    let (watched, mut visit) = extremes.visitor(s, j);
+                    let active = &self.active;
+                    method.linearise_watching(interval, active, block, watched, &mut visit)?;
+                } else {
+                    method.linearise(interval, &self.active, block)?;
+                }
             }
+        }
+        if watching {
+            extremes.end(&work.nodes, &work.q);
         }
         Ok(())
     }

@@ -16,12 +16,6 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 /// A scalar at a place, with the factor by which it counts.
 type Term = (Watched, Sighting, f64);
 
-/// The place of a rise through zero is improved this often at most.
-const ROUNDS: usize = 60;
-
-/// Newton's next step on the place of a rise is the square of one that is smaller than this: rounding.
-const SMALL: f64 = 1e-8;
-
 impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// The values of all monitors at the arguments of `work`.
     pub fn evaluate_monitors(
@@ -49,7 +43,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                 self.of_ends(*function, &work.ends, &work.q)
             }
             Some(monitor @ Monitor::Rising { .. }) => {
-                self.rising(monitor, work)?.map_or(0.0, |(_, place, _)| place.value)
+                self.rising(monitor).map_or(0.0, |(_, place)| place.value)
             }
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
@@ -66,7 +60,11 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 
     /// Finds the extremes, if a monitor asks for them.
-    fn watch_for(&mut self, monitor: usize, work: &Work<f64, M>) -> Result<(), LeftDomain> {
+    pub(super) fn watch_for(
+        &mut self,
+        monitor: usize,
+        work: &Work<f64, M>,
+    ) -> Result<(), LeftDomain> {
         match self.monitors.get(monitor) {
             None | Some(Monitor::Duration | Monitor::Ends(_)) => Ok(()),
             Some(_) => self.find_extremes(&work.nodes, &work.q, None),
@@ -95,10 +93,16 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
                     Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
                 })
             }
-            Some(monitor @ Monitor::Rising { .. }) => match self.rising(monitor, work)? {
-                Some(found) => self.add_rising(monitor, found, (x, numbers), passes, out),
-                None => Ok(()),
-            },
+            Some(Monitor::Rising { through, value }) => {
+                let Some((k, sighting)) = self.rising(&self.monitors[monitor]) else {
+                    return Ok(());
+                };
+                let pair = [through[k].observable, value[k]];
+                let at = (through[k].segment, sighting);
+                let [height, level] =
+                    self.rates(at.0, (sighting.interval, sighting.place), pair, work)?;
+                self.add_rising(at, (pair, level.eps / height.eps), (x, numbers), passes, out)
+            }
             Some(monitor) => self
                 .terms(monitor)
                 .iter()
@@ -176,62 +180,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         Ok(())
     }
 
-    /// Where a scalar rises through zero, with the largest value of another one; the ratio of their rates.
-    fn rising(
-        &self,
-        monitor: &Monitor,
-        work: &mut Work<f64, M>,
-    ) -> Result<Option<(usize, Sighting, f64)>, LeftDomain> {
-        let Monitor::Rising { through, value } = monitor else { return Ok(None) };
-        let mut best: Option<(usize, Sighting, f64)> = None;
-        for (k, (watched, value)) in through.iter().zip(value).enumerate() {
-            let Some([below, above]) = self.extremes.seen(*watched).rise else { continue };
-            let below = if below.interval == above.interval {
-                below
-            } else {
-                Sighting { interval: above.interval, place: 0.0, ..below }
-            };
-            let found = self.rise(*watched, *value, [below, above], work)?;
-            if best.is_none_or(|(_, b, _)| found.0.value > b.value) {
-                best = Some((k, found.0, found.1));
-            }
-        }
-        Ok(best)
-    }
-
-    /// The value of a scalar where another one rises through zero, and the ratio of its rate to the other's:
-    /// by Newton's method between two places, of which the first is that of the cubic that is flat at both.
-    fn rise(
-        &self,
-        watched: Watched,
-        value: Observable,
-        [mut low, mut high]: [Sighting; 2],
-        work: &mut Work<f64, M>,
-    ) -> Result<(Sighting, f64), LeftDomain> {
-        let Watched { segment, observable } = watched;
-        let length = self.interval((segment, low.interval), &[], &work.q);
-        let length = length.duration() * length.length();
-        let share = low.value / (low.value - high.value);
-        // The middle root of 3 s² − 2 s³ = share.
-        let middle = 0.5 + ((2.0 * share - 1.0).clamp(-1.0, 1.0).asin() / 3.0).sin();
-        let mut place = low.place + middle * (high.place - low.place);
-        let mut out = (high, 0.0);
-        for _ in 0..ROUNDS {
-            let [height, level] =
-                self.rates(segment, (low.interval, place), [observable, value], work)?;
-            let here = Sighting { place, value: height.re, ..low };
-            *(if height.re <= 0.0 { &mut low } else { &mut high }) = here;
-            let (step, ratio) = (-height.re / height.eps, level.eps / height.eps);
-            out = (Sighting { place, value: level.re + step * level.eps, ..low }, ratio);
-            let next = place + step / length;
-            if (next - place).abs() < SMALL {
-                out.0.place = next;
-                break;
-            }
-            let inside = low.place < next && next < high.place;
-            place = if inside { next } else { 0.5 * (low.place + high.place) };
-        }
-        Ok(out)
+    /// Which scalar rises through zero, of those on all segments with the largest value of another one, and where.
+    fn rising(&self, monitor: &Monitor) -> Option<(usize, Sighting)> {
+        let Monitor::Rising { through, value } = monitor else { return None };
+        let each = through.iter().zip(value).enumerate();
+        let risen = each.filter_map(|(k, (w, value))| Some((k, self.extremes.risen(*w, *value)?)));
+        risen.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
     }
 
     /// Two scalars at a place of an interval, and their rates.
@@ -259,17 +213,15 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     /// The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
     fn add_rising(
         &self,
-        monitor: &Monitor,
-        (k, sighting, ratio): (usize, Sighting, f64),
+        (segment, sighting): (usize, Sighting),
+        ([through, value], ratio): ([Observable; 2], f64),
         at: (&[f64], &[usize]),
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
-        let Monitor::Rising { through, value } = monitor else { return Ok(()) };
-        let Watched { segment, .. } = through[k];
-        let value = Watched { segment, observable: value[k] };
-        self.add_term(&(value, sighting, 1.0), at, passes, out)?;
-        self.add_term(&(through[k], sighting, -ratio), at, passes, out)
+        let watched = |observable| Watched { segment, observable };
+        self.add_term(&(watched(value), sighting, 1.0), at, passes, out)?;
+        self.add_term(&(watched(through), sighting, -ratio), at, passes, out)
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the

@@ -270,7 +270,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
             direction.iter_mut().for_each(|value| *value = -*value);
         }
         let x = [&z[..], &solution.parameters[..]].concat();
-        self.linearisation.at.clear();
+        self.forget();
         self.equations.set_reference_with_motion(&x, &motion);
         direction.resize(x.len(), 0.0);
         Ok(Adopted { z, tangent: Some(direction), leaving: Leaving::Direction })

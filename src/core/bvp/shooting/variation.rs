@@ -1,0 +1,75 @@
+//! Flows with derivatives in a number of directions that the compiler knows.
+
+use super::lookout::Lookout;
+use super::times;
+use crate::core::bvp::{Block, BoundaryProblem, Interval};
+use crate::core::chunk::{parts, seeded};
+use crate::core::flow::{Flow, Settings};
+use crate::core::zero::LeftDomain;
+use num_dual::DualSVec64;
+
+/// A flow with derivatives in `N` directions.
+pub(super) struct Variation<const N: usize> {
+    flow: Flow<DualSVec64<N>>,
+    x: Vec<DualSVec64<N>>,
+    q: Vec<DualSVec64<N>>,
+    /// The real parts where the interval ends.
+    end: Vec<f64>,
+}
+
+impl<const N: usize> Default for Variation<N> {
+    fn default() -> Self {
+        let (flow, x, q, end): (Flow<_>, _, _, _) = Default::default();
+        Variation { flow: flow.measured_at_rest_by(largest), x, q, end }
+    }
+}
+
+/// The largest derivative.
+fn largest<const N: usize>(x: &DualSVec64<N>) -> f64 {
+    parts(x).iter().fold(0.0, |largest, part| part.abs().max(largest))
+}
+
+impl<const N: usize> Variation<N> {
+    /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left states,
+    /// then the active numbers.
+    pub fn linearise<P: BoundaryProblem>(
+        &mut self,
+        settings: Settings,
+        interval: &Interval<P, f64>,
+        (active, first): (&[usize], usize),
+        block: &mut Block,
+        lookout: &mut Lookout,
+    ) -> Result<(), LeftDomain> {
+        let Interval { problem, span, nodes, q } = *interval;
+        let n = nodes.len() / 2;
+        let states = nodes[..n].iter().enumerate();
+        self.x.clear();
+        self.x.extend(states.map(|(i, x)| seeded(*x, i, first)));
+        self.q.clear();
+        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
+        for (k, number) in active.iter().enumerate() {
+            self.q[*number] = seeded(q[*number], n + k, first);
+        }
+        self.flow.settings = settings;
+        let dual = Interval { problem, span, nodes: &[], q: &self.q };
+        let (start, length) = times(&dual);
+        lookout.begin();
+        lookout.end(interval, 0.0, &nodes[..n]);
+        self.flow.observe(&dual.field(), start, length, &mut self.x, &self.q, |step| {
+            lookout.dual(interval, step)
+        })?;
+        self.end.clear();
+        self.end.extend(self.x.iter().map(|x| x.re));
+        lookout.end(interval, 1.0, &self.end);
+        for (i, x) in self.x.iter().enumerate() {
+            block.residual[i] = x.re - nodes[n + i];
+            for (direction, part) in (first..n + active.len()).zip(parts(x)) {
+                match direction.checked_sub(n) {
+                    None => block.nodes[i * 2 * n + direction] = part,
+                    Some(k) => block.numbers[i * active.len() + k] = part,
+                }
+            }
+        }
+        Ok(())
+    }
+}

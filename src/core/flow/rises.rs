@@ -1,0 +1,81 @@
+//! Rises along a flow of real numbers: where a watched function goes up through zero.
+
+use super::sight::{Sample, Sight};
+use super::step::{RealStep, Step};
+use crate::core::field::VectorField;
+use crate::core::scalar::Scalar;
+use crate::core::watch::Watch;
+
+/// How many times the place of a rise is improved at most.
+const ROUNDS: usize = 12;
+/// A place that changes by less than this part of a step is found.
+const SETTLED: f64 = 1e-12;
+
+/// The search for places where a watched function is zero or less at the beginning of a step, and positive at its
+/// end. A function that is positive for less than a step is not seen.
+#[derive(Clone, Debug)]
+pub(in crate::core) struct Rises {
+    sight: Sight<f64>,
+}
+
+impl Default for Rises {
+    fn default() -> Self {
+        Rises { sight: Sight::new() }
+    }
+}
+
+impl Rises {
+    /// Calls `visit` with the place in the flow (from 0 to 1) and the state there, if the function rises in a step.
+    pub fn search<F: VectorField, W: Watch>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, f64>,
+        visit: impl FnOnce(f64, &[f64]),
+    ) {
+        if self.sight.ends(step, watch, None).is_none_or(|ends| rises(&ends)) {
+            self.find(watch, step, visit);
+        }
+    }
+
+    /// The same in steps of dual numbers of an explicit method, without derivatives.
+    pub fn search_real<F: VectorField, T: Scalar, W: Watch>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, T>,
+        real: &mut RealStep,
+        visit: impl FnOnce(f64, &[f64]),
+    ) {
+        if self.sight.ends(step, watch, None).is_some_and(|ends| rises(&ends)) {
+            step.without_derivatives(real, |step| self.find(watch, step, visit));
+        }
+    }
+
+    /// From the root of dense output, Newton's method on shorter steps.
+    fn find<F: VectorField, W: Watch>(
+        &mut self,
+        watch: &W,
+        step: &mut Step<F, f64>,
+        visit: impl FnOnce(f64, &[f64]),
+    ) {
+        step.prepare();
+        let ends = [0.0, 1.0].map(|fraction| self.sight.sample(step, watch, fraction));
+        if !rises(&ends) {
+            return;
+        }
+        let mut theta = self.sight.root(step, watch, ends, |sample| sample.value).fraction;
+        for _ in 0..ROUNDS {
+            let (value, slope) = self.sight.exact(step, watch, theta);
+            let change = value / slope;
+            if !(0.0..=1.0).contains(&(theta - change)) || change.abs() < SETTLED {
+                break;
+            }
+            theta -= change;
+        }
+        let place = step.place(theta);
+        visit(place, step.exact(theta).0);
+    }
+}
+
+fn rises([first, last]: &[Sample; 2]) -> bool {
+    first.value <= 0.0 && last.value > 0.0
+}
