@@ -181,7 +181,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=40, help="runs of each program (40)")
     parser.add_argument("--objects", help="directory with the objects of a native AUTO, measured as well")
-    parser.add_argument("--tangency", default="cargo run --release --locked --quiet --example orbit_speed",
+    parser.add_argument("--tangency", default="cargo run --profile fastest --locked --quiet --example orbit_speed",
                         help="command that prints tangency's rows; empty: AUTO alone")  # fmt: skip
     arguments = parser.parse_args()
     if arguments.tangency.startswith("cargo run"):  # compile on all cores, before the pinning to one
