@@ -277,8 +277,8 @@ pub trait System {
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain>;
 
     /// From now on residuals and matrices may err by as much as this (in units of the unknowns' sizes), since
-    /// a solution is only approached; 0 asks for all digits again. Of what is assembled meanwhile nothing but
-    /// residual and matrix is asked for.
+    /// a solution is only approached; 0 asks for all digits again. Monitors that are asked for meanwhile may
+    /// err likewise.
     fn allow(&mut self, _error: f64) {}
 
     /// Factors the assembled `F_z` within a border (of width 0 or more) and keeps it in `slot`.

@@ -1,5 +1,5 @@
 //! Problems with known answers, shared by the tests of the core.
-#![allow(dead_code, missing_docs)]
+#![allow(dead_code)]
 
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Kind, SpecialPoint};

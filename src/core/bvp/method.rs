@@ -169,9 +169,9 @@ pub trait Method {
         self.extrema(interval, watched, None, visit)
     }
 
-    /// From now on residuals and their derivatives may err by as much as this: what is asked for is on the way
-    /// to a solution, and extrema are not looked for. 0 asks for the method's own accuracy. Returns whether
-    /// what is computed meanwhile serves on the way only.
+    /// From now on residuals, their derivatives and extrema may err by as much as this: what is asked for is on
+    /// the way to a solution. 0 asks for the method's own accuracy. Returns whether what is computed meanwhile
+    /// serves on the way only.
     fn allow(&mut self, _error: f64) -> bool {
         false
     }

@@ -112,8 +112,6 @@ pub struct BoundarySystem<P, M: Method> {
     grazings: Vec<usize>,
     /// Components of `q` by which a gradient is taken.
     numbers: Vec<usize>,
-    /// Whether a solution is only approached, so that the equations may err.
-    rough: bool,
     /// How many points of a branch were followed.
     followed: usize,
     /// How often the system was refined to become this one.
@@ -142,7 +140,6 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             right: Vec::new(),
             trial: (0.0, 1.0),
             orientation: 1.0,
-            rough: false,
             plain: Work::new(layout),
             evaluated: Vec::new(),
             first: Work::new(layout),

@@ -8,6 +8,7 @@ use super::settings::Settings;
 use super::stages::{Stages, combine};
 use super::step::{Buffers, Known, Step};
 use super::tableau::Tableau;
+use super::work;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -23,39 +24,6 @@ pub struct Statistics {
     pub accepted: usize,
     /// Rejected steps.
     pub rejected: usize,
-}
-
-/// What flows have done.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
-    /// How often they have evaluated a field.
-    pub evaluations: u64,
-    /// Over how much time they went, backwards or forwards.
-    pub time: f64,
-}
-
-thread_local! {
-    static WORK: Cell<Work> = const { Cell::new(Work { evaluations: 0, time: 0.0 }) };
-}
-
-/// What this thread's flows have done so far, on dual numbers or not: what tracing orbits by shooting costs.
-///
-/// ```
-/// use tangency::core::flow::{Flow, Settings, work};
-/// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
-/// # struct Growth;
-/// # impl VectorField for Growth {
-/// #     fn names(&self) -> Names { Names::new(["x"], ["rate"]) }
-/// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) { f[0] = p[0] * x[0]; }
-/// # }
-/// let before = work();
-/// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
-/// let statistics = flow.advance(&Growth, 0.0, 1.0, &mut [1.0], &[1.0]).unwrap();
-/// assert_eq!(work().evaluations - before.evaluations, statistics.evaluations as u64);
-/// assert_eq!(work().time - before.time, 1.0);
-/// ```
-pub fn work() -> Work {
-    WORK.get()
 }
 
 /// The flow of vector fields in one scalar type, with all buffers.
@@ -144,7 +112,7 @@ impl<T: Scalar> Flow<T> {
     /// Controls steps in which all states are small, against the absolute tolerance as a part of the relative
     /// one, by the size of numbers as well, at ten times the tolerances. Near an equilibrium at zero real
     /// parts say nothing about how derivatives move: the size of derivatives does.
-    pub fn measured_at_rest_by(mut self, size: Size<T>) -> Self {
+    pub(in crate::core) fn measured_at_rest_by(mut self, size: Size<T>) -> Self {
         self.size_at_rest = Some(size);
         self
     }
@@ -210,9 +178,7 @@ impl<T: Scalar> Flow<T> {
         let result = self.integrate(&motion, &mut statistics, &mut observe);
         x.copy_from_slice(&self.buffers.x);
         statistics.evaluations = evaluations.get();
-        let Work { evaluations, time } = WORK.get();
-        let evaluations = evaluations + statistics.evaluations as u64;
-        WORK.set(Work { evaluations, time: time + length.real().abs() });
+        work::add(statistics.evaluations, length.real());
         result.map(|()| statistics)
     }
 

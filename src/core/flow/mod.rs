@@ -37,14 +37,16 @@ mod sight;
 mod stages;
 mod step;
 mod tableau;
+mod work;
 
 pub use control::Size;
 pub use error::{FlowError, SettingsError};
 pub use extrema::{Extrema, Extremum};
-pub use integrate::{Flow, Statistics, work};
+pub use integrate::{Flow, Statistics};
 pub(in crate::core) use rises::Rises;
 pub(in crate::core) use roots::NEGATIVE;
 pub use roots::{Root, Roots};
 pub use settings::{Scheme, Settings};
 pub(in crate::core) use step::RealStep;
 pub use step::Step;
+pub use work::{Work, work};

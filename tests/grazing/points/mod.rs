@@ -1,5 +1,4 @@
 //! Grazing orbits, shared by tests of local maps.
-#![allow(dead_code, missing_docs)]
 
 use crate::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside its
 //! equations.
-#![allow(dead_code, missing_docs)]
+#![allow(dead_code)]
 
 pub mod belt;
 pub mod bouncing_ball;

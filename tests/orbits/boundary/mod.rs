@@ -1,5 +1,4 @@
 //! Boundary-value problems with known answers, shared by tests.
-#![allow(dead_code, missing_docs)]
 
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor, Return,

@@ -1,5 +1,4 @@
 //! Plates and their branches, as several tests ask for them.
-#![allow(dead_code, missing_docs)]
 
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings, SpecialPoint};
 use tangency::core::zero::System;

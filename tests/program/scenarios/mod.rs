@@ -1,5 +1,4 @@
 //! Scenes as a user runs them, shared by tests.
-#![allow(dead_code)]
 
 use tangency::core::continuation::Kind;
 use tangency::output::Document;

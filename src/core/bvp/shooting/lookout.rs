@@ -1,6 +1,7 @@
 //! What is watched while an interval is flowed.
 
 use super::times;
+use crate::core::bvp::problem::Watching;
 use crate::core::bvp::{BoundaryProblem, Interval, Observable, Watchlist};
 use crate::core::field::VectorField;
 use crate::core::flow::{Extrema, Extremum, RealStep, Rises, Step};
@@ -40,28 +41,18 @@ impl Lookout<'_> {
         }
     }
 
-    /// Visits the extrema in a step of the flow of real numbers.
+    /// Visits what is watched in a step of the flow of real numbers.
     pub fn real<P: BoundaryProblem, F: VectorField>(
         &mut self,
         interval: &Interval<P, f64>,
         step: &mut Step<F, f64>,
     ) -> ControlFlow<()> {
-        let Search { extrema, rises, .. } = &mut *self.search;
-        for (k, (extrema, &observable)) in extrema.iter_mut().zip(self.watched.extrema).enumerate()
-        {
-            let visit = |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
-            extrema.search(&interval.watching(observable), step, visit);
-        }
-        for (k, (rise, &[through, value])) in rises.iter_mut().zip(self.watched.rises).enumerate() {
-            rise.search(&interval.watching(through), step, |place, x| {
-                (self.visit)(
-                    self.watched.extrema.len() + k,
-                    place,
-                    seen(interval, value, place, x),
-                );
-            });
-        }
-        ControlFlow::Continue(())
+        self.each(
+            interval,
+            step,
+            |extrema, watch, step, _, visit| extrema.search(watch, step, visit),
+            |rises, watch, step, _, visit| rises.search(watch, step, visit),
+        )
     }
 
     /// The same in a step of dual numbers.
@@ -70,24 +61,45 @@ impl Lookout<'_> {
         interval: &Interval<P, f64>,
         step: &Step<F, T>,
     ) -> ControlFlow<()> {
-        let Search { extrema, rises, step: real } = &mut *self.search;
-        for (k, (extrema, &observable)) in extrema.iter_mut().zip(self.watched.extrema).enumerate()
-        {
-            let visit = |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
-            extrema.search_real(&interval.watching(observable), step, real, visit);
+        self.each(
+            interval,
+            step,
+            |extrema, watch, step, real, visit| extrema.search_real(watch, step, real, visit),
+            |rises, watch, step, real, visit| rises.search_real(watch, step, real, visit),
+        )
+    }
+
+    /// Searches a step, of whatever numbers, for each scalar.
+    fn each<P: BoundaryProblem, S>(
+        &mut self,
+        interval: &Interval<P, f64>,
+        mut step: S,
+        extremum: ExtremaIn<P, S>,
+        rise: RisesIn<P, S>,
+    ) -> ControlFlow<()> {
+        let (Search { extrema, rises, step: real }, watched) = (&mut *self.search, self.watched);
+        for (k, (extrema, &observable)) in extrema.iter_mut().zip(watched.extrema).enumerate() {
+            let visit = &mut |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
+            extremum(extrema, &interval.watching(observable), &mut step, real, visit);
         }
-        for (k, (rise, &[through, value])) in rises.iter_mut().zip(self.watched.rises).enumerate() {
-            rise.search_real(&interval.watching(through), step, real, |place, x| {
-                (self.visit)(
-                    self.watched.extrema.len() + k,
-                    place,
-                    seen(interval, value, place, x),
-                );
-            });
+        for (k, (rises, &[through, value])) in rises.iter_mut().zip(watched.rises).enumerate() {
+            let k = watched.extrema.len() + k;
+            let visit = &mut |place: f64, x: &[f64]| {
+                (self.visit)(k, place, seen(interval, value, place, x));
+            };
+            rise(rises, &interval.watching(through), &mut step, real, visit);
         }
         ControlFlow::Continue(())
     }
 }
+
+/// A search for extrema in a step.
+type ExtremaIn<P, S> =
+    fn(&mut Extrema<f64>, &Watching<P>, &mut S, &mut RealStep, &mut dyn FnMut(Extremum<f64>));
+
+/// A search for rises in a step.
+type RisesIn<P, S> =
+    fn(&mut Rises, &Watching<P>, &mut S, &mut RealStep, &mut dyn FnMut(f64, &[f64]));
 
 /// What is seen of a scalar at a place of an interval, where the states are `x`.
 fn seen<P: BoundaryProblem>(

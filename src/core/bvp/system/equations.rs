@@ -24,6 +24,8 @@ pub(super) struct Equations<P, M> {
     pub phase: Phase,
     pub monitors: Vec<Monitor>,
     pub extremes: Extremes,
+    /// Whether a solution is only approached, so that the equations may err.
+    pub rough: bool,
     /// The weights of the values at the nodes in the `m`-th derivative.
     pub highest: Vec<f64>,
     /// Positions in `z`, kept so that nothing is allocated twice.
@@ -99,6 +101,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             quadrature,
             phase: Phase::default(),
             extremes: Extremes::of(&monitors, &layout),
+            rough: false,
             monitors,
             highest: highest_derivative(method.places()),
             positions: Vec::new(),

@@ -102,8 +102,7 @@ pub(super) struct Extremes {
     risen: Vec<Vec<Option<Sighting>>>,
     /// The values at the nodes and the numbers for which they were found.
     at: Vec<f64>,
-    /// Whether they are found, and whether they were, with a larger error than the method's own.
-    pub allowed: bool,
+    /// Whether they were found with a larger error than the method's own.
     rough: bool,
 }
 
@@ -147,9 +146,9 @@ impl Extremes {
             .unwrap_or(Seen::NOTHING)
     }
 
-    /// Whether all is known at these values and numbers, as well as is asked for.
-    pub fn known(&self, nodes: &[f64], q: &[f64]) -> bool {
-        (self.allowed || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
+    /// Whether all is known at these values and numbers, perhaps only roughly.
+    pub fn known(&self, nodes: &[f64], q: &[f64], rough: bool) -> bool {
+        (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
     pub fn begin(&mut self) {
@@ -158,9 +157,9 @@ impl Extremes {
         self.at.clear();
     }
 
-    pub fn end(&mut self, nodes: &[f64], q: &[f64]) {
+    pub fn end(&mut self, nodes: &[f64], q: &[f64], rough: bool) {
         self.at.extend(nodes.iter().chain(q));
-        self.rough = self.allowed;
+        self.rough = rough;
     }
 
     /// What is asked for on a segment, and what takes in the extrema and rises of an interval, by number.

@@ -31,7 +31,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
 
     /// Whether the equations are assembled at `x`, as accurately as is asked for.
     fn is_assembled(&self, x: &[f64]) -> bool {
-        self.linearisation.at == x && (self.rough || !self.linearisation.rough)
+        self.linearisation.at == x && (self.equations.rough || !self.linearisation.rough)
     }
 
     /// What was evaluated belongs to other equations.
@@ -79,7 +79,7 @@ where
             self.plain.load(&self.equations.layout, |i| x[i]);
             self.equations.residual_watching(&mut self.plain)?;
             self.equations.check(&self.plain.r, &self.plain.q)?;
-            if !self.rough {
+            if !self.equations.rough {
                 self.evaluated.extend_from_slice(x);
             }
         }
@@ -88,8 +88,7 @@ where
     }
 
     fn allow(&mut self, error: f64) {
-        self.rough = self.equations.method.allow(error);
-        self.equations.extremes.allowed = self.rough;
+        self.equations.rough = self.equations.method.allow(error);
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -98,7 +97,7 @@ where
         }
         self.refer(x)?;
         self.linearisation.at.clear();
-        self.linearisation.rough = self.rough;
+        self.linearisation.rough = self.equations.rough;
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.linearisation.assemble(&mut self.equations, x, &self.plain, &mut self.chunk)?;
         self.linearisation.at.extend_from_slice(x);

@@ -101,7 +101,7 @@ impl Linearisation {
             }
         }
         if watching {
-            extremes.end(&work.nodes, &work.q);
+            extremes.end(&work.nodes, &work.q, false);
         }
         Ok(())
     }

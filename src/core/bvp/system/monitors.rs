@@ -165,8 +165,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         q: &[f64],
         mut residual: Option<&mut [f64]>,
     ) -> Result<(), LeftDomain> {
-        let Equations { problem, method, meshes, layout, extremes, .. } = self;
-        if residual.is_none() && extremes.known(nodes, q) {
+        let Equations { problem, method, meshes, layout, extremes, rough, .. } = self;
+        if residual.is_none() && extremes.known(nodes, q, *rough) {
             return Ok(());
         }
         extremes.begin();
@@ -176,7 +176,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             let (watched, mut visit) = extremes.visitor(s, j);
             method.extrema(Interval { problem, span, nodes, q }, watched, r, &mut visit)?;
         }
-        extremes.end(nodes, q);
+        extremes.end(nodes, q, *rough);
         Ok(())
     }
 
