@@ -79,13 +79,14 @@
 //! | [`core::hybrid`] | [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, and their event-driven simulation |
 //! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, and simulations that find them |
 //! | [`core::jet`], [`core::grazing`] | Taylor series as scalars; local maps near grazing orbits, their coefficients, scenarios and fixed points |
+//! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
-//! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced |
+//! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and the binary adds the command
 //! line. How the core is put together, with pictures, is told in `docs/core.md`, and what periodic orbits and
-//! boundary-value problems add to it in `docs/orbits.md`, impacts in `docs/hybrid.md` and `docs/grazing.md`; the way in for users is the README.
+//! boundary-value problems add to it in `docs/orbits.md`, impacts in `docs/hybrid.md` and `docs/grazing.md`, what motions settle on in `docs/sweeps.md`; the way in for users is the README.
 
 pub mod core;
 pub mod output;

@@ -1,7 +1,7 @@
 //! Why a command failed.
 
 use std::path::PathBuf;
-use tangency::output::{FigureError, FileError, UnknownName, UnknownPoint};
+use tangency::output::{FigureError, FileError, MergeError, UnknownName, UnknownPoint};
 use tangency::scene::SceneError;
 
 /// Why a command failed.
@@ -40,8 +40,25 @@ pub enum CommandError {
         #[source]
         cause: UnknownPoint,
     },
+    /// Nothing to trace.
+    #[error(
+        "`{scene}` has no branches to trace: `tangency sweep {scene}` does what it is made for"
+    )]
+    NoRun {
+        /// The scene.
+        scene: String,
+    },
+    /// Nothing to sweep.
+    #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
+    NoSweep {
+        /// The scene.
+        scene: String,
+    },
+    /// Parts that do not make a whole.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
     /// Ctrl-C.
-    #[error("interrupted; what was traced until then is kept")]
+    #[error("interrupted; what was done until then is kept")]
     Interrupted,
     /// The standard output cannot be written to.
     #[error(

@@ -4,6 +4,7 @@ mod error;
 mod plot;
 mod points;
 mod scenes;
+mod sweep;
 mod trace;
 mod watch;
 
@@ -26,6 +27,8 @@ enum Command {
     Trace(trace::Trace),
     Points(points::Points),
     Plot(plot::Plot),
+    Sweep(sweep::Sweep),
+    Merge(sweep::Merge),
 }
 
 /// Runs the command line. The exit code is 0 on success,
@@ -38,6 +41,8 @@ pub fn main() -> ExitCode {
         Command::Trace(trace) => trace.run(&mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),
+        Command::Sweep(sweep) => sweep.run(&mut out),
+        Command::Merge(merge) => merge.run(&mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,

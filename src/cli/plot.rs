@@ -4,12 +4,12 @@ use super::CommandError;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use tangency::output::{Document, draw, figures, write_atomically};
+use tangency::output::{Document, Sweeps, draw, figures, write_atomically};
 
 /// Draw the branches of one or several documents as SVG
 #[derive(Debug, Args)]
 pub struct Plot {
-    /// The documents (.ron)
+    /// The documents (.ron), and sweeps (.npz)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// The parameter or monitor on the horizontal axis [default: as the first document says]
@@ -30,15 +30,18 @@ impl Plot {
     /// Draws the diagram and says where it is.
     pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
         let target = self.target()?;
+        let (archives, files): (Vec<_>, Vec<_>) =
+            self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
         let mut documents =
-            self.files.iter().map(Document::load).collect::<Result<Vec<Document>, _>>()?;
+            files.iter().map(Document::load).collect::<Result<Vec<Document>, _>>()?;
+        let sweeps = archives.iter().map(Sweeps::load).collect::<Result<Vec<Sweeps>, _>>()?;
         if let (Some(first), false) = (documents.first_mut(), self.points.is_empty()) {
             first.plot.points = self.points.clone();
         }
-        let names: Vec<String> = self.files.iter().map(|file| stem(file)).collect();
+        let names: Vec<String> = files.iter().map(|file| stem(file)).collect();
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
-        let figures = figures(&named, self.x.as_deref(), self.y.as_deref())?;
+        let figures = figures(&named, &sweeps, self.x.as_deref(), self.y.as_deref())?;
         write_atomically(&target, &draw(&figures)?)?;
         Ok(writeln!(out, "{}", target.display())?)
     }

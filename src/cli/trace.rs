@@ -9,11 +9,21 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use tangency::core::flow::work;
 use tangency::output::{Document, FileError, UnknownName, draw, figures, write_atomically};
-use tangency::scene::{BUILT_IN, Scene, StartPoint, execute};
+use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 
 /// Trace a scene, and save its branches
 #[derive(Debug, Args)]
 pub struct Trace {
+    #[command(flatten)]
+    pub scene: SceneAt,
+    /// Start from a special point of an earlier result
+    #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL")]
+    pub start: Option<Start>,
+}
+
+/// Which scene, with what changed in it, and where its results go.
+#[derive(Debug, Args)]
+pub struct SceneAt {
     /// The name of a scene (see `tangency scenes`), or the path of a RON file
     pub scene: String,
     /// Change a value of the scene; may be repeated
@@ -22,72 +32,23 @@ pub struct Trace {
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
-    /// Start from a special point of an earlier result
-    #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL")]
-    pub start: Option<Start>,
 }
 
-impl Trace {
-    /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+impl SceneAt {
+    /// The name of the scene's results, and the scene with what was changed.
+    pub fn read(&self) -> Result<(String, Scene), CommandError> {
         let (name, text) = self.text()?;
-        let at_fault =
-            |cause| CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) };
-        let mut scene = Scene::parse(&text).map_err(at_fault)?;
+        let mut scene = Scene::parse(&text).map_err(|cause| self.at_fault(cause))?;
         for Setting { name, value } in &self.settings {
-            scene.set(name, value).map_err(at_fault)?;
+            scene.set(name, value).map_err(|cause| self.at_fault(cause))?;
         }
-        let start = self.start.as_ref().map(Start::point).transpose()?;
-        let document = self.out.join(format!("{name}.ron"));
-        self.refuse_inputs(&document)?;
         self.refuse_folder()?;
-        let mut watch = Watch::new(out);
-        let outcome = execute(&scene, start.as_ref(), &mut watch);
-        let watched = watch.finish();
-        let saved = match outcome.document.branches.is_empty() {
-            true => Ok(()),
-            false => self.save(&name, &outcome.document, &document, out),
-        };
-        // What stopped the scene explains what cannot be saved or drawn, not the other way round.
-        match outcome.error {
-            Some(cause) => Err(at_fault(cause)),
-            None => saved.and(match watched? {
-                true => Err(CommandError::Interrupted),
-                false => Ok(()),
-            }),
-        }
+        Ok((name, scene))
     }
 
-    fn save(
-        &self,
-        name: &str,
-        document: &Document,
-        path: &Path,
-        out: &mut impl Write,
-    ) -> Result<(), CommandError> {
-        document.save(path)?;
-        let svg = path.with_extension("svg");
-        write_atomically(&svg, &draw(&figures(&[(name, document)], None, None)?)?)?;
-        for branch in &document.branches {
-            writeln!(
-                out,
-                "{}: {} points; ends: {}; {}",
-                branch.name,
-                branch.points.len(),
-                branch.ends[0],
-                branch.ends[1]
-            )?;
-        }
-        let work = work();
-        if work.evaluations > 0 {
-            let evaluations = work.evaluations;
-            writeln!(
-                out,
-                "flows: {evaluations} evaluations of the field, a time of {:.1}",
-                work.time
-            )?;
-        }
-        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
+    /// What is wrong with the scene.
+    pub fn at_fault(&self, cause: SceneError) -> CommandError {
+        CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
     }
 
     /// The name of the scene and its text: a built-in one, or a file.
@@ -118,11 +79,71 @@ impl Trace {
             _ => Ok(()),
         }
     }
+}
+
+impl Trace {
+    /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, scene) = self.scene.read()?;
+        let start = self.start.as_ref().map(Start::point).transpose()?;
+        let document = self.scene.out.join(format!("{name}.ron"));
+        self.refuse_inputs(&document)?;
+        if scene.runs.is_empty() {
+            return Err(CommandError::NoRun { scene: name });
+        }
+        let mut watch = Watch::new(out);
+        let outcome = execute(&scene, start.as_ref(), &mut watch);
+        let watched = watch.finish();
+        let saved = match outcome.document.branches.is_empty() {
+            true => Ok(()),
+            false => self.save(&name, &outcome.document, &document, out),
+        };
+        // What stopped the scene explains what cannot be saved or drawn, not the other way round.
+        match outcome.error {
+            Some(cause) => Err(self.scene.at_fault(cause)),
+            None => saved.and(match watched? {
+                true => Err(CommandError::Interrupted),
+                false => Ok(()),
+            }),
+        }
+    }
+
+    fn save(
+        &self,
+        name: &str,
+        document: &Document,
+        path: &Path,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
+        document.save(path)?;
+        let svg = path.with_extension("svg");
+        write_atomically(&svg, &draw(&figures(&[(name, document)], &[], None, None)?)?)?;
+        for branch in &document.branches {
+            writeln!(
+                out,
+                "{}: {} points; ends: {}; {}",
+                branch.name,
+                branch.points.len(),
+                branch.ends[0],
+                branch.ends[1]
+            )?;
+        }
+        let work = work();
+        if work.evaluations > 0 {
+            let evaluations = work.evaluations;
+            writeln!(
+                out,
+                "flows: {evaluations} evaluations of the field, a time of {:.1}",
+                work.time
+            )?;
+        }
+        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
+    }
 
     /// The results must not replace the scene's file or the document that is started from.
     fn refuse_inputs(&self, document: &Path) -> Result<(), CommandError> {
         let start = self.start.as_ref().map(|start| start.file.as_path());
-        for input in [Some(Path::new(&self.scene)), start].into_iter().flatten() {
+        for input in [Some(Path::new(&self.scene.scene)), start].into_iter().flatten() {
             for output in [document.to_path_buf(), document.with_extension("svg")] {
                 if same_file(input, &output) {
                     return Err(CommandError::OutputIsInput { path: output });
@@ -225,8 +246,9 @@ mod tests {
         let line =
             ["trace", "plate", "--set", "modes=3", "--set", "k = a=b", "--start", "a/b.ron:x/2"];
         let trace = Line::try_parse_from(line).unwrap().trace;
-        assert_eq!((trace.scene.as_str(), trace.out), ("plate", PathBuf::from("out")));
-        assert_eq!(trace.settings[1], Setting { name: "k".into(), value: "a=b".into() });
+        let SceneAt { scene, settings, out } = trace.scene;
+        assert_eq!((scene.as_str(), out), ("plate", PathBuf::from("out")));
+        assert_eq!(settings[1], Setting { name: "k".into(), value: "a=b".into() });
         let start = Start { file: "a/b.ron".into(), branch: Some("x".into()), label: 2 };
         assert_eq!(trace.start, Some(start));
     }

@@ -13,6 +13,24 @@ use tangency::scene::{Run, SceneObserver};
 /// Set by Ctrl-C; looked at after every point. A second Ctrl-C ends the program at once.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
+/// Whether Ctrl-C was pressed.
+pub fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// A progress bar, if the error stream is a terminal.
+pub fn bar() -> ProgressBar {
+    let bar = match std::io::stderr().is_terminal() {
+        true => ProgressBar::new_spinner(),
+        false => ProgressBar::hidden(),
+    };
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(120));
+    bar
+}
+
 /// Prints special points as they are found.
 pub struct Watch<'a, W: Write> {
     out: &'a mut W,
@@ -32,15 +50,7 @@ impl<'a, W: Write> Watch<'a, W> {
                 std::process::exit(130);
             }
         });
-        let bar = match std::io::stderr().is_terminal() {
-            true => ProgressBar::new_spinner(),
-            false => ProgressBar::hidden(),
-        };
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(120));
-        Watch { out, screen: None, bar, points: 0, shown: true, failure: None }
+        Watch { out, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
     /// Ends the watch: whether Ctrl-C was pressed.
@@ -51,7 +61,7 @@ impl<'a, W: Write> Watch<'a, W> {
         self.bar.finish_and_clear();
         match self.failure {
             Some(failure) => Err(failure.into()),
-            None => Ok(INTERRUPTED.load(Ordering::SeqCst)),
+            None => Ok(interrupted()),
         }
     }
 
@@ -77,7 +87,7 @@ impl<W: Write> Observer for Watch<'_, W> {
     fn point(&mut self, _point: &Point) -> ControlFlow<()> {
         self.points += 1;
         self.bar.set_message(format!("{} points", self.points));
-        match INTERRUPTED.load(Ordering::SeqCst) {
+        match interrupted() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }

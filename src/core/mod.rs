@@ -1,5 +1,6 @@
 //! The continuation core. It knows no device: equations come in as zero problems.
 
+pub mod attractor;
 pub mod bifurcation;
 pub mod bvp;
 mod chunk;
@@ -20,5 +21,6 @@ pub mod orbit;
 pub mod quadrature;
 pub mod scalar;
 pub mod solution;
+pub mod sweep;
 pub mod watch;
 pub mod zero;

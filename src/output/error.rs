@@ -84,6 +84,12 @@ pub enum FormatError {
     /// The document has the right form, but a value that makes no sense.
     #[error(transparent)]
     Invalid(#[from] Invalid),
+    /// The archive of a sweep is damaged, or none.
+    #[error("not a file of sweeps ({reason}); give a file that a sweep saved, or sweep again")]
+    Archive {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The document cannot be put into words.
     #[error("the document cannot be written as RON: {0}")]
     Unwritable(String),

@@ -57,6 +57,8 @@ pub enum Style {
     Dots,
     /// A dot at every point, and a line through them.
     DottedLine,
+    /// The smallest spot that can be seen at every point.
+    Specks,
 }
 
 /// A marked point.

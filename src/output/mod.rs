@@ -23,6 +23,7 @@ mod panels;
 mod profiles;
 mod suggest;
 mod svg;
+mod sweeps;
 mod table;
 mod write;
 
@@ -35,5 +36,6 @@ pub use number::significant;
 pub use panels::figures;
 pub use suggest::{UnknownName, suggest};
 pub use svg::draw;
+pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, merge};
 pub use table::{Screen, csv};
 pub use write::write_atomically;

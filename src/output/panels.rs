@@ -5,6 +5,8 @@ use super::document::{Against, Document};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
+use super::suggest::UnknownName;
+use super::sweeps::{Sweeps, scatter};
 
 /// The figures of some documents: the diagram, the further panels that the first document names, and
 /// one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
@@ -24,21 +26,23 @@ use super::profiles::profiles;
 /// ```
 /// use tangency::output::{Document, example_branch, figures};
 /// let document = Document::new("Pull-in", vec![example_branch()]);
-/// assert_eq!(figures(&[("plate", &document)], None, None)?.len(), 1);
+/// assert_eq!(figures(&[("plate", &document)], &[], None, None)?.len(), 1);
 /// # Ok::<(), tangency::output::FigureError>(())
 /// ```
 pub fn figures(
     documents: &[(&str, &Document)],
+    sweeps: &[Sweeps],
     x: Option<&str>,
     y: Option<&str>,
 ) -> Result<Vec<Figure>, FigureError> {
-    let mut figures = vec![diagram(documents, x, y)?];
+    let mut figures = vec![together(documents, sweeps, x, y)?];
     if x.is_some() || y.is_some() {
         return Ok(figures);
     }
-    let panels = documents.first().map_or(&[][..], |(_, document)| &document.plot.panels);
-    for (x, y) in panels {
-        let mut panel = diagram(documents, Some(x), Some(y))?;
+    let plots = documents.iter().map(|(_, document)| &document.plot);
+    let plot = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next();
+    for (x, y) in plot.map_or(&[][..], |plot| &plot.panels) {
+        let mut panel = together(documents, sweeps, Some(x), Some(y))?;
         panel.title = String::new();
         figures.push(panel);
     }
@@ -49,6 +53,43 @@ pub fn figures(
     }
     figures.extend(profiles(documents)?);
     Ok(figures)
+}
+
+/// The branches of documents and what sweeps have found in one figure. Where there are sweeps, a column need not be
+/// one of all.
+fn together(
+    documents: &[(&str, &Document)],
+    sweeps: &[Sweeps],
+    x: Option<&str>,
+    y: Option<&str>,
+) -> Result<Figure, FigureError> {
+    let Some(first) = sweeps.first() else { return diagram(documents, x, y) };
+    let plot = documents.first().map_or(&first.plot, |(_, document)| &document.plot);
+    let title = documents.first().map_or(&first.title, |(_, document)| &document.title);
+    let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
+    let Some(table) = tables().next() else { return diagram(documents, x, y) };
+    let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
+    let y = y.or(plot.y.as_deref()).unwrap_or("periods");
+    let scattered: Vec<Series> = tables().flat_map(|table| scatter(table, x, y)).collect();
+    let mut figure = match diagram(documents, Some(x), Some(y)) {
+        Ok(figure) => figure,
+        Err(FigureError::Empty { .. } | FigureError::UnknownColumn { .. })
+            if !scattered.is_empty() =>
+        {
+            Figure::new(title, plot.label(x), plot.label(y))
+        }
+        Err(FigureError::Empty { .. }) => {
+            let known = table.run_columns.iter().chain(&table.point_columns).map(String::as_str);
+            let wanted = if scatter(table, x, "run").is_empty() { x } else { y };
+            let source = UnknownName::new("column", wanted, known);
+            return Err(FigureError::UnknownColumn { branch: table.name.clone(), source });
+        }
+        Err(error) => return Err(error),
+    };
+    figure.title.clone_from(title);
+    // Behind the branches.
+    figure.series.splice(0..0, scattered);
+    Ok(figure)
 }
 
 /// Special points of a document's branches against a setting in which the branches differ. A branch

@@ -18,16 +18,20 @@ use std::path::{Path, PathBuf};
 /// assert_eq!(std::fs::read_to_string(&path)?, "content");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_atomically(path: impl AsRef<Path>, content: &str) -> Result<(), FileError> {
+pub fn write_atomically(
+    path: impl AsRef<Path>,
+    content: impl AsRef<[u8]>,
+) -> Result<(), FileError> {
     let path = path.as_ref();
-    attempt(path, content).map_err(|source| FileError::Write { path: path.to_path_buf(), source })
+    attempt(path, content.as_ref())
+        .map_err(|source| FileError::Write { path: path.to_path_buf(), source })
 }
 
-fn attempt(path: &Path, content: &str) -> std::io::Result<()> {
+fn attempt(path: &Path, content: &[u8]) -> std::io::Result<()> {
     let folder = folder_of(path);
     std::fs::create_dir_all(&folder)?;
     let mut file = temporary().tempfile_in(&folder)?;
-    file.write_all(content.as_bytes())?;
+    file.write_all(content)?;
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
     Ok(())

@@ -1,9 +1,11 @@
 //! What can be wrong with a scene.
 
+use crate::core::attractor::StrobeError;
 use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
 use crate::core::flow::SettingsError as FlowSettingsError;
 use crate::core::hybrid::{HybridError, RecurrenceError};
+use crate::core::sweep::PlanError;
 use crate::output::UnknownName;
 use crate::problems::plate::SettingsError;
 
@@ -67,6 +69,18 @@ pub enum SceneError {
     /// The boundary-value problem cannot be discretised.
     #[error(transparent)]
     Boundary(#[from] BoundaryError),
+    /// A sweep has no meaning.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// There is no motion to be looked at.
+    #[error(transparent)]
+    Strobe(#[from] StrobeError),
+    /// What is known belongs to another scene.
+    #[error(
+        "the runs that are done were made by another scene, or with other settings: remove their file, begin afresh, or \
+         name another folder"
+    )]
+    OtherScene,
     /// A run starts from a point that an earlier run did not find.
     #[error(
         "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"

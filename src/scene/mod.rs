@@ -22,12 +22,14 @@ mod problem;
 mod set;
 mod simulate;
 mod slot;
+mod sweep;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use discretisation::{Discretisation, Discretised, Solution};
 pub use error::SceneError;
 pub use execute::{Outcome, SceneObserver, StartPoint, execute};
 pub use problem::Problem;
+pub use sweep::{Grid, Sweep, SweepWatch, sweep};
 
 use crate::core::continuation::{Kind, Settings};
 use crate::output::Plot;
@@ -51,7 +53,11 @@ pub struct Scene {
     #[serde(default)]
     pub plot: Plot,
     /// What is traced, in this order.
+    #[serde(default)]
     pub runs: Vec<Run>,
+    /// What is swept, in this order.
+    #[serde(default)]
+    pub sweeps: Vec<Sweep>,
 }
 
 /// One branch or curve of events.

@@ -1,7 +1,7 @@
 //! Changing a scene by name, reading it, and checking it.
 
 use super::slot::{Plain, Slots, assign, options, read};
-use super::{Problem, Run, Scene, SceneError, Simulated, Start};
+use super::{Problem, Run, Scene, SceneError, Simulated, Start, Sweep};
 use crate::core::continuation::{SettingError, Settings};
 use crate::output::UnknownName;
 
@@ -18,6 +18,21 @@ fn continuation_slots(s: &mut Settings) -> Slots<'_> {
         ("max_iterations", Box::new(Plain(&mut s.max_iterations))),
         ("accuracy", Box::new(Plain(&mut s.accuracy))),
     ]
+}
+
+/// The settings of a sweep by name.
+fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
+    let mut slots: Slots = vec![
+        ("transient", Box::new(Plain(&mut sweep.settling.transient))),
+        ("recorded", Box::new(Plain(&mut sweep.settling.recorded))),
+        ("most", Box::new(Plain(&mut sweep.settling.most))),
+        ("exponent", Box::new(Plain(&mut sweep.settling.exponent))),
+        ("flow_error", Box::new(Plain(&mut sweep.tolerance))),
+    ];
+    if let [grid, ..] = &mut sweep.over[..] {
+        slots.push(("count", Box::new(Plain(&mut grid.count))));
+    }
+    slots
 }
 
 impl Scene {
@@ -84,8 +99,13 @@ impl Scene {
 
     /// The scene as one of its runs sees it.
     pub(super) fn as_seen_by(&self, run: &Run) -> Result<Scene, SceneError> {
+        self.with(&run.set)
+    }
+
+    /// The scene with some values set.
+    pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
         let mut scene = self.clone();
-        for (name, value) in &run.set {
+        for (name, value) in set {
             scene.assign(name, value)?;
         }
         Ok(scene)
@@ -104,11 +124,20 @@ impl Scene {
             changed.check_parameters()?;
         } else if assign(continuation_slots(&mut changed.settings), name, value)? {
             changed.settings.check().map_err(out_of_range)?;
-        } else {
+        } else if !changed.assign_to_sweeps(name, value)? {
             changed.assign_parameter(name, value)?;
         }
         *self = changed;
         Ok(())
+    }
+
+    /// Changes how the runs of all sweeps are followed; false if nothing of this name says that.
+    fn assign_to_sweeps(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
+        let mut known = false;
+        for sweep in &mut self.sweeps {
+            known |= assign(sweep_slots(sweep), name, value)?;
+        }
+        Ok(known)
     }
 
     fn assign_parameter(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
@@ -148,16 +177,17 @@ impl Scene {
     }
 
     fn check(&self) -> Result<(), SceneError> {
-        if self.runs.is_empty() {
+        if self.runs.is_empty() && self.sweeps.is_empty() {
             return Err(SceneError::Invalid {
                 place: "the list of runs".into(),
                 found: "empty".into(),
-                rule: "must hold one run or more".into(),
+                rule: "a scene must hold one run, or one sweep, or more".into(),
             });
         }
         self.check_parameters()?;
         unique("parameter", self.parameters.iter().map(|(name, _)| name.as_str()))?;
         unique("run", self.runs.iter().map(|run| run.name.as_str()))?;
+        unique("sweep", self.sweeps.iter().map(|sweep| sweep.name.as_str()))?;
         for (name, value) in &self.parameters {
             finite(&format!("parameter `{name}`"), *value)?;
         }

@@ -3,7 +3,9 @@
 
 use super::{SceneError, Simulated};
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
-use crate::core::hybrid::{History, HybridFlow, HybridSettings, HybridState, HybridSystem, Piece};
+use crate::core::hybrid::{
+    History, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Piece,
+};
 use crate::core::zero::Profile;
 use crate::output::UnknownName;
 
@@ -58,9 +60,16 @@ pub(super) fn initial<H: HybridSystem>(
     system: &H,
     simulated: &Simulated,
 ) -> Result<HybridState<f64>, SceneError> {
-    let mode = &system.modes()[0];
+    at_rest(&system.modes()[0], &simulated.state)
+}
+
+/// A state of the first mode, given by name where it is not zero.
+pub(super) fn at_rest(
+    mode: &Mode,
+    given: &[(String, f64)],
+) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
-    for (name, value) in &simulated.state {
+    for (name, value) in given {
         let known = || mode.states.iter().map(String::as_str);
         let position = known().position(|known| known == name);
         let unknown = || UnknownName::new("state", name.clone(), known());

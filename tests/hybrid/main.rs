@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod attractors;
 mod failures;
 mod grazing;
 mod mita_laws;

@@ -12,3 +12,4 @@ mod scenarios;
 mod scenes;
 mod scenes_of_impacts;
 mod scenes_of_orbits;
+mod sweeps;

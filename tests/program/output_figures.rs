@@ -189,7 +189,7 @@ fn orbits() -> Document {
 #[test]
 fn profiles_of_orbits_are_those_of_special_points_and_of_the_end() {
     let document = orbits();
-    let drawn = figures(&[("a", &document)], None, None).unwrap();
+    let drawn = figures(&[("a", &document)], &[], None, None).unwrap();
     assert_eq!(drawn.len(), 3, "the diagram, a time history, a phase portrait");
     assert_eq!([&*drawn[2].x_label, &*drawn[2].y_label], ["x", "y"]);
     let names =
@@ -204,15 +204,15 @@ fn profiles_and_points_are_chosen_by_name() {
     let mut document = orbits();
     document.plot.profiles = vec![("x".into(), "y".into())];
     document.plot.points = vec!["plate/1".into(), "4".into()];
-    let drawn = figures(&[("a", &document)], None, None).unwrap();
+    let drawn = figures(&[("a", &document)], &[], None, None).unwrap();
     assert_eq!(drawn.len(), 2);
     assert_eq!(drawn[1].names(), ["plate/1 EP, load = 0", "plate/4 EP, load = 0.032"]);
     document.plot.profiles = vec![("x".into(), "z".into())];
-    let error = figures(&[("a", &document)], None, None).unwrap_err();
+    let error = figures(&[("a", &document)], &[], None, None).unwrap_err();
     assert!(matches!(error, FigureError::UnknownProfile(_)), "{error:?}");
     assert!(error.to_string().contains("`z along x`"), "{error}");
     document.plot.points = vec!["9".into()];
-    let error = figures(&[("a", &document)], None, None).unwrap_err();
+    let error = figures(&[("a", &document)], &[], None, None).unwrap_err();
     assert!(matches!(error, FigureError::UnknownPoint(_)), "{error:?}");
 }
 
@@ -226,7 +226,7 @@ fn more_profiles_than_can_be_read_are_left_out_ends_first() {
         point.label = label;
         branch.special.insert(3, point);
     }
-    let drawn = figures(&[("a", &document)], None, None).unwrap();
+    let drawn = figures(&[("a", &document)], &[], None, None).unwrap();
     assert_eq!(drawn[2].series.len(), 8);
     assert!(drawn[2].names().iter().all(|name| !name.contains("EP")));
 }

@@ -33,6 +33,9 @@ const NEAR: f64 = 1e-6;
 /// before its sign is believed.
 const TANGENT: f64 = 1e-3;
 
+/// A function is far from zero if it is more than so many times its change in a step.
+const FAR: f64 = 10.0;
+
 /// What is known of a watched function so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Sign {
@@ -92,18 +95,20 @@ pub struct Roots<T, W> {
     sign: Sign,
     /// The end of the last step, with the slope by its place in the flow.
     end: Option<Sample>,
+    /// The value there, and by how much it changed in the step, where that is all that is known.
+    far: Option<(f64, f64)>,
     sight: Sight<T>,
 }
 
 impl<T: Scalar, W: Watch> Roots<T, W> {
     /// A search for the roots of a watched function.
     pub fn of(watch: W) -> Self {
-        Roots { watch, sign: Sign::Unknown, end: None, sight: Sight::new() }
+        Roots { watch, sign: Sign::Unknown, end: None, far: None, sight: Sight::new() }
     }
 
     /// Begins a new flow, in which the roots of another function may be sought.
     pub fn restart(&mut self, watch: W) {
-        (self.watch, self.sign, self.end) = (watch, Sign::Unknown, None);
+        (self.watch, self.sign, self.end, self.far) = (watch, Sign::Unknown, None, None);
     }
 
     /// Calls `visit` with every root in a step, in their order, until it breaks.
@@ -112,13 +117,19 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         step: &mut Step<F, T>,
         mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
+        if self.stays_far(step) {
+            self.end = None;
+            return ControlFlow::Continue(());
+        }
         let start = self.end.map(|end| Sample { fraction: 0.0, slope: end.slope * step.h, ..end });
         let ends = self.sight.ends(step, &self.watch, start);
         self.end = ends.map(|[_, end]| Sample { slope: end.slope / step.h, ..end });
+        self.far = ends.map(|[start, end]| (end.value, end.value - start.value));
         if ends.is_some_and(|ends| self.keeps_positive(&ends)) {
             return ControlFlow::Continue(());
         }
-        let brief = ends.is_some_and(|ends| crosses_once(&slopes(&ends)));
+        let one_extremum = |slopes| crosses_once(&slopes) || keep_clear_of_zero(&slopes);
+        let brief = ends.is_some_and(|ends| one_extremum(slopes(&ends)));
         self.sight.survey(step, &self.watch, brief);
         self.begin(self.sight.samples[0].value);
         for k in 1..self.sight.samples.len() {
@@ -126,6 +137,19 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
             self.pass(step, piece, &mut visit)?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// Whether the function is positive and so large that changes many times those of this step and the one before
+    /// would not take it to zero: its slopes need not be known.
+    fn stays_far<F: VectorField>(&mut self, step: &Step<F, T>) -> bool {
+        let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
+            return false;
+        };
+        let value = self.sight.end_value(step, &self.watch);
+        let changed = value - last;
+        let far = value.min(last) > FAR * changed.abs().max(change.abs());
+        self.far = far.then_some((value, changed));
+        far
     }
 
     /// The sign where the flow begins.
@@ -184,7 +208,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
             Sign::Positive if right.value < 0.0 => self.at_once(step, left.fraction),
             Sign::Zero { level, top } if right.value < level - ZERO => {
                 // What rises so little falls as long as it has risen.
-                let place = (2.0 * top).min(step.sigma + step.h * left.fraction);
+                let place = (2.0 * top).min(step.sigma + step.h * right.fraction);
                 self.at_once(step, (place - step.sigma) / step.h)
             }
             Sign::Zero { .. } if right.value > ZERO => {

@@ -8,7 +8,7 @@ use super::step::Step;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
-use num_dual::{Dual2, Dual2_64};
+use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
 /// In how many parts a step is searched for changes of sign of the slope.
 pub(super) const PARTS: usize = 8;
@@ -66,12 +66,19 @@ pub(super) struct Sight<T> {
     pub samples: Vec<Sample>,
     real: Arguments<Dual2_64>,
     lifted: Arguments<Dual2<T>>,
+    /// Where slopes are enough.
+    real_slope: Arguments<Dual64>,
+    slope: Arguments<Dual<T>>,
+    /// Where values are enough.
+    plain: Arguments<f64>,
 }
 
 impl<T: Scalar> Sight<T> {
     pub fn new() -> Self {
         let (real, lifted) = (Arguments::new(), Arguments::new());
-        Sight { samples: Vec::new(), real, lifted }
+        let (real_slope, slope) = (Arguments::new(), Arguments::new());
+        let plain = Arguments::new();
+        Sight { samples: Vec::new(), real, lifted, real_slope, slope, plain }
     }
 
     /// Values and slopes at both ends of the step, that at the start unless it is known; they cost no evaluation
@@ -86,20 +93,37 @@ impl<T: Scalar> Sight<T> {
         let (stages, h, motion) = (&step.buffers.stages, step.h, step.motion);
         let mut sample = |fraction: f64, x: &[S], stage: usize| {
             let slopes = stages.slope(stage);
-            let state = |i: usize| Dual2_64::new(x[i].real(), slopes[i].real() * h, 0.0);
+            let state = |i: usize| Dual64::new(x[i].real(), slopes[i].real() * h);
             let value = match watch.state() {
                 Some(i) => state(i),
                 None => {
                     let rate = motion.length.real() * h;
-                    let time = Dual2_64::new(step.time(S::constant(fraction)).real(), rate, 0.0);
-                    let lift = |p: S| Dual2_64::from(p.real());
-                    self.real.evaluate(watch, time, motion.p, lift, (0..x.len()).map(state))
+                    let time = Dual64::new(step.time(S::constant(fraction)).real(), rate);
+                    let lift = |p: S| Dual64::from(p.real());
+                    self.real_slope.evaluate(watch, time, motion.p, lift, (0..x.len()).map(state))
                 }
             };
-            Sample { fraction, value: value.re, slope: value.v1, curvature: 0.0 }
+            Sample { fraction, value: value.re, slope: value.eps, curvature: 0.0 }
         };
         let start = start.unwrap_or_else(|| sample(0.0, &step.buffers.x, 0));
         Some([start, sample(1.0, &stages.end, end)])
+    }
+
+    /// The value at the end of the step.
+    pub fn end_value<F: VectorField, S: Scalar, W: Watch>(
+        &mut self,
+        step: &Step<F, S>,
+        watch: &W,
+    ) -> f64 {
+        let x = &step.buffers.stages.end;
+        match watch.state() {
+            Some(i) => x[i].real(),
+            None => {
+                let time = step.time(S::one()).real();
+                let states = x.iter().map(|x| x.real());
+                self.plain.evaluate(watch, time, step.motion.p, |p: S| p.real(), states)
+            }
+        }
     }
 
     /// The watched function by dense output, which must be prepared, in any scalar type.
@@ -157,11 +181,11 @@ impl<T: Scalar> Sight<T> {
         if let Some(i) = watch.state() {
             return (x[i], slopes[i] * h);
         }
-        let along = |value: T, rate: T| Dual2::new(value, rate * h, T::zero());
+        let along = |value: T, rate: T| Dual::new(value, rate * h);
         let time = along(time, motion.length);
         let states = x.iter().zip(slopes).map(|(x, slope)| along(*x, *slope));
-        let value = self.lifted.evaluate(watch, time, motion.p, Dual2::from_re, states);
-        (value.re, value.v1)
+        let value = self.slope.evaluate(watch, time, motion.p, Dual::from_re, states);
+        (value.re, value.eps)
     }
 
     /// Samples the step so densely that between two of them there is one extremum at most: in equal parts

@@ -52,6 +52,10 @@ const CLEAR: f64 = 0.05;
 /// Fractions of a step that are nearer to each other than this are so for the polynomials of dense output.
 const NEAR: f64 = 1e-4;
 
+/// From a state to one that is no farther away than this, as a part of the step, a step of order 2 is exact: it errs by
+/// a twelfth of the third power.
+const CLOSE: f64 = 1e-6;
+
 /// What a step without its derivatives is computed in.
 #[derive(Default)]
 pub(in crate::core) struct RealStep {
@@ -134,8 +138,15 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
     /// The state at a fraction of the step by a shorter step of the same method: exact to the method's
     /// order, at the cost of a step.
     pub fn state(&mut self, fraction: T, x: &mut [T]) {
-        self.shorten(fraction);
-        self.known.exact = None;
+        match self.met_within(CLOSE, fraction) {
+            Some(_) => {
+                self.exact(fraction);
+            }
+            None => {
+                self.shorten(fraction);
+                self.known.exact = None;
+            }
+        }
         x.copy_from_slice(&self.buffers.partial.end);
     }
 
@@ -160,20 +171,42 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
 
     /// State and slopes at a fraction of the step by a shorter step of the same method.
     pub(super) fn exact(&mut self, fraction: T) -> (&[T], &[T]) {
-        if T::NDERIV > 0 || self.known.exact != Some(fraction.real()) {
-            self.shorten(fraction);
-            let time = self.time(fraction);
-            let Buffers { x, partial, slopes, .. } = &mut *self.buffers;
-            slopes.resize(x.len(), T::zero());
-            self.motion.slope_at(time, &partial.end, slopes);
-            self.known.exact = Some(fraction.real());
+        match self.met_within(CLOSE, fraction) {
+            Some(met) if met == fraction.real() => {}
+            Some(met) => self.move_from(met, fraction),
+            None => {
+                self.shorten(fraction);
+                let time = self.time(fraction);
+                let Buffers { x, partial, slopes, .. } = &mut *self.buffers;
+                slopes.resize(x.len(), T::zero());
+                self.motion.slope_at(time, &partial.end, slopes);
+            }
         }
+        self.known.exact = Some(fraction.real());
         (&self.buffers.partial.end, &self.buffers.slopes)
+    }
+
+    /// Moves the state found exactly to a fraction that is close to where it is, by a step of Heun's method.
+    fn move_from(&mut self, met: f64, fraction: T) {
+        let (h, time) = ((fraction - met) * self.h, self.time(fraction));
+        let Buffers { partial, slopes, .. } = &mut *self.buffers;
+        let (argument, end) = (&mut partial.argument, &mut partial.end);
+        for ((argument, end), slope) in argument.iter_mut().zip(&mut *end).zip(&*slopes) {
+            *argument = *end + *slope * h;
+            *end += *slope * h * 0.5;
+        }
+        self.motion.slope_at(time, argument, slopes);
+        end.iter_mut().zip(slopes).for_each(|(end, slope)| *end += *slope * h * 0.5);
+    }
+
+    /// The fraction of real numbers that was met last, if this one is within a distance of it.
+    fn met_within(&self, distance: f64, fraction: T) -> Option<f64> {
+        self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction.real()).abs() <= distance)
     }
 
     /// A fraction of real numbers so near to this one that was met before, of which all is known.
     pub(super) fn met_near(&self, fraction: f64) -> Option<f64> {
-        self.known.exact.filter(|met| T::NDERIV == 0 && (met - fraction).abs() < NEAR)
+        self.met_within(NEAR, T::constant(fraction))
     }
 
     /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear of zero.

@@ -6,6 +6,7 @@
 
 use super::error::HybridError;
 use super::event::Event;
+use super::repetition::{Nearness, Repetition};
 use super::simulation::{HybridFlow, HybridState};
 use super::system::HybridSystem;
 use std::ops::ControlFlow;
@@ -155,8 +156,7 @@ impl Recurrence {
     ) -> Result<Cycle, RecurrenceError> {
         let phase = state.time;
         let skipped = (self.transient / period).max(0.0) as usize;
-        let mut nearness = Nearness::new();
-        let mut past: Vec<(HybridState<f64>, Vec<usize>)> = Vec::new();
+        let mut repetition = Repetition::new(self.most, self.tolerance);
         for k in 0..skipped.saturating_add(self.returns) {
             // From the same time in every period: long times have fewer digits.
             state.time = phase;
@@ -165,26 +165,16 @@ impl Recurrence {
             if k < skipped {
                 continue;
             }
-            events.iter().for_each(|event| nearness.extend(&event.after));
-            past.push((before, events.iter().map(|event| event.guard).collect()));
-            if past.len() > 2 * self.most {
-                past.remove(0);
-            }
-            nearness.extend(&state.x);
-            let same = |q: &usize| {
-                let (old, _) = &past[past.len() - q];
-                old.mode == state.mode
-                    && nearness.admit(&old.x, &state.x, self.tolerance)
-                    && repeats(&past, *q)
-            };
-            if let Some(q) = (1..=self.most.min(past.len() / 2)).find(same) {
+            events.iter().for_each(|event| repetition.extend(&event.after));
+            let guards = events.iter().map(|event| event.guard).collect();
+            if let Some(q) = repetition.push(before, guards, &state) {
                 state.time = phase;
                 let mut cycle = cycle(flow, state, q, period, p)?;
-                cycle.distance = nearness.least;
+                cycle.distance = repetition.nearness.least;
                 return Ok(cycle);
             }
         }
-        Err(self.unsettled(nearness))
+        Err(self.unsettled(repetition.nearness))
     }
 
     /// Looks at the motion just after every event of the guard that comes first.
@@ -229,38 +219,6 @@ impl Recurrence {
         let Recurrence { returns, most, tolerance, .. } = *self;
         RecurrenceError::Unsettled { returns, most, distance: nearness.least, tolerance }
     }
-}
-
-/// How near states have come to each other, in units of the largest one.
-#[derive(Clone, Copy, Debug)]
-struct Nearness {
-    largest: f64,
-    least: f64,
-}
-
-impl Nearness {
-    fn new() -> Self {
-        Nearness { largest: f64::MIN_POSITIVE, least: f64::INFINITY }
-    }
-
-    /// Takes a state in that may be the largest.
-    fn extend(&mut self, x: &[f64]) {
-        self.largest = x.iter().map(|x| x * x).sum::<f64>().sqrt().max(self.largest);
-    }
-
-    /// Whether two states of one mode are as near as this.
-    fn admit(&mut self, a: &[f64], b: &[f64], tolerance: f64) -> bool {
-        let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-        let distance = square.sqrt() / self.largest;
-        self.least = self.least.min(distance);
-        distance <= tolerance
-    }
-}
-
-/// Whether the events of the last `q` periods are those of the `q` periods before.
-fn repeats(past: &[(HybridState<f64>, Vec<usize>)], q: usize) -> bool {
-    let events = |k: usize| past[past.len() - k..].iter().map(|(_, events)| events);
-    events(q).zip(events(2 * q)).all(|(new, old)| new == old)
 }
 
 /// The legs of `q` periods.

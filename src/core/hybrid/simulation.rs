@@ -42,6 +42,9 @@ fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
 /// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
 /// tells how fast things change.
 const PART_OF_PERIOD: f64 = 0.125;
+/// A leg begins with a step no longer than so many legs before it: in chatter each is shorter than the last one, and
+/// must not be lost in a step.
+const LEGS: f64 = 4.0;
 /// Time stands still while it moves by less than this.
 const INSTANT: f64 = 1e-9;
 
@@ -136,6 +139,8 @@ pub struct HybridFlow<'a, S, T: Scalar> {
     roots: Vec<Roots<T, GuardOf<'a, S>>>,
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
+    /// How long the step was in which the last leg ended.
+    pace: Option<f64>,
     /// Real parts of a state.
     pub(super) x: Vec<f64>,
     /// Real parts of the parameters.
@@ -162,8 +167,8 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         let roots = (0..guards.len()).map(|guard| Roots::of(GuardOf { system, guard })).collect();
         let series = guards.iter().map(|_| Series::new()).collect();
         let (flow, event) = (Flow::new(settings.flow)?, Event::empty());
-        let (x, p) = Default::default();
-        Ok(HybridFlow { system, modes, guards, settings, flow, roots, series, event, x, p })
+        let (pace, x, p) = Default::default();
+        Ok(HybridFlow { system, modes, guards, settings, flow, roots, series, event, pace, x, p })
     }
 
     /// The system.
@@ -227,6 +232,7 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
     /// Refuses what cannot begin.
     fn begin(&mut self, state: &HybridState<T>, duration: T, p: &[T]) -> Result<(), HybridError> {
         self.series.iter_mut().for_each(|series| series.events = 0);
+        self.pace = None;
         let (time, mode, modes) = (state.time.real(), state.mode, self.modes.len());
         let Some(Mode { name, states }) = self.modes.get(mode) else {
             return Err(HybridError::NoMode { time, mode, modes, after: After::default() });
@@ -280,10 +286,13 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         let period = system.period(&self.p).unwrap_or(f64::INFINITY);
         let largest = self.settings.flow.largest_step;
         self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left.real());
+        // Fields of different modes have much in common: the forcing, and most of the forces.
+        let pace = self.pace.map(|pace| (pace / left.real()).min(1.0));
+        self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
         for (guard, roots) in self.roots.iter_mut().enumerate() {
             roots.restart(GuardOf { system, guard });
         }
-        let HybridFlow { guards, flow, roots, event, p: real, .. } = self;
+        let HybridFlow { guards, flow, roots, event, pace, p: real, .. } = self;
         let mut landing = None;
         let (field, time) = (InMode { system, mode }, state.time);
         event.before.clear();
@@ -295,6 +304,9 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
             if landing.is_some() {
                 event.time = step.time(end);
                 step.state(end, &mut event.before);
+                let lasted = (event.time - time).real();
+                let longest = (step.length() * left.real()).min(LEGS * lasted);
+                *pace = (longest > INSTANT).then_some(longest);
             }
             run.observer.step(mode, step, end);
             if landing.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

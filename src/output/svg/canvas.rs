@@ -4,9 +4,13 @@ use crate::output::error::FigureError;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::collections::BTreeSet;
 
 /// How many pixels of the backend make one of the canvas.
 const FINENESS: f64 = 10.0;
+
+/// The side of a speck, in pixels.
+const SPECK: f64 = 1.3;
 
 /// Text and axes.
 pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
@@ -112,6 +116,31 @@ impl Canvas<'_> {
         let radius = (radius * FINENESS).round() as i32;
         self.area.draw(&Circle::new(fine(centre), radius, fill.filled())).map_err(failed)?;
         self.area.draw(&Circle::new(fine(centre), radius, stroke(outline, 1.0))).map_err(failed)
+    }
+
+    /// The smallest spot that can be seen at every point. Of spots in one place one is drawn, and those on top of
+    /// each other are one line: the file does not grow with the points.
+    pub(super) fn specks(&self, points: &[[f64; 2]], colour: RGBColor) -> Result<(), FigureError> {
+        let cell = |at: &[f64; 2]| at.map(|x| (x / SPECK).floor() as i32);
+        let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
+        let corner = |column: i32, row: i32| {
+            fine([(f64::from(column) + 0.5) * SPECK, f64::from(row) * SPECK])
+        };
+        let line = |[column, top, bottom]: [i32; 3]| {
+            let path = vec![corner(column, top), corner(column, bottom + 1)];
+            self.area.draw(&PathElement::new(path, stroke(colour, SPECK))).map_err(failed)
+        };
+        let mut open: Option<[i32; 3]> = None;
+        for [column, row] in cells {
+            match &mut open {
+                Some([same, _, bottom]) if *same == column && *bottom + 1 == row => *bottom = row,
+                _ => {
+                    open.take().map_or(Ok(()), line)?;
+                    open = Some([column, row, row]);
+                }
+            }
+        }
+        open.map_or(Ok(()), line)
     }
 
     /// A veil over a rectangle about a centre, on which a text can be read.

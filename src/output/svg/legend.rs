@@ -101,8 +101,9 @@ fn names(figure: &Figure) -> Vec<Entry<'_>> {
     if names.len() < 2 {
         return Vec::new();
     }
-    let style = |name: &str| match figure.styles.is_empty() {
-        true => figure.series.iter().find(|s| s.name == name).map_or(Style::Solid, |s| s.style),
+    let of = |name: &str| figure.series.iter().find(|s| s.name == name).map(|s| s.style);
+    let style = |name: &str| match figure.styles.is_empty() || of(name) == Some(Style::Specks) {
+        true => of(name).unwrap_or(Style::Solid),
         // The styles have entries of their own, and a curve may have several.
         false => Style::Solid,
     };
@@ -137,6 +138,9 @@ impl Entry<'_> {
             Sample::Curve(style, colour) => {
                 let points = match style {
                     Style::Dots => vec![[x + SAMPLE / 2.0, y]],
+                    Style::Specks => (0..9)
+                        .map(|k| [x + 3.5 * f64::from(k), y + 1.5 * f64::from(k % 3)])
+                        .collect(),
                     Style::DottedLine => vec![[x, y], [x + SAMPLE / 2.0, y], [x + SAMPLE, y]],
                     Style::Solid | Style::Dashed | Style::Thin => vec![[x, y], [x + SAMPLE, y]],
                 };

@@ -131,6 +131,7 @@ impl<'a> Panel<'a> {
             .figure
             .series
             .iter()
+            .filter(|series| series.style != Style::Specks)
             .flat_map(|series| sampled(&series.points.iter().map(pixel).collect::<Vec<_>>()))
             .collect();
         let marks: Vec<_> = self
@@ -177,8 +178,8 @@ pub(super) fn curve(
         Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
         Style::Dashed => canvas.dashed(points, colour, 2.0),
         Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
-        Style::Thin => Ok(()),
-        Style::Solid => Ok(()),
+        Style::Thin | Style::Solid => Ok(()),
+        Style::Specks => canvas.specks(points, colour),
         Style::Dots | Style::DottedLine => {
             if style == Style::DottedLine {
                 canvas.line(points, colour, 1.5)?;

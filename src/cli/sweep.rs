@@ -1,0 +1,219 @@
+//! `tangency sweep SCENE`, `tangency merge FILE…`: brute force, saved as it goes on.
+
+use super::CommandError;
+use super::trace::SceneAt;
+use super::watch::{Watch, interrupted};
+use clap::Args;
+use indicatif::ProgressBar;
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+use tangency::core::sweep::{Found, Part};
+use tangency::output::{
+    Document, FileError, SweepTable, Sweeps, draw, figures, merge, write_atomically,
+};
+use tangency::scene::{Scene, SweepWatch, execute, sweep};
+
+/// Find what motions settle on, over parameters and starts, on all cores
+///
+/// What is done is saved from time to time, and the same command goes on from there.
+#[derive(Debug, Args)]
+pub struct Sweep {
+    #[command(flatten)]
+    scene: SceneAt,
+    /// Do part K of N only; `tangency merge` puts parts together
+    #[arg(long, value_name = "K/N")]
+    part: Option<Share>,
+    /// How many threads work [default: as many as there are cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// After how many seconds what is done is saved
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0)]
+    save_every: f64,
+    /// Forget the runs that are done
+    #[arg(long)]
+    afresh: bool,
+}
+
+/// Put the parts of a sweep together
+#[derive(Debug, Args)]
+pub struct Merge {
+    /// The files of all parts (.npz)
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The folder for the whole
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+}
+
+/// `K/N`.
+#[derive(Clone, Copy, Debug)]
+struct Share(Part);
+
+impl FromStr for Share {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let part = text.split_once('/').and_then(|(number, of)| {
+            let (number, of) = (number.parse().ok()?, of.parse().ok()?);
+            (number >= 1 && number <= of).then_some(Part { number, of })
+        });
+        part.map(Share).ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
+    }
+}
+
+impl Sweep {
+    /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or Ctrl-C.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, scene) = self.scene.read()?;
+        if scene.sweeps.is_empty() {
+            return Err(CommandError::NoSweep { scene: name });
+        }
+        if let Some(threads) = self.threads {
+            // Fails only where threads are at work already.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        }
+        let path = self.scene.out.join(match self.part {
+            None => format!("{name}.npz"),
+            Some(Share(Part { number, of })) => format!("{name}.part-{number}-of-{of}.npz"),
+        });
+        let known = match path.exists() && !self.afresh {
+            true => Some(Sweeps::load(&path)?),
+            false => None,
+        };
+        let document = self.trace(&name, &scene, out)?;
+        let part = self.part.map_or(Part::WHOLE, |share| share.0);
+        let mut keeper = Keeper::new(&path, self.save_every);
+        let swept = sweep(&scene, &name, part, known, &mut keeper);
+        keeper.bar.finish_and_clear();
+        let sweeps = swept.map_err(|cause| self.scene.at_fault(cause))?;
+        sweeps.save(&path)?;
+        report(&sweeps, out)?;
+        writeln!(out, "{}", path.display())?;
+        if self.part.is_none() {
+            picture(&name, document.as_ref(), &sweeps, &path, out)?;
+        }
+        keeper.failure.map_or(Ok(()), Err)?;
+        if interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
+    }
+
+    /// Traces the scene's branches, if it has some: they are drawn with the sweeps.
+    fn trace(
+        &self,
+        name: &str,
+        scene: &Scene,
+        out: &mut impl Write,
+    ) -> Result<Option<Document>, CommandError> {
+        let mut watch = Watch::new(out);
+        if scene.runs.is_empty() || self.part.is_some() {
+            watch.finish()?;
+            return Ok(None);
+        }
+        let outcome = execute(scene, None, &mut watch);
+        watch.finish()?;
+        outcome.document.save(self.scene.out.join(format!("{name}.ron")))?;
+        match outcome.error {
+            Some(cause) => Err(self.scene.at_fault(cause)),
+            None => Ok(Some(outcome.document)),
+        }
+    }
+}
+
+impl Merge {
+    /// Puts the parts together, saves and draws the whole.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let parts = self.files.iter().map(Sweeps::load).collect::<Result<Vec<_>, FileError>>()?;
+        let whole = merge(parts)?;
+        let path = self.out.join(format!("{}.npz", whole.name));
+        whole.save(&path)?;
+        report(&whole, out)?;
+        writeln!(out, "{}", path.display())?;
+        picture(&whole.name, None, &whole, &path, out)
+    }
+}
+
+/// A line for each sweep.
+fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
+    for SweepTable { name, rows, total, .. } in &sweeps.sweeps {
+        let failed = rows.values().filter(|row| row.failure.is_some()).count();
+        write!(out, "{name}: {} of {total} runs", rows.len())?;
+        match rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?))) {
+            Some((run, why)) => writeln!(out, "; {failed} failed, the first, run {run}: {why}")?,
+            None => writeln!(out)?,
+        }
+    }
+    Ok(())
+}
+
+fn picture(
+    name: &str,
+    document: Option<&Document>,
+    sweeps: &Sweeps,
+    path: &Path,
+    out: &mut impl Write,
+) -> Result<(), CommandError> {
+    let documents: Vec<(&str, &Document)> =
+        document.map(|document| (name, document)).into_iter().collect();
+    let svg = path.with_extension("svg");
+    let figures = figures(&documents, std::slice::from_ref(sweeps), None, None)?;
+    write_atomically(&svg, draw(&figures)?)?;
+    Ok(writeln!(out, "{}", svg.display())?)
+}
+
+/// Saves what is done from time to time, and shows how much that is.
+struct Keeper<'a> {
+    path: &'a Path,
+    bar: ProgressBar,
+    saved: Instant,
+    /// How long to wait at least until it is saved again …
+    every: Duration,
+    /// … and how long it is: saving must not take a notable part of the time.
+    pause: Duration,
+    failure: Option<CommandError>,
+}
+
+impl<'a> Keeper<'a> {
+    fn new(path: &'a Path, seconds: f64) -> Self {
+        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        Keeper {
+            path,
+            bar: super::watch::bar(),
+            saved: Instant::now(),
+            every,
+            pause: every,
+            failure: None,
+        }
+    }
+}
+
+impl SweepWatch for Keeper<'_> {
+    fn begin(&mut self, sweep: &SweepTable) {
+        self.bar.set_length(sweep.total as u64);
+        self.bar.set_position(sweep.rows.len() as u64);
+        self.bar.set_message(format!(
+            "{} of {} runs of {}",
+            sweep.rows.len(),
+            sweep.total,
+            sweep.name
+        ));
+    }
+
+    fn found(&mut self, known: &Sweeps, _found: &Found) -> ControlFlow<()> {
+        self.bar.inc(1);
+        let done: usize = known.sweeps.iter().map(|sweep| sweep.rows.len()).sum();
+        let total: usize = known.sweeps.iter().map(|sweep| sweep.total).sum();
+        self.bar.set_message(format!("{done} of {total} runs"));
+        if self.saved.elapsed() >= self.pause {
+            let begin = Instant::now();
+            if let Err(error) = known.save(self.path) {
+                self.failure = Some(error.into());
+                return ControlFlow::Break(());
+            }
+            self.pause = self.every.max(20 * begin.elapsed());
+            self.saved = Instant::now();
+        }
+        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

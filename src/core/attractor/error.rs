@@ -1,0 +1,27 @@
+//! Why a motion cannot be followed period by period.
+
+use crate::core::hybrid::HybridError;
+
+/// Why a motion cannot be followed period by period.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StrobeError {
+    /// The hybrid motion ends.
+    #[error(transparent)]
+    Hybrid(#[from] HybridError),
+    /// There is no forcing.
+    #[error(
+        "the system has no forcing, so that nothing says when to look at its motion: state the time between two looks"
+    )]
+    NoPeriod,
+    /// The names of measures that the system does not have.
+    #[error("the system measures no `{name}`; it measures: {known}")]
+    NoMeasure {
+        /// What is asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A map has left the place where it means anything.
+    #[error("{0}")]
+    Map(String),
+}

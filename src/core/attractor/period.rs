@@ -1,0 +1,196 @@
+//! What happens in one period.
+
+use crate::core::field::VectorField;
+use crate::core::flow::{Extrema, Rises, Step};
+use crate::core::hybrid::{
+    Event, HybridObserver, HybridState, HybridSystem, Measure, Mode, Passage,
+};
+use crate::core::watch::State;
+use std::ops::ControlFlow;
+
+/// An event of a period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Happening {
+    /// Its number.
+    pub event: usize,
+    /// When, from the beginning of the period on.
+    pub time: f64,
+    /// The state just before.
+    pub before: HybridState<f64>,
+    /// Whether it stands for the rest of a series of infinitely many.
+    pub accumulation: bool,
+}
+
+/// One period of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Period {
+    /// The state in which it begins.
+    pub start: HybridState<f64>,
+    /// Its events.
+    pub events: Vec<Happening>,
+    /// What was measured.
+    pub measures: Vec<f64>,
+}
+
+/// A leg: mode, exit, and the states at its ends.
+struct Leg {
+    mode: usize,
+    exit: Option<usize>,
+    start: Vec<f64>,
+    end: Vec<f64>,
+}
+
+impl Leg {
+    fn passage(&self) -> Passage<'_, f64> {
+        let Leg { mode, exit, start, end } = self;
+        Passage { mode: *mode, exit: *exit, start, end }
+    }
+}
+
+/// What is found out about one measure.
+enum Gauge {
+    /// The largest and the smallest value so far, of a state by its place in every mode.
+    Extremes { place: Vec<Option<usize>>, range: [f64; 2], extrema: Extrema<f64> },
+    /// The largest value of one state where another one rises through zero.
+    Rising { places: Vec<Option<[usize; 2]>>, most: f64, rises: Rises },
+    /// Nothing before the end.
+    Legs,
+}
+
+/// Watches one period of a hybrid motion.
+pub(super) struct Recorder<'a, S> {
+    system: &'a S,
+    /// The measures asked for.
+    measures: &'a [Measure],
+    /// Numbers of events by guard.
+    numbers: &'a [usize],
+    gauges: Vec<Gauge>,
+    began: f64,
+    legs: Vec<Leg>,
+    happenings: Vec<Happening>,
+}
+
+fn places(modes: &[Mode], name: &str) -> Vec<Option<usize>> {
+    let place = |mode: &Mode| mode.states.iter().position(|state| state == name);
+    modes.iter().map(place).collect()
+}
+
+impl<'a, S: HybridSystem> Recorder<'a, S> {
+    pub fn new(
+        system: &'a S,
+        modes: &[Mode],
+        measures: &'a [Measure],
+        numbers: &'a [usize],
+        state: &HybridState<f64>,
+    ) -> Self {
+        let gauge = |measure: &Measure| match measure {
+            Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => {
+                let range = [f64::INFINITY, f64::NEG_INFINITY];
+                Gauge::Extremes { place: places(modes, name), range, extrema: Extrema::default() }
+            }
+            Measure::Rising { through, value } => {
+                let both = places(modes, through).into_iter().zip(places(modes, value));
+                let places = both.map(|(a, b)| Some([a?, b?])).collect();
+                Gauge::Rising { places, most: 0.0, rises: Rises::default() }
+            }
+            Measure::Cycle(_) => Gauge::Legs,
+        };
+        let mut recorder = Recorder {
+            system,
+            measures,
+            numbers,
+            gauges: measures.iter().map(gauge).collect(),
+            began: state.time,
+            legs: Vec::new(),
+            happenings: Vec::new(),
+        };
+        recorder.begin(state.mode, &state.x);
+        recorder
+    }
+
+    fn begin(&mut self, mode: usize, x: &[f64]) {
+        self.legs.push(Leg { mode, exit: None, start: x.to_vec(), end: x.to_vec() });
+        self.take(mode, x);
+        for gauge in &mut self.gauges {
+            if let Gauge::Extremes { extrema, .. } = gauge {
+                extrema.restart();
+            }
+        }
+    }
+
+    /// Takes a state in that may be an extreme one.
+    fn take(&mut self, mode: usize, x: &[f64]) {
+        for gauge in &mut self.gauges {
+            if let Gauge::Extremes { place, range, .. } = gauge
+                && let Some(place) = place[mode]
+            {
+                widen(range, x[place]);
+            }
+        }
+    }
+
+    /// What has happened, the motion having ended in this state.
+    pub fn finish(mut self, start: HybridState<f64>, end: &HybridState<f64>, p: &[f64]) -> Period {
+        self.take(end.mode, &end.x);
+        if let Some(leg) = self.legs.last_mut() {
+            leg.end.clone_from(&end.x);
+        }
+        let legs: Vec<Passage<f64>> = self.legs.iter().map(Leg::passage).collect();
+        let value = |(measure, gauge): (&Measure, &Gauge)| match (measure, gauge) {
+            (Measure::Maximum(_), Gauge::Extremes { range, .. }) => range[1],
+            (Measure::Minimum(_), Gauge::Extremes { range, .. }) => range[0],
+            (_, Gauge::Extremes { range, .. }) => range[1] - range[0],
+            (_, Gauge::Rising { most, .. }) => *most,
+            (Measure::Cycle(position), _) => self.system.measure(*position, &legs, 1, p),
+            _ => f64::NAN,
+        };
+        let measures = self.measures.iter().zip(&self.gauges).map(value).collect();
+        Period { start, events: self.happenings, measures }
+    }
+}
+
+fn widen(range: &mut [f64; 2], value: f64) {
+    *range = [range[0].min(value), range[1].max(value)];
+}
+
+impl<S: HybridSystem> HybridObserver<f64> for Recorder<'_, S> {
+    fn step<F: VectorField>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
+        let last = step.place(end);
+        for gauge in &mut self.gauges {
+            match gauge {
+                Gauge::Extremes { place, range, extrema } => {
+                    let Some(place) = place[mode] else { continue };
+                    widen(range, step.start()[place]);
+                    extrema.search(&State(place), step, |found| {
+                        if found.place <= last {
+                            widen(range, found.value);
+                        }
+                    });
+                }
+                Gauge::Rising { places, most, rises } => {
+                    let Some([through, value]) = places[mode] else { continue };
+                    rises.search(&State(through), step, |place, x| {
+                        if place <= last {
+                            *most = most.max(x[value]);
+                        }
+                    });
+                }
+                Gauge::Legs => {}
+            }
+        }
+    }
+
+    fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
+        let &Event { guard, time, mode, next, accumulation, .. } = event;
+        self.take(mode, &event.before);
+        if let Some(leg) = self.legs.last_mut() {
+            leg.exit = (!accumulation).then_some(guard);
+            leg.end.clone_from(&event.before);
+        }
+        let before = HybridState { mode, time, x: event.before.clone() };
+        let (event_number, time) = (self.numbers[guard], time - self.began);
+        self.happenings.push(Happening { event: event_number, time, before, accumulation });
+        self.begin(next, &event.after);
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,213 @@
+//! Which runs there are, and which of them follow each other.
+
+use crate::core::attractor::Settling;
+use crate::core::hybrid::HybridState;
+use serde::{Deserialize, Serialize};
+
+/// What varies along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A parameter, by its position.
+    Parameter(usize),
+    /// A state in which motion begins, by its position in the mode.
+    State(usize),
+}
+
+/// Equally spaced values of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// What varies.
+    pub quantity: Quantity,
+    /// The first value.
+    pub low: f64,
+    /// The last value.
+    pub high: f64,
+    /// How many values.
+    pub count: usize,
+}
+
+impl Axis {
+    /// Value number `k`, from 0 on.
+    pub fn value(&self, k: usize) -> f64 {
+        let last = self.count.saturating_sub(1).max(1);
+        if k == last {
+            self.high
+        } else {
+            self.low + (self.high - self.low) * k as f64 / last as f64
+        }
+    }
+}
+
+/// Where runs begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// All at the start.
+    #[default]
+    Anew,
+    /// Where the run before ended, the parameter growing.
+    Up,
+    /// Where the run before ended, the parameter falling.
+    Down,
+}
+
+/// Part `number` (from 1 on) of a sweep that is split into `of` parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its number, from 1 on.
+    pub number: usize,
+    /// How many parts there are.
+    pub of: usize,
+}
+
+impl Part {
+    /// The whole.
+    pub const WHOLE: Part = Part { number: 1, of: 1 };
+}
+
+/// Runs over a grid, from one or several starts.
+///
+/// ```
+/// use tangency::core::{attractor::Settling, hybrid::HybridState, sweep::{Axis, Order, Plan, Quantity}};
+/// let start = HybridState { mode: 0, time: 0.0, x: vec![0.0, 0.0] };
+/// let axis = Axis { quantity: Quantity::Parameter(0), low: 1.0, high: 2.0, count: 5 };
+/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Down, strands: 2, settling: Settling::default() };
+/// assert_eq!(plan.runs(), 5);
+/// // Down from 2 to 1.5, and from 1.25 to 1.
+/// assert_eq!(plan.strand_list(), [vec![4, 3, 2], vec![1, 0]]);
+/// assert_eq!(plan.values(3), [1.75]);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The axes of the grid; the last one varies fastest.
+    pub axes: Vec<Axis>,
+    /// The starts.
+    pub starts: Vec<HybridState<f64>>,
+    /// Where runs begin.
+    pub order: Order,
+    /// In how many strands, each from its start, the axis is divided where runs follow each other.
+    pub strands: usize,
+    /// How runs are followed.
+    pub settling: Settling,
+}
+
+/// Why there is no such sweep.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// No values.
+    #[error(
+        "a sweep needs at least one value on every axis, one start and one period to look at; {what} is 0"
+    )]
+    Nothing {
+        /// What is missing.
+        what: &'static str,
+    },
+    /// Runs cannot follow each other.
+    #[error(
+        "runs follow each other along one parameter: with {axes} axes, or along a state in which motion begins, let \
+         them begin anew"
+    )]
+    Followed {
+        /// How many axes there are.
+        axes: usize,
+    },
+    /// An interval without meaning.
+    #[error("an axis from {low} to {high} has no values: both ends must be finite")]
+    Interval {
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// A part that there is not.
+    #[error("there is no part {number} of {of}: parts are counted from 1")]
+    Part {
+        /// The number.
+        number: usize,
+        /// How many parts there are.
+        of: usize,
+    },
+}
+
+impl Plan {
+    /// The number of runs.
+    pub fn runs(&self) -> usize {
+        self.starts.len() * self.points()
+    }
+
+    /// The number of points of the grid.
+    fn points(&self) -> usize {
+        self.axes.iter().map(|axis| axis.count).product()
+    }
+
+    /// The start of a run, by its number among the starts.
+    pub fn start(&self, run: usize) -> usize {
+        run / self.points()
+    }
+
+    /// The values on the axes in a run.
+    pub fn values(&self, run: usize) -> Vec<f64> {
+        let mut rest = run % self.points();
+        let mut values: Vec<f64> = Vec::new();
+        for axis in self.axes.iter().rev() {
+            values.push(axis.value(rest % axis.count));
+            rest /= axis.count;
+        }
+        values.reverse();
+        values
+    }
+
+    /// The parameters and the start of a run, given the parameters that do not vary.
+    pub fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
+        let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
+        for (axis, value) in self.axes.iter().zip(self.values(run)) {
+            match axis.quantity {
+                Quantity::Parameter(k) => p[k] = value,
+                Quantity::State(k) => state.x[k] = value,
+            }
+        }
+        (p, state)
+    }
+
+    /// The runs that follow each other.
+    pub fn strand_list(&self) -> Vec<Vec<usize>> {
+        if self.order == Order::Anew {
+            return (0..self.runs()).map(|run| vec![run]).collect();
+        }
+        let points = self.points();
+        let length = points.div_ceil(self.strands.max(1)).max(1);
+        let of_start = |start: usize| {
+            let mut runs: Vec<usize> = (start * points..(start + 1) * points).collect();
+            if self.order == Order::Down {
+                runs.reverse();
+            }
+            runs.chunks(length).map(<[usize]>::to_vec).collect::<Vec<_>>()
+        };
+        (0..self.starts.len()).flat_map(of_start).collect()
+    }
+
+    /// Refuses what has no meaning.
+    ///
+    /// # Errors
+    /// [`PlanError`] says what it is.
+    pub fn check(&self) -> Result<(), PlanError> {
+        let counts = [
+            (self.points(), "a count"),
+            (self.starts.len(), "the number of starts"),
+            (self.settling.recorded, "`recorded`"),
+            (self.settling.most, "`most`"),
+        ];
+        if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count == 0) {
+            return Err(PlanError::Nothing { what });
+        }
+        if let Some(axis) = self.axes.iter().find(|a| !(a.low.is_finite() && a.high.is_finite())) {
+            return Err(PlanError::Interval { low: axis.low, high: axis.high });
+        }
+        let one_parameter =
+            matches!(self.axes[..], [Axis { quantity: Quantity::Parameter(_), .. }]);
+        if self.order != Order::Anew && !one_parameter {
+            return Err(PlanError::Followed { axes: self.axes.len() });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! Parts of a sweep, put together.
+
+use super::table::Sweeps;
+
+/// Why parts do not make a whole.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MergeError {
+    /// Nothing to merge.
+    #[error("there is no part to merge: name the files of all parts")]
+    Nothing,
+    /// Parts of different scenes.
+    #[error(
+        "part {number} is of another scene than the first: parts are made by one scene with the same settings"
+    )]
+    Different {
+        /// Which of the parts, from 1 on.
+        number: usize,
+    },
+    /// Parts that say different things about one run.
+    #[error(
+        "part {number} disagrees with an earlier one about run {run} of the sweep `{sweep}`: one of them was made by another program"
+    )]
+    Contradiction {
+        /// Which of the parts, from 1 on.
+        number: usize,
+        /// The sweep.
+        sweep: String,
+        /// The run.
+        run: usize,
+    },
+    /// Runs that no part has.
+    #[error(
+        "{missing} of {total} runs of the sweep `{sweep}` are in none of the parts, the first is run {first}: do all parts, and each to its end"
+    )]
+    Missing {
+        /// The sweep.
+        sweep: String,
+        /// How many are missing.
+        missing: usize,
+        /// How many there are.
+        total: usize,
+        /// The first that is missing.
+        first: usize,
+    },
+}
+
+/// Puts the parts of a sweep together.
+///
+/// # Errors
+/// [`MergeError`] if they are not the parts of one whole.
+pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
+    let mut parts = parts.into_iter();
+    let mut whole = parts.next().ok_or(MergeError::Nothing)?;
+    for (index, part) in parts.enumerate() {
+        let number = index + 2;
+        if part.scene != whole.scene || part.sweeps.len() != whole.sweeps.len() {
+            return Err(MergeError::Different { number });
+        }
+        for (sweep, more) in whole.sweeps.iter_mut().zip(part.sweeps) {
+            for (run, row) in more.rows {
+                // NaN is what there is not: rows are the same if they are written the same.
+                let same =
+                    sweep.rows.get(&run).is_none_or(|old| format!("{old:?}") == format!("{row:?}"));
+                if !same {
+                    return Err(MergeError::Contradiction {
+                        number,
+                        sweep: sweep.name.clone(),
+                        run,
+                    });
+                }
+                sweep.rows.insert(run, row);
+            }
+        }
+    }
+    match whole.sweeps.iter().find(|sweep| !sweep.is_complete()) {
+        None => Ok(whole),
+        Some(sweep) => Err(MergeError::Missing {
+            sweep: sweep.name.clone(),
+            missing: sweep.total - sweep.rows.len(),
+            total: sweep.total,
+            first: (0..sweep.total).find(|run| !sweep.rows.contains_key(run)).unwrap_or(0),
+        }),
+    }
+}

@@ -1,0 +1,11 @@
+//! Sweeps as tables of numbers, in a file that other languages read.
+
+mod file;
+mod merge;
+mod scatter;
+mod table;
+
+pub use file::SWEEPS;
+pub use merge::{MergeError, merge};
+pub(super) use scatter::scatter;
+pub use table::{Row, SweepTable, Sweeps};

@@ -1,0 +1,86 @@
+//! Sweeps as points of a figure.
+
+use super::table::{Row, SweepTable};
+use crate::output::figure::{Series, Style};
+
+/// Where the number of a column is found.
+enum Source {
+    /// One for each run.
+    Run(usize),
+    /// One for each point at which a period begins.
+    Period(usize),
+    /// One for each event of this number.
+    Event(usize, f64),
+}
+
+impl SweepTable {
+    /// A column of runs, of points, or, as `EVENT.STATE`, of events of one kind.
+    fn source(&self, name: &str) -> Option<Source> {
+        if let Some((event, state)) = name.split_once('.') {
+            let number = self.events.iter().position(|known| known == event)?;
+            let column = self.point_columns.iter().position(|known| known == state)?;
+            return Some(Source::Event(column, (number + 1) as f64));
+        }
+        let run = self.run_columns.iter().position(|known| known == name).map(Source::Run);
+        let point = || self.point_columns.iter().position(|known| known == name);
+        run.or_else(|| point().map(Source::Period))
+    }
+
+    /// What a run has settled on, in words.
+    fn kind(&self, row: &Row) -> String {
+        let value = |name: &str| {
+            let column = self.run_columns.iter().position(|known| known == name);
+            column.map_or(f64::NAN, |k| row.values[k])
+        };
+        if row.failure.is_some() {
+            return "failed".into();
+        }
+        if value("periods") == 0.0 {
+            return "no cycle".into();
+        }
+        let counts = self.events.iter().map(|event| (event, value(event)));
+        let seen: Vec<String> =
+            counts.filter(|(_, n)| *n > 0.0).map(|(event, n)| format!("{n} {event}")).collect();
+        let events = if seen.is_empty() { "no events".into() } else { seen.join(", ") };
+        match value("periods") {
+            1.0 => format!("{events} in a period"),
+            periods => format!("{events} in {periods} periods"),
+        }
+    }
+
+    /// The numbers of a run for two axes.
+    fn pairs(&self, row: &Row, x: &Source, y: &Source) -> Vec<[f64; 2]> {
+        if let (Source::Run(x), Source::Run(y)) = (x, y) {
+            return vec![[row.values[*x], row.values[*y]]];
+        }
+        const EVENT: usize = 2;
+        let kind = match (x, y) {
+            (Source::Event(_, number), _) | (_, Source::Event(_, number)) => *number,
+            _ => 0.0,
+        };
+        let points = row.points.chunks(self.point_columns.len());
+        let value = |source: &Source, point: &[f64]| match source {
+            Source::Run(k) => row.values[*k],
+            Source::Period(k) | Source::Event(k, _) => point[*k],
+        };
+        points.filter(|p| p[EVENT] == kind).map(|p| [value(x, p), value(y, p)]).collect()
+    }
+}
+
+/// The points of a sweep in two columns; nothing if it does not have them. Over a grid of both columns, each kind of
+/// attractor is a series of its own: they show the basins.
+pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Series> {
+    let (Some(from), Some(to)) = (sweep.source(x), sweep.source(y)) else { return Vec::new() };
+    let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
+    let mut series: Vec<Series> = Vec::new();
+    for row in sweep.rows.values() {
+        let name = if grid { sweep.kind(row) } else { sweep.name.clone() };
+        let points = sweep.pairs(row, &from, &to);
+        let finite = points.into_iter().filter(|at| at.iter().all(|value| value.is_finite()));
+        match series.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.points.extend(finite),
+            None => series.push(Series::new(name, Style::Specks, finite)),
+        }
+    }
+    series
+}

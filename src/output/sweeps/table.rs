@@ -1,0 +1,188 @@
+//! The tables of a sweep: a row for each run, and a row for everything recorded.
+
+use crate::core::attractor::{Happening, Period, Settled, Strobed};
+use crate::core::hybrid::{HybridState, Mode};
+use crate::core::sweep::Found;
+use crate::output::Plot;
+use std::collections::BTreeMap;
+
+/// The sweeps of a scene, as far as they are done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweeps {
+    /// The name of the scene.
+    pub name: String,
+    /// The title, in words.
+    pub title: String,
+    /// The scene in full, with all that was set: sweeps of one scene can be resumed and merged.
+    pub scene: String,
+    /// How they are drawn by default.
+    pub plot: Plot,
+    /// The sweeps; their names are unique.
+    pub sweeps: Vec<SweepTable>,
+}
+
+/// What a run has found, as numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// One number for each column of runs.
+    pub values: Vec<f64>,
+    /// The numbers of all points recorded, one point after the other.
+    pub points: Vec<f64>,
+    /// Why the run failed, if it did.
+    pub failure: Option<String>,
+}
+
+/// A sweep as tables.
+///
+/// Of a run there are: its number `run` and that of its `start`; the values on the axes; the `periods` in its cycle
+/// (0 if it has none); every event by name, how often it came in a cycle (a period, if there is no cycle), and
+/// `accumulations` of infinitely many; `exponent` and `exponent_error`; `failed` (1 or 0); and the state in the end,
+/// as `end_mode`, `end_0`, `end_1`, ….
+///
+/// A point is where a period begins (`event` 0), or an event: its number from 1 on, in the order of the columns of
+/// runs. It has the number of its `run`, that of its `period`, its `time` in it, all states by name, and, where a period
+/// begins, what was measured in it. What there is not is NaN.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepTable {
+    /// The sweep's name.
+    pub name: String,
+    /// What varies.
+    pub axes: Vec<String>,
+    /// The names of events.
+    pub events: Vec<String>,
+    /// How many runs there are when all are done.
+    pub total: usize,
+    /// The columns of runs.
+    pub run_columns: Vec<String>,
+    /// The columns of points.
+    pub point_columns: Vec<String>,
+    /// The runs that are done, by number.
+    pub rows: BTreeMap<usize, Row>,
+}
+
+fn all_states(modes: &[Mode]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in modes.iter().flat_map(|mode| &mode.states) {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+impl SweepTable {
+    /// A sweep of a motion over these axes, of which nothing is done.
+    pub fn new(name: &str, axes: &[String], total: usize, motion: &dyn Strobed) -> Self {
+        let own = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<Vec<_>>();
+        let longest = motion.modes().iter().map(|mode| mode.states.len()).max().unwrap_or(0);
+        let mut run_columns = own(&["run", "start"]);
+        run_columns.extend_from_slice(axes);
+        run_columns.push("periods".into());
+        run_columns.extend_from_slice(motion.events());
+        run_columns.extend(own(&[
+            "accumulations",
+            "exponent",
+            "exponent_error",
+            "failed",
+            "end_mode",
+        ]));
+        run_columns.extend((0..longest).map(|k| format!("end_{k}")));
+        let mut point_columns = own(&["run", "period", "event", "time"]);
+        point_columns.extend(own(&all_states(motion.modes())));
+        point_columns.extend_from_slice(motion.measures());
+        SweepTable {
+            name: name.into(),
+            axes: axes.to_vec(),
+            events: motion.events().to_vec(),
+            total,
+            run_columns,
+            point_columns,
+            rows: BTreeMap::new(),
+        }
+    }
+
+    /// Whether all runs are done.
+    pub fn is_complete(&self) -> bool {
+        self.rows.len() == self.total
+    }
+
+    /// Takes in what a run has found.
+    pub fn push(&mut self, found: &Found, start: usize, modes: &[Mode]) {
+        let states = all_states(modes).len();
+        let row = match &found.settled {
+            Ok(settled) => Row {
+                values: self.values(found, start, settled),
+                points: points(found.run, settled, modes, states),
+                failure: None,
+            },
+            Err(failure) => Row {
+                values: self.failed(found, start),
+                points: Vec::new(),
+                failure: Some(failure.to_string()),
+            },
+        };
+        self.rows.insert(found.run, row);
+    }
+
+    fn values(&self, found: &Found, start: usize, settled: &Settled) -> Vec<f64> {
+        let mut values = vec![found.run as f64, start as f64];
+        values.extend_from_slice(&found.values);
+        values.push(settled.periods.unwrap_or(0) as f64);
+        values.extend(settled.events.iter().map(|(_, count)| *count));
+        values.push(settled.accumulations);
+        let exponent = settled.exponent.map_or([f64::NAN; 2], |e| [e.value, e.error]);
+        values.extend(exponent);
+        values.extend([0.0, settled.end.mode as f64]);
+        values.extend_from_slice(&settled.end.x);
+        values.resize(self.run_columns.len(), f64::NAN);
+        values
+    }
+
+    fn failed(&self, found: &Found, start: usize) -> Vec<f64> {
+        let mut values = vec![found.run as f64, start as f64];
+        values.extend_from_slice(&found.values);
+        values.resize(self.run_columns.len(), f64::NAN);
+        if let Some(failed) = self.run_columns.iter().position(|name| name == "failed") {
+            values[failed] = 1.0;
+        }
+        values
+    }
+
+    /// The state in which a run ended, if it is done; `None` inside if it failed. A start has this time.
+    pub fn end(&self, run: usize, time: f64, modes: &[Mode]) -> Option<Option<HybridState<f64>>> {
+        let row = self.rows.get(&run)?;
+        let first = self.run_columns.iter().position(|name| name == "end_mode")?;
+        if row.failure.is_some() {
+            return Some(None);
+        }
+        let mode = row.values[first] as usize;
+        let length = modes.get(mode)?.states.len();
+        let x = row.values[first + 1..first + 1 + length].to_vec();
+        Some(Some(HybridState { mode, time, x }))
+    }
+}
+
+/// All points of a run, one after the other.
+fn points(run: usize, settled: &Settled, modes: &[Mode], states: usize) -> Vec<f64> {
+    let names = all_states(modes);
+    let mut points = Vec::new();
+    let mut put = |[period, event, time]: [f64; 3], state: &HybridState<f64>, measures: &[f64]| {
+        points.extend([run as f64, period, event, time]);
+        let first = points.len();
+        points.resize(first + states, f64::NAN);
+        for (name, value) in modes[state.mode].states.iter().zip(&state.x) {
+            if let Some(k) = names.iter().position(|known| known == name) {
+                points[first + k] = *value;
+            }
+        }
+        points.extend_from_slice(measures);
+    };
+    let nothing = vec![f64::NAN; settled.records.first().map_or(0, |p| p.measures.len())];
+    for (period, Period { start, events, measures }) in settled.records.iter().enumerate() {
+        put([period as f64, 0.0, 0.0], start, measures);
+        for Happening { event, time, before, .. } in events {
+            put([period as f64, (event + 1) as f64, *time], before, &nothing);
+        }
+    }
+    points
+}

@@ -1,0 +1,239 @@
+//! Sweeps of a scene: what motions settle on, over parameters and starts.
+
+use super::simulate::at_rest;
+use super::{Problem, Scene, SceneError};
+use crate::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
+use crate::core::flow::{Scheme, Settings};
+use crate::core::hybrid::{HybridSettings, HybridState, HybridSystem};
+use crate::core::sweep::{self, Axis, Found, Make, Order, Part, Plan, Quantity};
+use crate::output::{SweepTable, Sweeps, UnknownName};
+use crate::problems::classic::ImpactOscillator;
+use crate::problems::mita::Actuator;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+/// One sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// Its name.
+    pub name: String,
+    /// What differs from the scene, as `--set` would: parameters by name.
+    #[serde(default)]
+    pub set: Vec<(String, String)>,
+    /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
+    pub over: Vec<Grid>,
+    /// Where runs begin.
+    #[serde(default)]
+    pub order: Order,
+    /// In how many strands, each from its start, the axis is divided where runs follow each other: they are done
+    /// at the same time.
+    #[serde(default = "one")]
+    pub strands: usize,
+    /// The states in which motion begins by name, where they are not zero: each makes a sweep of its own. By default
+    /// one, at rest.
+    #[serde(default)]
+    pub starts: Vec<Vec<(String, f64)>>,
+    /// How runs are followed.
+    #[serde(default)]
+    pub settling: Settling,
+    /// What is measured in every period recorded, by the names of the problem's monitors.
+    #[serde(default)]
+    pub measures: Vec<String>,
+    /// The tolerance of the flow, absolute and relative.
+    #[serde(default = "tolerance")]
+    pub tolerance: f64,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn tolerance() -> f64 {
+    1e-10
+}
+
+/// Equally spaced values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// The parameter or state.
+    pub name: String,
+    /// The first value.
+    pub low: f64,
+    /// The last value.
+    pub high: f64,
+    /// How many.
+    pub count: usize,
+}
+
+/// Sees the runs of sweeps.
+pub trait SweepWatch {
+    /// A sweep begins, of which so many runs are done.
+    fn begin(&mut self, _sweep: &SweepTable) {}
+
+    /// A run is done, and is the last of what is known now. The sweeps may be ended.
+    fn found(&mut self, _known: &Sweeps, _found: &Found) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+impl SweepWatch for () {}
+
+impl Problem {
+    /// The motion of the problem looked at once in every period.
+    fn strobed(
+        &self,
+        measures: &[String],
+        tolerance: f64,
+    ) -> Result<Box<dyn Strobed>, StrobeError> {
+        let flow = Settings::new(Scheme::DormandPrince8, tolerance);
+        let settings = HybridSettings { flow, ..HybridSettings::default() };
+        match self {
+            Problem::Mita(_) => Ok(Box::new(Stroboscope::of(&Actuator, settings, measures)?)),
+            Problem::ImpactOscillator(_) => {
+                Ok(Box::new(Stroboscope::of(&ImpactOscillator, settings, measures)?))
+            }
+            _ => Err(StrobeError::NoPeriod),
+        }
+    }
+
+    fn start(&self, state: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
+        match self {
+            Problem::ImpactOscillator(_) => at_rest(&ImpactOscillator.modes()[0], state),
+            _ => at_rest(&Actuator.modes()[0], state),
+        }
+    }
+}
+
+impl Scene {
+    /// The scene in words, with all that was set: what results are known by.
+    pub fn in_words(&self) -> String {
+        ron::to_string(self).unwrap_or_default()
+    }
+
+    fn plan(&self, sweep: &Sweep, motion: &dyn Strobed) -> Result<Plan, SceneError> {
+        let parameters = self.problem.parameters();
+        let states = &motion.modes()[0].states;
+        let axis = |grid: &Grid| {
+            let parameter = parameters.iter().position(|(name, _)| *name == grid.name);
+            let state = || states.iter().position(|name| *name == grid.name).map(Quantity::State);
+            let quantity = parameter.map(Quantity::Parameter).or_else(state);
+            let known = parameters.iter().map(|(name, _)| name).chain(states).map(String::as_str);
+            let quantity = quantity
+                .ok_or_else(|| UnknownName::new("parameter or state", &*grid.name, known))?;
+            let &Grid { low, high, count, .. } = grid;
+            Ok::<Axis, UnknownName>(Axis { quantity, low, high, count })
+        };
+        let axes = sweep.over.iter().map(axis).collect::<Result<_, _>>()?;
+        let starts = match sweep.starts.is_empty() {
+            true => vec![self.problem.start(&[])?],
+            false => {
+                let starts = sweep.starts.iter().map(|state| self.problem.start(state));
+                starts.collect::<Result<_, _>>()?
+            }
+        };
+        let Sweep { order, strands, settling, .. } = *sweep;
+        let plan = Plan { axes, starts, order, strands, settling };
+        plan.check()?;
+        Ok(plan)
+    }
+}
+
+/// Does the sweeps of a scene, or a part of them, but for the runs that are known.
+///
+/// ```
+/// use tangency::core::sweep::Part;
+/// use tangency::scene::{Scene, sweep};
+/// let scene = Scene::parse("Scene(
+///     title: \"Impacts\",
+///     problem: ImpactOscillator(),
+///     parameters: [(\"frequency\", 2.2)],
+///     sweeps: [(name: \"up\", order: up, over: [(name: \"amplitude\", low: 1, high: 5, count: 3)])],
+/// )")?;
+/// let sweeps = sweep(&scene, "impacts", Part::WHOLE, None, &mut ())?;
+/// let table = &sweeps.sweeps[0];
+/// let impacts = table.run_columns.iter().position(|name| name == "impact").expect("a column");
+/// assert!(table.is_complete() && table.rows[&2].values[impacts] == 1.0);
+/// # Ok::<(), tangency::scene::SceneError>(())
+/// ```
+///
+/// # Errors
+/// [`SceneError`] if a sweep has no meaning, or what is known belongs to another scene.
+pub fn sweep(
+    scene: &Scene,
+    name: &str,
+    part: Part,
+    known: Option<Sweeps>,
+    watch: &mut dyn SweepWatch,
+) -> Result<Sweeps, SceneError> {
+    let prepared = scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep));
+    let prepared: Vec<Prepared> = prepared.collect::<Result<_, _>>()?;
+    let mut all = match known {
+        Some(known) if known.scene == scene.in_words() => known,
+        Some(_) => return Err(SceneError::OtherScene),
+        None => Sweeps {
+            name: name.into(),
+            title: scene.title.clone(),
+            scene: scene.in_words(),
+            plot: scene.plot.clone(),
+            sweeps: prepared.iter().map(Prepared::table).collect(),
+        },
+    };
+    for (index, one) in prepared.iter().enumerate() {
+        if one.execute(part, &mut all, index, watch)?.is_break() {
+            break;
+        }
+    }
+    Ok(all)
+}
+
+/// A sweep about to be done.
+struct Prepared<'a> {
+    sweep: &'a Sweep,
+    /// The scene as the sweep sees it.
+    seen: Scene,
+    /// A motion, for its names.
+    motion: Box<dyn Strobed>,
+    plan: Plan,
+}
+
+impl<'a> Prepared<'a> {
+    fn of(scene: &Scene, sweep: &'a Sweep) -> Result<Self, SceneError> {
+        let seen = scene.with(&sweep.set)?;
+        let motion = seen.problem.strobed(&sweep.measures, sweep.tolerance)?;
+        let plan = seen.plan(sweep, &*motion)?;
+        Ok(Prepared { sweep, seen, motion, plan })
+    }
+
+    /// The sweep, of which nothing is done.
+    fn table(&self) -> SweepTable {
+        let axes: Vec<String> = self.sweep.over.iter().map(|grid| grid.name.clone()).collect();
+        SweepTable::new(&self.sweep.name, &axes, self.plan.runs(), &*self.motion)
+    }
+
+    /// Does the runs that are not known.
+    fn execute(
+        &self,
+        part: Part,
+        all: &mut Sweeps,
+        index: usize,
+        watch: &mut dyn SweepWatch,
+    ) -> Result<ControlFlow<()>, SceneError> {
+        let Prepared { sweep, seen, motion, plan } = self;
+        let (table, modes) = (&all.sweeps[index], motion.modes());
+        watch.begin(table);
+        let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
+        let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();
+        let make: &Make = &|| seen.problem.strobed(&sweep.measures, sweep.tolerance);
+        let mut outcome = ControlFlow::Continue(());
+        let done = |run: usize| ends.get(&run).cloned();
+        sweep::execute(plan, part, &seen.values(), make, &done, &mut |found: Found| {
+            all.sweeps[index].push(&found, plan.start(found.run), modes);
+            outcome = watch.found(all, &found);
+            outcome
+        })?;
+        Ok(outcome)
+    }
+}

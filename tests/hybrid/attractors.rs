@@ -1,0 +1,271 @@
+//! What motions settle on: cycles and their exponents against multipliers, chaos against exact exponents, chatter.
+
+use crate::common::{close, solved};
+use crate::systems::bouncing_ball::BouncingBall;
+use crate::systems::impact_oscillator::ClosedForm;
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use tangency::core::attractor::{Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope};
+use tangency::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Mesh, Shooting};
+use tangency::core::flow::{Scheme, Settings};
+use tangency::core::hybrid::{
+    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+};
+use tangency::core::orbit::HybridOrbit;
+use tangency::core::scalar::Scalar;
+use tangency::core::sweep::{Axis, Found, Order, Part, Plan, PlanError, Quantity, execute};
+use tangency::core::zero::System;
+use tangency::problems::classic::ImpactOscillator;
+use tangency::problems::mita::Actuator;
+
+fn at(mode: usize, x: &[f64]) -> HybridState<f64> {
+    HybridState { mode, time: 0.0, x: x.to_vec() }
+}
+
+fn settled<S: HybridSystem>(system: &S, start: &[f64], p: &[f64], settling: Settling) -> Settled {
+    let mut motion = Stroboscope::of(system, HybridSettings::default(), &[]).unwrap();
+    settling.follow(&mut motion, at(0, start), p).unwrap()
+}
+
+fn mita(voltage: f64, frequency: f64) -> [f64; 9] {
+    let mut p = Actuator::DEFAULTS;
+    (p[0], p[1]) = (voltage, frequency);
+    p
+}
+
+/// A map without motion: `x ↦ 1 − a x²` at the end of every period of 1, by a clock that resets it.
+struct Quadratic;
+
+impl HybridSystem for Quadratic {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("wait", ["x", "clock"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("tick", 0)]
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["a".into()]
+    }
+    fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
+        (f[0], f[1]) = (T::zero(), T::one());
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        -x[1] + 0.5
+    }
+    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+        (after[0], after[1]) = (-p[0] * x[0].powi(2) + 1.0, x[1] - 1.0);
+    }
+    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
+        Some(T::one())
+    }
+}
+
+/// `x ↦ 1 − 2x²` has the exponent ln 2, and the estimate is off by no more than its error says.
+#[test]
+fn the_exponent_of_chaos_is_known() {
+    // A clock that neither grows nor shrinks would hide slower growth, not this.
+    let settling = Settling { exponent: 20_000, transient: 20, ..Settling::default() };
+    let found = settled(&Quadratic, &[0.3, 0.0], &[2.0], settling);
+    let Exponent { value, error } = found.exponent.unwrap();
+    assert_eq!(found.periods, None);
+    assert!(error > 1e-5 && error < 0.01, "{error}");
+    close(value, 2.0_f64.ln(), 4.0 * error);
+}
+
+/// With one impact a period the map's determinant is `e² exp(−cT)`, and where its multipliers are complex the
+/// exponent is half the logarithm.
+#[test]
+fn the_exponent_of_an_oscillator_is_its_damping() {
+    let (frequency, restitution, damping) = (2.2, 0.8, 0.1);
+    let form = ClosedForm::new(frequency, restitution, damping, 1.0);
+    let u = 3.0;
+    assert!(form.trace(u).powi(2) < 4.0 * form.determinant());
+    let p = [form.amplitude(u), frequency, restitution, damping, 1.0];
+    let found = settled(&ImpactOscillator, &[0.0, 0.0], &p, Settling::default());
+    assert_eq!((found.periods, found.count("impact")), (Some(1), 1.0));
+    let period = std::f64::consts::TAU / frequency;
+    let exact = 0.5 * (restitution * restitution * (-damping * period).exp()).ln();
+    close(found.exponent.unwrap().value, exact, 1e-10);
+}
+
+/// The exponent of a cycle is the logarithm of the largest multiplier of the orbit that shooting finds from a
+/// simulation of its own: the actuator at ω = 0.5.
+#[test]
+fn exponents_of_cycles_are_logarithms_of_multipliers() {
+    let cycles = [(0.24, 1, 1.0), (0.52, 1, 1.0), (0.57, 2, 2.0), (0.75, 1, 2.0), (0.85, 1, 4.0)];
+    for (voltage, periods, impacts) in cycles {
+        let p = mita(voltage, 0.5);
+        let found = settled(&Actuator, &[0.1, -0.2], &p, Settling::default());
+        assert_eq!(
+            (found.periods, found.count("front")),
+            (Some(periods), impacts),
+            "V = {voltage}"
+        );
+        let mut flow = HybridFlow::new(&Actuator, HybridSettings::default()).unwrap();
+        let recurrence = Recurrence { transient: 3000.0, ..Recurrence::default() };
+        let cycle = recurrence.find(&mut flow, at(0, &[0.1, -0.2]), &p).unwrap();
+        let Birth { problem, starts, extras } = HybridOrbit::of_cycle(Actuator, &cycle).unwrap();
+        let meshes = problem.segments().iter().map(|_| Mesh::uniform(1)).collect();
+        let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+        let mut system = BoundarySystem::new(problem, method, meshes).unwrap();
+        let z = system.flowed(&starts, &extras, &p).unwrap();
+        let x = solved(&mut system, &z, &p).unwrap();
+        system.assemble(&x).unwrap();
+        let (re, im) = system.spectrum(&x).unwrap()[0];
+        let exponent = found.exponent.unwrap();
+        close(exponent.value, re.hypot(im).ln() / f64::from(periods as u32), 1e-8);
+        assert!(exponent.error < 1e-8, "{exponent:?}");
+    }
+}
+
+/// The band beyond the grazing of type II is chaotic, and P(1,1) beyond it is not.
+#[test]
+fn exponents_tell_chaos_from_windows() {
+    let of = |voltage| {
+        settled(
+            &Actuator,
+            &[0.1, -0.2],
+            &mita(voltage, 0.485),
+            Settling { transient: 1000, ..Settling::default() },
+        )
+    };
+    let (chaos, window) = (of(0.1735), of(0.177));
+    let exponent = chaos.exponent.unwrap();
+    assert!(chaos.periods.is_none() && exponent.value > 10.0 * exponent.error, "{exponent:?}");
+    assert!(window.periods == Some(1) && window.exponent.unwrap().value < -0.01);
+}
+
+/// Above V = 0.872 impacts accumulate and the block sticks to the stopper: all is forgotten there, and motion is the
+/// same from the first period on. Below there are finitely many.
+#[test]
+fn sticking_forgets_everything() {
+    for (voltage, impacts, accumulations) in [(0.85, 4.0, 0.0), (0.875, f64::NAN, 1.0)] {
+        let found = settled(&Actuator, &[0.1, -0.2], &mita(voltage, 0.5), Settling::default());
+        assert_eq!((found.periods, found.accumulations), (Some(1), accumulations));
+        let exponent = found.exponent.unwrap().value;
+        if impacts.is_nan() {
+            assert!(exponent == f64::NEG_INFINITY || exponent < -20.0, "{exponent}");
+        } else {
+            assert_eq!(found.count("front"), impacts);
+        }
+    }
+}
+
+/// Restitution of 0, nearly 1, and 1: one impact and contact; many; and no loss at all. Nothing stalls.
+#[test]
+fn chatter_at_any_restitution_neither_stalls_nor_miscounts() {
+    let of = |e: f64| {
+        let settling = Settling { transient: 50, recorded: 20, exponent: 0, ..Settling::default() };
+        let mut p = mita(0.875, 0.5);
+        p[3] = e;
+        let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[]).unwrap();
+        settling.follow(&mut motion, at(0, &[0.1, -0.2]), &p)
+    };
+    let plastic = of(0.0).unwrap();
+    assert_eq!((plastic.periods, plastic.accumulations), (Some(1), 1.0));
+    for e in [0.99, 1.0] {
+        let found = of(e).unwrap();
+        assert!(found.count("front") > 0.0 && found.records.len() <= 20, "e = {e}: {found:?}");
+    }
+    // A ball over a table at rest bounces for ever at e = 1, with the same height.
+    let settling = Settling { transient: 0, recorded: 50, exponent: 0, ..Settling::default() };
+    let mut motion = Stroboscope::of(&BouncingBall, HybridSettings::default(), &[]).unwrap();
+    let found =
+        settling.follow(&mut motion, at(BouncingBall::FLIGHT, &[0.5, 0.0]), &[0.0, 1.0]).unwrap();
+    let total: usize = found.records.iter().map(|period| period.events.len()).sum();
+    // It falls for a time of 1 and is back after 2 more.
+    let exact = (found.records.len() as f64 * std::f64::consts::TAU - 1.0).div_euclid(2.0) + 1.0;
+    assert_eq!(total as f64, exact);
+}
+
+/// What is measured in a period is what the orbit's monitors are.
+#[test]
+fn measures_of_a_period_are_those_of_the_orbit() {
+    let names =
+        ["max_displacement", "displacement_range", "poincare_velocity", "impact_velocity", "step"];
+    let names = names.map(String::from);
+    let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &names).unwrap();
+    let found =
+        Settling::default().follow(&mut motion, at(0, &[0.1, -0.2]), &mita(0.24, 0.5)).unwrap();
+    let measures = &found.records[0].measures;
+    close(measures[0], 0.5, 1e-14);
+    let impact = &found.records[0].events[0];
+    close(impact.before.x[1], measures[3], 1e-14);
+    // The frame slips with u₁ = 1.8 u/6 against μN/5 + …: by the momentum that the impact gives it.
+    assert!(measures[1] > 0.9 && measures[2] > 0.4 && measures[4] > 0.0, "{measures:?}");
+    let unknown = Stroboscope::of(&Actuator, HybridSettings::default(), &["pressure".into()]).err();
+    assert!(matches!(unknown, Some(StrobeError::NoMeasure { .. })));
+}
+
+fn plan(order: Order, strands: usize, count: usize) -> Plan {
+    let axis = Axis { quantity: Quantity::Parameter(0), low: 0.55, high: 0.62, count };
+    let settling = Settling { transient: 30, recorded: 10, exponent: 20, ..Settling::default() };
+    Plan { axes: vec![axis], starts: vec![at(0, &[0.1, -0.2])], order, strands, settling }
+}
+
+fn swept(
+    plan: &Plan,
+    part: Part,
+    known: &BTreeMap<usize, Found>,
+    most: usize,
+) -> BTreeMap<usize, Found> {
+    let make = || -> Result<Box<dyn Strobed>, StrobeError> {
+        let flow = Settings::new(Scheme::DormandPrince8, 1e-9);
+        let settings = HybridSettings { flow, ..HybridSettings::default() };
+        Ok(Box::new(Stroboscope::of(&Actuator, settings, &[])?))
+    };
+    let end = |found: &Found| found.settled.as_ref().ok().map(|settled| settled.end.clone());
+    let done = |run: usize| known.get(&run).map(end);
+    let mut all = known.clone();
+    let mut left = most;
+    execute(plan, part, &mita(0.0, 0.5), &make, &done, &mut |found: Found| {
+        all.insert(found.run, found);
+        left -= 1;
+        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
+    .unwrap();
+    all
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    /// However a sweep is stopped, resumed and split, its runs are the same to the last bit.
+    #[test]
+    fn sweeps_do_not_depend_on_how_they_are_done(
+        order in prop::sample::select(vec![Order::Anew, Order::Up, Order::Down]),
+        strands in 1..4_usize,
+        stop in 1..8_usize,
+        parts in 1..4_usize,
+    ) {
+        let plan = plan(order, strands, 9);
+        let nothing = BTreeMap::new();
+        let whole = swept(&plan, Part::WHOLE, &nothing, usize::MAX);
+        prop_assert_eq!(whole.len(), 9);
+        let begun = swept(&plan, Part::WHOLE, &nothing, stop);
+        prop_assert_eq!(begun.len(), stop);
+        prop_assert_eq!(&swept(&plan, Part::WHOLE, &begun, usize::MAX), &whole);
+        let mut merged = BTreeMap::new();
+        for number in 1..=parts {
+            merged.append(&mut swept(&plan, Part { number, of: parts }, &nothing, usize::MAX));
+        }
+        prop_assert_eq!(&merged, &whole);
+    }
+}
+
+#[test]
+fn plans_without_meaning_are_refused() {
+    let refused = |plan: &Plan| plan.check().unwrap_err();
+    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing { what: "a count" });
+    let mut grid = plan(Order::Up, 1, 3);
+    grid.axes.push(grid.axes[0]);
+    assert_eq!(refused(&grid), PlanError::Followed { axes: 2 });
+    grid.order = Order::Anew;
+    assert_eq!((grid.runs(), grid.check()), (9, Ok(())));
+    grid.axes[0].high = f64::NAN;
+    assert!(matches!(refused(&grid), PlanError::Interval { .. }));
+}

@@ -1,0 +1,174 @@
+//! `tangency sweep` and `tangency merge` as a user meets them: files that others read, interruption, parts.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+use tangency::output::{MergeError, Sweeps, merge};
+use tangency::scene::BUILT_IN;
+
+fn tangency(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
+    command.current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn failure(output: &Output) -> &str {
+    let message = std::str::from_utf8(&output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    message
+}
+
+/// A sweep of many short runs.
+const SCENE: &str = r#"Scene(
+    title: "Chaos", problem: Mita(), parameters: [("frequency", 0.5)],
+    plot: (y: "displacement_range", panels: [("voltage", "front.velocity"), ("voltage", "exponent")]),
+    sweeps: [
+        (name: "up", order: up, strands: 3, over: [(name: "voltage", low: 0.55, high: 0.7, count: 31)],
+         settling: (transient: 40, recorded: 20, exponent: 40), measures: ["displacement_range"]),
+        (name: "starts", over: [(name: "displacement", low: -0.3, high: 0.3, count: 3), (name: "velocity", low: 0, high: 0.2, count: 3)],
+         set: [("voltage", "0.2")], settling: (transient: 200, recorded: 40, exponent: 0)),
+    ],
+)"#;
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("chaos.ron"), SCENE).unwrap();
+    folder
+}
+
+fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap()
+}
+
+/// On one thread or two, killed in the middle and resumed, or in parts that are merged: the same bytes.
+#[test]
+fn a_sweep_has_the_same_bytes_however_it_was_done() {
+    let folder = folder();
+    let run = |out: &str, more: &[&str]| {
+        let output =
+            tangency(folder.path(), &[&["sweep", "chaos.ron", "--out", out], more].concat());
+        assert!(output.status.success(), "{output:?}");
+    };
+    run("one", &["--threads", "1"]);
+    let whole = bytes(folder.path(), "one/chaos.npz");
+    run("two", &["--threads", "2"]);
+    assert!(bytes(folder.path(), "two/chaos.npz") == whole);
+    for number in ["1/3", "2/3", "3/3"] {
+        run("parts", &["--part", number]);
+    }
+    let parts = [1, 2, 3].map(|number| format!("parts/chaos.part-{number}-of-3.npz"));
+    let arguments = ["merge", "--out", "merged", &parts[0], &parts[2], &parts[1]];
+    let output = tangency(folder.path(), &arguments);
+    assert!(output.status.success(), "{output:?}");
+    assert!(bytes(folder.path(), "merged/chaos.npz") == whole);
+    // A part alone is no whole.
+    let output = tangency(folder.path(), &["merge", "--out", "alone", &parts[0]]);
+    assert!(failure(&output).contains("in none of the parts"), "{output:?}");
+}
+
+/// A sweep that is killed leaves a file with whole runs, and goes on from there to the same bytes.
+#[test]
+fn a_killed_sweep_is_resumed() {
+    let folder = folder();
+    // Long enough to be killed between its first save and its end.
+    let long = SCENE.replace("transient: 40", "transient: 4000");
+    std::fs::write(folder.path().join("chaos.ron"), long).unwrap();
+    let arguments = ["sweep", "chaos.ron", "--save-every", "0.01"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tangency"))
+        .current_dir(folder.path())
+        .args(arguments)
+        .args(["--out", "killed"])
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let saved = folder.path().join("killed/chaos.npz");
+    let mut waited = 0;
+    while !saved.exists() && waited < 6000 {
+        std::thread::sleep(Duration::from_millis(10));
+        waited += 1;
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let begun = Sweeps::load(&saved).unwrap();
+    let done: usize = begun.sweeps.iter().map(|sweep| sweep.rows.len()).sum();
+    assert!(done > 0 && done < 40, "{done} runs are done");
+    for out in ["killed", "whole"] {
+        let output = tangency(folder.path(), &[&arguments[..], &["--out", out]].concat());
+        assert!(output.status.success(), "{output:?}");
+    }
+    assert!(bytes(folder.path(), "killed/chaos.npz") == bytes(folder.path(), "whole/chaos.npz"));
+}
+
+/// What is in the file: columns of one length, names, and numbers that say what happened.
+#[test]
+fn the_file_says_what_happened() {
+    let folder = folder();
+    assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
+    let sweeps = Sweeps::load(folder.path().join("out/chaos.npz")).unwrap();
+    let [up, starts] = &sweeps.sweeps[..] else { panic!("{}", sweeps.sweeps.len()) };
+    let columns: BTreeMap<&str, usize> =
+        up.run_columns.iter().enumerate().map(|(k, name)| (name.as_str(), k)).collect();
+    assert!(up.is_complete() && up.rows.len() == 31);
+    let first = &up.rows[&0].values;
+    assert_eq!(
+        [first[columns["voltage"]], first[columns["periods"]], first[columns["front"]]],
+        [0.55, 1.0, 1.0]
+    );
+    assert!(first[columns["exponent"]] < 0.0 && first[columns["failed"]] == 0.0);
+    // One period: where it begins, an impact, and the rest of the frame.
+    assert_eq!(up.rows[&0].points.len(), 3 * up.point_columns.len());
+    // Two attractors at V = 0.2: without impacts, and with one.
+    let counts: Vec<f64> = starts.rows.values().map(|row| row.values[5]).collect();
+    assert!(counts.len() == 9 && counts.contains(&0.0) && counts.contains(&1.0), "{counts:?}");
+    let svg = std::fs::read_to_string(folder.path().join("out/chaos.svg")).unwrap();
+    assert!(svg.contains("Chaos") && svg.contains("front.velocity"));
+    // The figure again, from the file alone.
+    let output = tangency(folder.path(), &["plot", "out/chaos.npz", "--y", "exponent"]);
+    assert!(output.status.success(), "{output:?}");
+    let output = tangency(folder.path(), &["plot", "out/chaos.npz", "--y", "expnent"]);
+    assert!(failure(&output).contains("did you mean `exponent`"), "{output:?}");
+}
+
+#[test]
+fn bad_input_is_explained() {
+    let folder = folder();
+    let fails = |arguments: &[&str], expected: &str| {
+        let output = tangency(folder.path(), arguments);
+        let message = failure(&output);
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+    };
+    fails(&["sweep", "lure"], "has nothing to sweep");
+    fails(&["trace", "mita-lyapunov"], "has no branches to trace");
+    fails(&["sweep", "chaos.ron", "--set", "count=0"], "a count is 0");
+    assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
+    fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "were made by another scene");
+    std::fs::write(folder.path().join("broken.npz"), b"PK").unwrap();
+    fails(&["plot", "broken.npz"], "not a file of sweeps");
+    let whole = Sweeps::load(folder.path().join("out/chaos.npz")).unwrap();
+    assert_eq!(merge(Vec::new()), Err(MergeError::Nothing));
+    let (mut other, mut wrong) = (whole.clone(), whole.clone());
+    other.scene.push(' ');
+    assert_eq!(merge(vec![whole.clone(), other]), Err(MergeError::Different { number: 2 }));
+    if let Some(row) = wrong.sweeps[0].rows.get_mut(&3) {
+        row.values[2] = 9.0;
+    }
+    let contradiction = MergeError::Contradiction { number: 2, sweep: "up".into(), run: 3 };
+    assert_eq!(merge(vec![whole, wrong]), Err(contradiction));
+}
+
+/// Every built-in sweep runs, coarsely, and is drawn.
+#[test]
+fn built_in_sweeps_run_and_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in BUILT_IN.iter().filter(|scene| scene.text.contains("sweeps: [")) {
+        let mut arguments = vec!["sweep", scene.name];
+        for setting in ["count=5", "transient=30", "recorded=20", "exponent=40"] {
+            arguments.extend(["--set", setting]);
+        }
+        let output = tangency(folder.path(), &arguments);
+        assert!(output.status.success(), "{}: {output:?}", scene.name);
+        let text = std::str::from_utf8(&output.stdout).unwrap();
+        assert!(!text.contains("failed"), "{text}");
+    }
+}
