@@ -44,7 +44,8 @@ pub struct Settled {
     pub periods: Option<usize>,
     /// One cycle, or all periods recorded.
     pub records: Vec<Period>,
-    /// The events by name, and how often each came in a cycle (in a period, if there is no cycle).
+    /// The events by name, and how often each came in a cycle (in a period, if there is no cycle): infinitely often
+    /// where they accumulate.
     pub events: Vec<(String, f64)>,
     /// How often infinitely many events came in a finite time, likewise.
     pub accumulations: f64,
@@ -133,7 +134,9 @@ fn counts(motion: &dyn Strobed, records: &[Period], cycles: usize) -> (Vec<(Stri
     let all = || records.iter().flat_map(|period| &period.events);
     let mean = |count: usize| count as f64 / cycles.max(1) as f64;
     let count = |(number, name): (usize, &String)| {
-        (name.clone(), mean(all().filter(|e| e.event == number && !e.accumulation).count()))
+        let own = || all().filter(|e| e.event == number);
+        let infinite = own().any(|e| e.accumulation);
+        (name.clone(), if infinite { f64::INFINITY } else { mean(own().count()) })
     };
     let events = motion.events().iter().enumerate().map(count).collect();
     (events, mean(all().filter(|e| e.accumulation).count()))

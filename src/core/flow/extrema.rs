@@ -134,7 +134,11 @@ impl<T: Scalar> Extrema<T> {
     ) {
         if self.slope * right.slope < 0.0 {
             let turn = self.sight.root(step, watch, [left, right], |sample| sample.slope);
-            let (theta, value) = improved(&mut self.sight, step, watch, turn.fraction);
+            let enough = T::NDERIV == 0 && watch.state().is_some_and(|i| step.is_dense_enough(i));
+            let (theta, value) = match enough {
+                true => (T::constant(turn.fraction), T::constant(turn.value)),
+                false => improved(&mut self.sight, step, watch, turn.fraction),
+            };
             visit(Extremum { place: step.place(theta), value });
         }
         if right.slope != 0.0 {

@@ -346,11 +346,13 @@ impl<T: Scalar> Flow<T> {
         (sigma, h): (f64, f64),
         observe: &mut impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let (scheme, buffers) = (self.settings.scheme, &mut self.buffers);
+        let Settings { scheme, absolute, .. } = self.settings;
+        let buffers = &mut self.buffers;
         if let Some(tableau) = scheme.tableau().filter(|tableau| !tableau.end_in_error()) {
             buffers.stages.end_slope(tableau.end(), motion, sigma + h);
         }
-        observe(&mut Step { motion, scheme, sigma, h, buffers, known: Known::default() })
+        let known = Known::default();
+        observe(&mut Step { motion, scheme, tolerance: absolute, sigma, h, buffers, known })
     }
 
     /// How many steps in a row stability has limited: the slopes of the last stage and of the end belong to

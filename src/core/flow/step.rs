@@ -56,6 +56,9 @@ const NEAR: f64 = 1e-4;
 /// a twelfth of the third power.
 const CLOSE: f64 = 1e-6;
 
+/// The largest value of `θ⁴ (1 − θ)³`.
+const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
+
 /// What a step without its derivatives is computed in.
 #[derive(Default)]
 pub(in crate::core) struct RealStep {
@@ -79,6 +82,8 @@ impl RealStep {
 pub struct Step<'a, F, T: Scalar> {
     pub(super) motion: &'a Motion<'a, F, T>,
     pub(super) scheme: Scheme,
+    /// The absolute tolerance of the flow.
+    pub(super) tolerance: f64,
     pub(super) sigma: f64,
     pub(super) h: f64,
     pub(super) buffers: &'a mut Buffers<T>,
@@ -235,8 +240,8 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
         let Motion { field, evaluations, .. } = *self.motion;
         let (start, length) = (self.motion.start.real(), self.motion.length.real());
         let motion = &Motion { field, start, length, p, evaluations };
-        let (scheme, sigma, h) = (self.scheme, self.sigma, self.h);
-        let mut step = Step { motion, scheme, sigma, h, buffers, known };
+        let (scheme, tolerance, sigma, h) = (self.scheme, self.tolerance, self.sigma, self.h);
+        let mut step = Step { motion, scheme, tolerance, sigma, h, buffers, known };
         show(&mut step);
         *copied = Some((sigma, step.known));
     }
@@ -265,6 +270,14 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
         let coefficients =
             (0..powers).rev().map(|power| (power, lift(self.buffers.dense[power * n + i])));
         nested(coefficients, theta) + lift(self.buffers.x[i])
+    }
+
+    /// Whether dense output of a state, which must be prepared, errs by no more than the flow may: its last term, of
+    /// which the error is a small part, is below ten tolerances.
+    pub(super) fn is_dense_enough(&self, state: usize) -> bool {
+        let n = self.buffers.x.len();
+        let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();
+        self.scheme.order() == 8 && LAST_TERM * last <= 10.0 * self.tolerance
     }
 
     /// Computes the coefficients of dense output, once.

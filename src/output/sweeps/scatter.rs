@@ -40,7 +40,7 @@ impl SweepTable {
         }
         let counts = self.events.iter().map(|event| (event, value(event)));
         let seen: Vec<String> =
-            counts.filter(|(_, n)| *n > 0.0).map(|(event, n)| format!("{n} {event}")).collect();
+            counts.filter(|(_, n)| *n > 0.0).map(|(event, n)| format!("{n:.0} {event}")).collect();
         let events = if seen.is_empty() { "no events".into() } else { seen.join(", ") };
         match value("periods") {
             1.0 => format!("{events} in a period"),
