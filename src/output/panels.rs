@@ -1,13 +1,14 @@
 //! Everything that a document says about its own drawing: diagrams, and profiles of special points.
 
-use super::diagram::diagram;
-use super::document::{Against, Document};
+use super::axis::clip;
+use super::diagram::{diagram, panel};
+use super::document::{Against, Document, Enlargement};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
 
-/// The figures of some documents: the diagram, the further panels that the first document names, and
-/// one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
+/// The figures of some documents: the diagram, its enlargements and the further panels that the first document
+/// names, and one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
 /// carry. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles and points;
 /// without them every kind of profile is drawn, for up to eight points: of orbits the folds, period
 /// doublings, torus and branch points, grazings and user's points and, where that makes no more than five
@@ -36,9 +37,16 @@ pub fn figures(
     if x.is_some() || y.is_some() {
         return Ok(figures);
     }
+    let enlargements =
+        documents.first().map_or(&[][..], |(_, document)| &document.plot.enlargements);
+    for Enlargement { x, y } in enlargements {
+        let mut part = Figure { title: String::new(), ..figures[0].clone() };
+        clip(&mut part, [*x, *y]);
+        figures.push(part);
+    }
     let panels = documents.first().map_or(&[][..], |(_, document)| &document.plot.panels);
     for (x, y) in panels {
-        let mut panel = diagram(documents, Some(x), Some(y))?;
+        let mut panel = panel(documents, x, y)?;
         panel.title = String::new();
         figures.push(panel);
     }

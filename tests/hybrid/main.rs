@@ -10,4 +10,5 @@ mod orbits;
 mod references;
 mod simulation;
 mod systems;
+mod virtual_points;
 mod watched;
