@@ -154,7 +154,9 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        if matrix == Matrix::Known && !self.tests_assemble() {
+        // Eigenvalues that are only counted need not be known well.
+        let exact = self.tests_assemble() || (stability && self.settings.eigenvalues > 0);
+        if matrix == Matrix::Known && !exact {
             self.equations.load(&unknowns);
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();

@@ -133,7 +133,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
     /// How far motion would go beyond the event that it approaches most slowly.
     fn penetration<T: Scalar>(&self, ends: Ends<T>, q: &[T]) -> T {
         let (p, system) = (self.split(q).0, self.system());
-        let speed = |(event, time, x): &(_, T, &[T])| -rate(system, *event, *time, *x, p).real();
+        let speed = |(event, time, x): &(_, T, &[T])| -rate(system, *event, *time, x, p).real();
         let durations = self.durations(self.split(q).1).iter();
         let within = durations.map(|duration| duration.real()).sum();
         let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
