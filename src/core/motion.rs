@@ -1,7 +1,7 @@
 //! The linearised motion about a solution: oscillations, and what decides stability.
 
 use super::linear::BorderedLu;
-use super::zero::{Border, Dynamics, Singular};
+use super::zero::{Border, Dynamics, Singular, Spectrum};
 
 /// The linearised motion `L(ω) v = 0` of oscillations `e^{iωt}` about an equilibrium, `L = F_z − iω`, or
 /// of multipliers `e^{iω}` about a periodic orbit, `L = F_z` with `x(1) = e^{iω} x(0)` in place of the
@@ -196,4 +196,18 @@ impl DenseOscillation {
             (out[i], out[n + i]) = (v[n + i], -v[i]);
         }
     }
+}
+
+/// Beyond this size eigenvalues are infinite but for rounding.
+const INFINITE: f64 = 1e8;
+
+/// The first eigenvalues of a spectrum by falling real parts, so that each of them is continuous along a branch;
+/// none if one is infinite.
+pub(super) fn deciding(spectrum: &[(f64, f64)], count: usize) -> Spectrum {
+    let mut first: Spectrum = spectrum.iter().take(count).copied().collect();
+    if !first.iter().all(|(real, imaginary)| real.hypot(*imaginary) < INFINITE) {
+        return Spectrum::new();
+    }
+    first.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
+    first
 }

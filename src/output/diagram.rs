@@ -1,5 +1,6 @@
 //! Branches as a figure: stable parts solid, unstable parts dashed, special points marked.
 
+use super::axis::{Scale, clip};
 use super::document::{Document, Plot};
 use super::error::FigureError;
 use super::figure::{Figure, Mark, Series, Style, Symbol};
@@ -15,7 +16,8 @@ use crate::core::continuation::{Branch, Kind, Point};
 ///
 /// # Errors
 /// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if nothing
-/// says what to draw, [`FigureError::Empty`] without a branch.
+/// says what to draw, [`FigureError::NoOrigin`] without the special point that deviations are measured from,
+/// [`FigureError::Empty`] without a branch.
 ///
 /// ```
 /// use tangency::output::{Document, diagram, example_branch};
@@ -32,13 +34,34 @@ pub fn diagram(
     x: Option<&str>,
     y: Option<&str>,
 ) -> Result<Figure, FigureError> {
-    let branches: Vec<(String, &Branch)> = named(documents);
+    drawn(documents, x, y, named(documents))
+}
+
+/// The diagram of those branches that have two columns; of none, why.
+pub(super) fn panel(
+    documents: &[(&str, &Document)],
+    x: &str,
+    y: &str,
+) -> Result<Figure, FigureError> {
+    let all = named(documents);
+    let has = |(_, branch): &&(String, &Branch)| [x, y].iter().all(|c| branch.column(c).is_some());
+    let some: Vec<(String, &Branch)> = all.iter().filter(has).cloned().collect();
+    drawn(documents, Some(x), Some(y), if some.is_empty() { all } else { some })
+}
+
+fn drawn(
+    documents: &[(&str, &Document)],
+    x: Option<&str>,
+    y: Option<&str>,
+    branches: Vec<(String, &Branch)>,
+) -> Result<Figure, FigureError> {
     let (Some((_, document)), Some((_, first))) = (documents.first(), branches.first()) else {
         let title = documents.first().map(|(_, document)| document.title.clone());
         return Err(FigureError::Empty { title: title.unwrap_or_default() });
     };
     let plot = &document.plot;
     let (x, y) = axes(first, plot, x, y)?;
+    let scales = [Scale::of(document, x)?, Scale::of(document, y)?];
     let mut figure = Figure::new(&document.title, plot.label(x), plot.label(y));
     for (name, branch) in &branches {
         let shift = [x, y].map(|column| plot.shift(&branch.name, column));
@@ -46,9 +69,11 @@ pub fn diagram(
             Some(shift) => &format!("{name} (shifted by {shift})"),
             None => name,
         };
-        let (x, y) = (column(branch, x)?, column(branch, y)?);
-        Curve { name, branch, columns: [x, y], shift }.add_to(&mut figure);
+        let columns = [column(branch, x)?, column(branch, y)?];
+        Curve { name, branch, columns, scales: &scales, shift }.add_to(&mut figure);
     }
+    let ranges = [x, y].map(|column| plot.range(column));
+    clip(&mut figure, ranges);
     hide_starts(&mut figure);
     let stability = branches.iter().flat_map(|(_, branch)| &branch.points);
     if stability.into_iter().any(|point| point.unstable.is_some()) {
@@ -131,8 +156,9 @@ fn column(branch: &Branch, name: &str) -> Result<usize, FigureError> {
 struct Curve<'a> {
     name: &'a str,
     branch: &'a Branch,
-    /// The columns for the two axes, and what is added to them.
+    /// The columns for the two axes, what is shown of their values, and what is added to that.
     columns: [usize; 2],
+    scales: &'a [Scale<'a>; 2],
     shift: [f64; 2],
 }
 
@@ -141,13 +167,17 @@ impl Curve<'_> {
         let mut pieces = Pieces { name: self.name, series: Vec::new() };
         let points = &self.branch.points;
         for (index, point) in points.iter().enumerate() {
-            let at = self.at(|column| point.value(column));
-            pieces.vertex(at, style_of(point));
+            match self.at(|column| point.value(column)) {
+                Some(at) => pieces.vertex(at, style_of(point)),
+                // Eigenvalues are not known everywhere.
+                None => pieces.interrupt(),
+            }
             // Beyond the last point there is nothing whose stability could be taken.
             let next = points.get(index + 1).unwrap_or(point);
             for special in self.branch.special.iter().filter(|special| special.after == index) {
+                let Some(at) = self.at(|column| special.value(column)) else { continue };
                 pieces.vertex(
-                    self.at(|column| special.value(column)),
+                    at,
                     match changes_stability(special.kind) {
                         true => style_of(next),
                         false => pieces.style(),
@@ -155,18 +185,24 @@ impl Curve<'_> {
                 );
             }
         }
-        figure.series.append(&mut pieces.series);
-        figure.marks.extend(self.branch.special.iter().map(|special| Mark {
-            at: self.at(|column| special.value(column)),
-            label: special.kind.to_string(),
-            meaning: special.kind.meaning().into(),
-            symbol: symbol(special.kind),
+        let pieces = pieces.series.into_iter().filter(|piece| !piece.points.is_empty());
+        figure.series.extend(pieces);
+        figure.marks.extend(self.branch.special.iter().filter_map(|special| {
+            Some(Mark {
+                at: self.at(|column| special.value(column))?,
+                label: special.kind.to_string(),
+                meaning: special.kind.meaning().into(),
+                symbol: symbol(special.kind),
+            })
         }));
     }
 
-    /// A value that is missing is drawn as NaN, which the figure then refuses by name.
-    fn at(&self, value: impl Fn(usize) -> Option<f64>) -> [f64; 2] {
-        [0, 1].map(|axis| value(self.columns[axis]).map_or(f64::NAN, |v| v + self.shift[axis]))
+    /// A point on the axes, if it has a value on both.
+    fn at(&self, value: impl Fn(usize) -> Option<f64>) -> Option<[f64; 2]> {
+        let on = |axis: usize| {
+            Some(self.scales[axis].shown(value(self.columns[axis])?) + self.shift[axis])
+        };
+        Some([on(0)?, on(1)?])
     }
 }
 
@@ -181,11 +217,19 @@ impl Pieces<'_> {
     fn vertex(&mut self, at: [f64; 2], style: Style) {
         let same = self.style() == style;
         match self.series.last_mut() {
+            Some(last) if last.points.is_empty() => *last = Series::new(self.name, style, [at]),
             Some(last) => last.points.push(at),
             None => self.series.push(Series::new(self.name, style, [at])),
         }
         if !same && self.series.last().is_some_and(|last| last.points.len() > 1) {
             self.series.push(Series::new(self.name, style, [at]));
+        }
+    }
+
+    /// Leaves a gap before the next point.
+    fn interrupt(&mut self) {
+        if self.series.last().is_some_and(|last| !last.points.is_empty()) {
+            self.series.push(Series::new(self.name, self.style(), []));
         }
     }
 

@@ -46,7 +46,8 @@ pub struct Plot {
     /// What stands at an axis that shows a column, with its unit: `("load", "load V² (1)")`.
     /// A column without an entry is shown by its name.
     pub labels: Vec<(String, String)>,
-    /// Further panels, as pairs of columns for the horizontal and the vertical axis.
+    /// Further panels, as pairs of columns for the horizontal and the vertical axis. Branches that lack one of
+    /// them are left out.
     pub panels: Vec<(String, String)>,
     /// The kinds of profiles that are drawn, as pairs (abscissa, ordinate): `("displacement", "velocity")` is
     /// the phase portrait, `("time", "velocity")` a time history. If none is given, all.
@@ -59,8 +60,60 @@ pub struct Plot {
     /// What is added to a column of a branch in diagrams, to compare curves of different height: branch,
     /// column, shift.
     pub shifts: Vec<(String, String, f64)>,
+    /// Columns that are shown as deviations from a special point, or as roots of these.
+    pub deviations: Vec<Deviation>,
+    /// The part of a column that is shown, in the numbers of its axis: column, low, high.
+    pub ranges: Vec<(String, f64, f64)>,
+    /// Parts of the diagram that are shown again in panels of their own, in the numbers of its axes.
+    pub enlargements: Vec<Enlargement>,
     /// Special points of all branches against a setting in which the branches differ.
     pub against: Vec<Against>,
+}
+
+/// A part of a diagram: its ends on both axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Enlargement {
+    /// On the horizontal axis.
+    pub x: [f64; 2],
+    /// On the vertical axis.
+    pub y: [f64; 2],
+}
+
+/// A column that diagrams show as its deviation from a special point: `V − V*` where an orbit grazes at `V*`, or
+/// `√(V − V*)`, in which what begins there like a root is a line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Deviation {
+    /// The column.
+    pub column: String,
+    /// The branch with the special point.
+    pub branch: String,
+    /// Its kind; the first one of the branch counts.
+    pub kind: Kind,
+    /// The power of the deviation that is shown, negative where the deviation is.
+    #[serde(default = "one")]
+    pub power: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Deviation {
+    /// What is shown for a value, where the special point has another one.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Kind;
+    /// use tangency::output::Deviation;
+    /// let (column, branch) = ("voltage".into(), "nonimpacting".into());
+    /// let root = Deviation { column, branch, kind: Kind::G, power: 0.5 };
+    /// assert_eq!((root.shown(0.2, 0.16), root.shown(0.12, 0.16)), (0.2, -0.2));
+    /// ```
+    pub fn shown(&self, value: f64, at: f64) -> f64 {
+        let deviation = value - at;
+        deviation.abs().powf(self.power).copysign(deviation)
+    }
 }
 
 /// Special points of one kind against a setting in which branches differ: pull-in against the number
@@ -81,6 +134,12 @@ impl Plot {
     pub fn label<'a>(&'a self, column: &'a str) -> &'a str {
         let entry = self.labels.iter().find(|(name, _)| name == column);
         entry.map_or(column, |(_, label)| label)
+    }
+
+    /// The part of a column that is shown.
+    pub(super) fn range(&self, column: &str) -> [f64; 2] {
+        let given = self.ranges.iter().find(|(name, ..)| name == column);
+        given.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, low, high)| [*low, *high])
     }
 
     /// What is added to a column of a branch.

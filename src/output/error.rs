@@ -2,6 +2,7 @@
 
 use super::document::FORMAT;
 use super::suggest::UnknownName;
+use crate::core::continuation::Kind;
 use std::path::PathBuf;
 
 /// A file that cannot be read, understood or written.
@@ -152,6 +153,19 @@ pub enum FigureError {
         branch: String,
         /// The names of its columns.
         available: Vec<String>,
+    },
+    /// There is no special point that a column's deviations are measured from.
+    #[error(
+        "`{column}` is to be shown as its deviation from the first {kind} of `{branch}`, but there is none: trace \
+         as far as that point, or leave the deviation out"
+    )]
+    NoOrigin {
+        /// The column.
+        column: String,
+        /// The kind of special point.
+        kind: Kind,
+        /// The branch.
+        branch: String,
     },
     /// A point whose profiles are to be drawn does not exist.
     #[error(transparent)]

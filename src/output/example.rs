@@ -16,6 +16,7 @@ pub fn example_branch() -> Branch {
         parameters: vec![load(u), 1.2],
         monitors: vec![u],
         unstable: Some(usize::from(u > 1.0 / 3.0)),
+        eigenvalues: Vec::new(),
         admissible: true,
     };
     Branch {

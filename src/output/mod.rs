@@ -12,6 +12,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod axis;
 mod check;
 mod diagram;
 mod document;
@@ -28,7 +29,7 @@ mod table;
 mod write;
 
 pub use diagram::diagram;
-pub use document::{Against, Document, FORMAT, Plot};
+pub use document::{Against, Deviation, Document, Enlargement, FORMAT, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};

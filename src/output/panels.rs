@@ -1,15 +1,16 @@
 //! Everything that a document says about its own drawing: diagrams, and profiles of special points.
 
-use super::diagram::diagram;
-use super::document::{Against, Document};
+use super::axis::{Scale, clip};
+use super::diagram::{diagram, panel};
+use super::document::{Against, Document, Enlargement};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
 use super::suggest::UnknownName;
 use super::sweeps::{Sweeps, scatter};
 
-/// The figures of some documents: the diagram, the further panels that the first document names, and
-/// one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
+/// The figures of some documents: the diagram, its enlargements and the further panels that the first document
+/// names, and one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
 /// carry. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles and points;
 /// without them every kind of profile is drawn, for up to eight points: of orbits the folds, period
 /// doublings, torus and branch points, grazings and user's points and, where that makes no more than five
@@ -35,14 +36,27 @@ pub fn figures(
     x: Option<&str>,
     y: Option<&str>,
 ) -> Result<Vec<Figure>, FigureError> {
-    let mut figures = vec![together(documents, sweeps, x, y)?];
+    let mut figures = vec![match sweeps.is_empty() {
+        true => diagram(documents, x, y)?,
+        false => together(documents, sweeps, x, y)?,
+    }];
     if x.is_some() || y.is_some() {
         return Ok(figures);
     }
     let plots = documents.iter().map(|(_, document)| &document.plot);
-    let plot = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next();
-    for (x, y) in plot.map_or(&[][..], |plot| &plot.panels) {
-        let mut panel = together(documents, sweeps, Some(x), Some(y))?;
+    let Some(plot) = plots.chain(sweeps.iter().map(|sweep| &sweep.plot)).next() else {
+        return Ok(figures);
+    };
+    for Enlargement { x, y } in &plot.enlargements {
+        let mut part = Figure { title: String::new(), ..figures[0].clone() };
+        clip(&mut part, [*x, *y]);
+        figures.push(part);
+    }
+    for (x, y) in &plot.panels {
+        let mut panel = match sweeps.is_empty() {
+            true => panel(documents, x, y)?,
+            false => together(documents, sweeps, Some(x), Some(y))?,
+        };
         panel.title = String::new();
         figures.push(panel);
     }
@@ -63,15 +77,23 @@ fn together(
     x: Option<&str>,
     y: Option<&str>,
 ) -> Result<Figure, FigureError> {
-    let Some(first) = sweeps.first() else { return diagram(documents, x, y) };
+    let (Some(first), Some(table)) = (sweeps.first(), sweeps.iter().find_map(|s| s.sweeps.first()))
+    else {
+        return diagram(documents, x, y);
+    };
     let plot = documents.first().map_or(&first.plot, |(_, document)| &document.plot);
     let title = documents.first().map_or(&first.title, |(_, document)| &document.title);
     let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
-    let Some(table) = tables().next() else { return diagram(documents, x, y) };
     let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
     let y = y.or(plot.y.as_deref()).unwrap_or("periods");
-    let scattered: Vec<Series> = tables().flat_map(|table| scatter(table, x, y)).collect();
-    let mut figure = match diagram(documents, Some(x), Some(y)) {
+    let mut scattered: Vec<Series> = tables().flat_map(|table| scatter(table, x, y)).collect();
+    if let Some((_, document)) = documents.first() {
+        let scales = [Scale::of(document, x)?, Scale::of(document, y)?];
+        for at in scattered.iter_mut().flat_map(|series| &mut series.points) {
+            *at = [0, 1].map(|k| scales[k].shown(at[k]));
+        }
+    }
+    let mut figure = match panel(documents, x, y) {
         Ok(figure) => figure,
         Err(FigureError::Empty { .. } | FigureError::UnknownColumn { .. })
             if !scattered.is_empty() =>
@@ -89,6 +111,7 @@ fn together(
     figure.title.clone_from(title);
     // Behind the branches.
     figure.series.splice(0..0, scattered);
+    clip(&mut figure, [x, y].map(|column| plot.range(column)));
     Ok(figure)
 }
 

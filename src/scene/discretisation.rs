@@ -59,6 +59,10 @@ pub struct Discretisation {
     /// What hybrid orbits go through, where a run starts from none that exists: by default an orbit without
     /// events, in the first mode.
     pub itinerary: String,
+    /// The order of local maps near grazings (1 to 7).
+    pub order: usize,
+    /// Whether hybrid orbits record how far they would penetrate a surface.
+    pub penetration: bool,
 }
 
 impl Default for Discretisation {
@@ -72,6 +76,8 @@ impl Default for Discretisation {
             scheme: Scheme::DormandPrince8,
             flow_tolerance: 1e-12,
             itinerary: String::new(),
+            order: 2,
+            penetration: false,
         }
     }
 }
@@ -94,6 +100,8 @@ impl Discretisation {
             ("scheme", Box::new(Plain(&mut self.scheme))),
             ("flow_tolerance", Box::new(Plain(&mut self.flow_tolerance))),
             ("itinerary", Box::new(Words(&mut self.itinerary))),
+            ("order", Box::new(Plain(&mut self.order))),
+            ("penetration", Box::new(Plain(&mut self.penetration))),
         ]
     }
 
@@ -105,6 +113,7 @@ impl Discretisation {
             ("intervals", self.intervals as f64, count(self.intervals), "between 1 and 4096"),
             ("degree", self.degree as f64, (2..=7).contains(&self.degree), "between 2 and 7"),
             ("segments", self.segments as f64, count(self.segments), "between 1 and 4096"),
+            ("order", self.order as f64, (1..=7).contains(&self.order), "between 1 and 7"),
             (
                 "flow_tolerance",
                 tolerance,
@@ -159,7 +168,7 @@ impl Discretisation {
                 reason: cause.to_string(),
             })?,
         };
-        self.discretise(HybridOrbit::of(system, itinerary))
+        self.discretise(self.watched(HybridOrbit::of(system, itinerary)))
     }
 
     fn no_equilibria(&self, reason: &str) -> SceneError {
@@ -191,7 +200,12 @@ impl Discretisation {
         let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
         let Birth { problem, starts, extras } =
             HybridOrbit::of_cycle(system.clone(), &cycle).map_err(no_start)?;
-        self.started(problem, Some([&starts, &extras, p]))
+        self.started(self.watched(problem), Some([&starts, &extras, p]))
+    }
+
+    /// Orbits with all monitors asked for.
+    fn watched<H: HybridSystem>(&self, orbit: HybridOrbit<H>) -> HybridOrbit<H> {
+        if self.penetration { orbit.with_penetration() } else { orbit }
     }
 
     fn discretise<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>

@@ -4,6 +4,7 @@ use crate::core::attractor::StrobeError;
 use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
 use crate::core::flow::SettingsError as FlowSettingsError;
+use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{HybridError, RecurrenceError};
 use crate::core::sweep::PlanError;
 use crate::output::UnknownName;
@@ -98,6 +99,15 @@ pub enum SceneError {
         found: usize,
         /// Why that run ended.
         ends: String,
+    },
+    /// There is no local map to follow.
+    #[error("run `{run}`: {cause}")]
+    Local {
+        /// The run.
+        run: String,
+        /// Why.
+        #[source]
+        cause: Box<GrazingError>,
     },
     /// A simulation ended before its time.
     #[error("run `{run}`: {cause}")]

@@ -1,12 +1,12 @@
 //! Tracing the runs of a scene, one after the other.
 
+use super::join::{Joined, join};
 use super::simulate::Simulation;
-use super::{Run, Scene, SceneError, Simulated, Start, Way};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, Point, SpecialPoint};
+use super::{Local, Run, Scene, SceneError, Simulated, Start, Way};
+use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
 use crate::core::hybrid::HybridState;
 use crate::core::zero::{Group, System};
 use crate::output::{Document, UnknownName};
-use std::ops::ControlFlow;
 
 /// A special point of an earlier result, from which a scene's first shown run is to start.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct Outcome {
 
 /// Traces a scene's runs. With a start point, only one shown run is traced, from there: the one named as
 /// the point's branch; else the first one that makes the same kind of curve of the same unknowns; else the
-/// first one.
+/// first one. (If it follows points of a local map, after the runs that find the map's grazing.)
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -60,23 +60,25 @@ pub fn execute(
     let mut done: Vec<Branch> = Vec::new();
     let mut last = LastStates::new();
     let mut error = None;
-    let runs: Vec<&Run> = match start {
-        None => scene.runs.iter().collect(),
-        Some(start) => continuing(scene, &start.branch).into_iter().collect(),
-    };
-    for (index, run) in runs.iter().enumerate() {
-        observer.run(run, index, runs.len());
+    let plan = plan(scene, start);
+    for (index, Planned { run, start, .. }) in plan.iter().enumerate() {
+        observer.run(run, index, plan.len());
+        let akin = scene.runs.iter().filter(|other| other.is_akin_to(run));
+        let akin: Vec<&str> = akin.map(|other| other.name.as_str()).collect();
+        // Branches of other motions do not meet this one.
+        let alike: Vec<&Branch> =
+            done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
         let outcome = match (&run.start, run.along.is_empty()) {
             (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut last),
             _ => {
-                let mut joined = Joined { done: &done, observer: &mut *observer };
-                trace(scene, run, start, &done, &mut joined)
+                let mut joined = Joined { done: &alike, observer: &mut *observer };
+                trace(scene, run, *start, &done, &mut joined)
             }
         };
         match outcome {
             Ok(mut branch) => {
                 let mut special = std::mem::take(&mut branch.special);
-                special.iter_mut().for_each(|special| join(&branch, special, &done));
+                special.iter_mut().for_each(|special| join(&branch, special, &alike));
                 branch.special = special;
                 let interrupted = branch.ends.contains(&End::Interrupted);
                 done.push(branch);
@@ -90,9 +92,43 @@ pub fn execute(
             }
         }
     }
-    let shown = |branch: &Branch| runs.iter().any(|run| run.shown && run.name == branch.name);
+    let shown = |branch: &Branch| {
+        plan.iter().any(|planned| planned.shown && planned.run.name == branch.name)
+    };
     document.branches = done.into_iter().filter(shown).collect();
     Outcome { document, error }
+}
+
+/// A run that is to be traced.
+struct Planned<'a> {
+    run: &'a Run,
+    start: Option<&'a StartPoint>,
+    shown: bool,
+}
+
+/// What is traced: all runs, or the one that goes on from a start point after those which lead to its local map.
+fn plan<'a>(scene: &'a Scene, start: Option<&'a StartPoint>) -> Vec<Planned<'a>> {
+    let Some(point) = start else {
+        let all = scene.runs.iter().map(|run| Planned { run, start, shown: run.shown });
+        return all.collect();
+    };
+    let Some(run) = continuing(scene, &point.branch) else { return Vec::new() };
+    let mut names = Vec::new();
+    if let Some(local) = &run.local {
+        leading(scene, &local.run, &mut names);
+    }
+    let before = scene.runs.iter().filter(|run| names.contains(&run.name.as_str()));
+    let before = before.map(|run| Planned { run, start: None, shown: false });
+    before.chain([Planned { run, start, shown: true }]).collect()
+}
+
+/// The names of a run and of all that it starts from.
+fn leading<'a>(scene: &'a Scene, name: &'a str, names: &mut Vec<&'a str>) {
+    names.push(name);
+    let run = scene.runs.iter().find(|run| run.name == name);
+    if let Some(Start::From { run: from, .. }) = run.map(|run| &run.start) {
+        leading(scene, from, names);
+    }
 }
 
 /// The states in which simulated runs ended, by the run's name.
@@ -114,65 +150,13 @@ fn history(
     Ok(branch)
 }
 
-/// Two grazings are one if no number of theirs differs by more than this part.
-const SAME: f64 = 1e-7;
-
-/// Sees a branch with the grazings at which it meets earlier ones as ends.
-struct Joined<'a> {
-    done: &'a [Branch],
-    observer: &'a mut dyn SceneObserver,
-}
-
-impl Observer for Joined<'_> {
-    fn begin(&mut self, branch: &Branch) {
-        self.observer.begin(branch);
-    }
-
-    fn point(&mut self, point: &Point) -> ControlFlow<()> {
-        self.observer.point(point)
-    }
-
-    fn special(&mut self, branch: &Branch, special: &SpecialPoint) {
-        let mut special = special.clone();
-        join(branch, &mut special, self.done);
-        self.observer.special(branch, &special);
-    }
-}
-
-/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of this branch.
-/// Monitors that vanish at a grazing do so on one of the branches only.
-fn join(branch: &Branch, special: &mut SpecialPoint, done: &[Branch]) {
-    if special.kind != Kind::G || branch.condition.is_some() {
-        return;
-    }
-    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
-        branch.column(column).and_then(|k| special.value(k))
-    };
-    let same = |other: &Branch, there: &SpecialPoint| {
-        branch.columns().all(|column| {
-            match (value(branch, column, special), value(other, column, there)) {
-                (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
-                    (a - b).abs() <= SAME * a.abs().max(1.0)
-                }
-                _ => true,
-            }
-        })
-    };
-    let others = done.iter().filter(|other| other.condition.is_none());
-    let mut met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
-    if let Some((other, there)) = met.find(|(other, there)| same(other, there)) {
-        special.kind = Kind::EP;
-        special.event =
-            format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
-    }
-}
-
 /// The shown run that goes on with a branch.
 fn continuing<'a>(scene: &'a Scene, branch: &Branch) -> Option<&'a Run> {
     let shown = || scene.runs.iter().filter(|run| run.shown);
     let alike = |run: &&Run| {
         let held = run.hold.or(run.hold_level.as_ref().map(|_| Kind::UZ));
         held == branch.condition
+            && run.local.is_none()
             && scene.as_seen_by(run).and_then(|seen| seen.system(scene)).is_ok_and(|system| {
                 let groups = &system.names().unknowns;
                 groups.iter().map(|group| &group.name).eq(branch.unknowns.iter().map(|g| &g.name))
@@ -206,34 +190,51 @@ fn trace(
     let (mut system, guess) = match (settled, start, &run.start) {
         (Some(settled), ..) => settled,
         (None, None, Start::Guess(values)) => {
-            let system = seen.system(scene)?;
+            let system = system_of(scene, &seen, run, done)?;
             let guess = guess(&*system, values)?;
             (system, guess)
         }
         _ => {
-            let system = seen.system(scene)?;
+            let system = system_of(scene, &seen, run, done)?;
             let rest = vec![0.0; system.names().dimension()];
             (system, rest)
         }
     };
+    let known = system.names().parameters.clone();
     let mut curve = Continuation::of(&mut *system)
         .named(&run.name)
         .settings(seen.settings.clone())
         .from(&guess);
     for ((name, _), value) in seen.problem.parameters().iter().zip(seen.values()) {
-        curve = curve.at(name, value);
+        // A local map has but a few of them.
+        if known.contains(name) {
+            curve = curve.at(name, value);
+        }
     }
     curve = match (start, &run.start) {
         (Some(start), _) => start.begin(curve, scene, run),
         (None, Start::Rest | Start::Guess(_) | Start::Simulated(_)) => curve,
         (None, Start::From { run: from, kind, nth, switch }) => {
-            let (branch, label) = point_of(run, done, from, *kind, *nth)?;
-            let curve = begin_from(curve.restart(branch, label), &seen, run);
+            let (branch, special) = point_of(run, done, from, *kind, *nth)?;
+            let curve = begin_from(curve.restart(branch, special.label), &seen, run);
             if *switch { curve.switch() } else { curve }
         }
     };
     let failed = |cause| SceneError::Trace { run: run.name.clone(), cause: Box::new(cause) };
     conditions(curve, run).trace_with(observer).map_err(failed)
+}
+
+/// The system of a run: the problem's own, or that of the points of a local map.
+fn system_of(
+    scene: &Scene,
+    seen: &Scene,
+    run: &Run,
+    done: &[Branch],
+) -> Result<Box<dyn System>, SceneError> {
+    let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
+        return seen.system(scene);
+    };
+    seen.problem.local(&run.name, local, point_of(run, done, from, *kind, *nth)?)
 }
 
 impl StartPoint {
@@ -305,13 +306,12 @@ fn point_of<'a>(
     from: &str,
     kind: Kind,
     nth: usize,
-) -> Result<(&'a Branch, usize), SceneError> {
+) -> Result<(&'a Branch, &'a SpecialPoint), SceneError> {
     let branch = done.iter().find(|branch| branch.name == from);
-    let found: Vec<usize> = branch
-        .map(|branch| branch.of_kind(kind).map(|point| point.label).collect())
-        .unwrap_or_default();
+    let found: Vec<&SpecialPoint> =
+        branch.map(|branch| branch.of_kind(kind).collect()).unwrap_or_default();
     match (branch, found.get(nth)) {
-        (Some(branch), Some(&label)) => Ok((branch, label)),
+        (Some(branch), Some(special)) => Ok((branch, special)),
         _ => Err(SceneError::NoSuchPoint {
             run: run.name.clone(),
             from: from.into(),

@@ -18,6 +18,8 @@ mod builtin;
 mod discretisation;
 mod error;
 mod execute;
+mod join;
+mod local;
 mod problem;
 mod set;
 mod simulate;
@@ -28,6 +30,7 @@ pub use builtin::{BUILT_IN, BuiltIn};
 pub use discretisation::{Discretisation, Discretised, Solution};
 pub use error::SceneError;
 pub use execute::{Outcome, SceneObserver, StartPoint, execute};
+pub use local::Local;
 pub use problem::Problem;
 pub use sweep::{Grid, Sweep, SweepWatch, sweep};
 
@@ -72,6 +75,9 @@ pub struct Run {
     /// Where it starts.
     #[serde(default)]
     pub start: Start,
+    /// The local map near a grazing of which fixed or periodic points are followed, in place of orbits of the flow.
+    #[serde(default)]
+    pub local: Option<Local>,
     /// The kind of special point that is held along the curve, where it is a curve of events.
     #[serde(default)]
     pub hold: Option<Kind>,

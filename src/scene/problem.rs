@@ -3,9 +3,9 @@
 use super::discretisation::Discretisation;
 use super::simulate::{Simulation, simulate};
 use super::slot::{Capitals, Plain, Slots, Usual};
-use super::{SceneError, Simulated, slot};
+use super::{Local, SceneError, Simulated, slot};
 use crate::core::bvp::BoundaryProblem;
-use crate::core::continuation::SettingError;
+use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::field::VectorField;
 use crate::core::hybrid::{HybridState, HybridSystem};
 use crate::core::zero::System;
@@ -13,6 +13,7 @@ use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
 use crate::problems::plate::PlateSettings;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// A problem with its terms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,12 +69,12 @@ impl Problem {
         match self {
             Problem::Plate(plate) => plate_slots(plate),
             Problem::Block(settings) | Problem::Lure(settings) | Problem::Isothermal(settings) => {
-                settings.slots_but("itinerary")
+                settings.slots_but("itinerary order penetration")
             }
             Problem::Mita(settings) | Problem::ImpactOscillator(settings) => {
                 settings.slots_but("solution")
             }
-            Problem::Bratu(settings) => settings.slots_but("solution itinerary"),
+            Problem::Bratu(settings) => settings.slots_but("solution itinerary order penetration"),
         }
     }
 
@@ -119,6 +120,25 @@ impl Problem {
             }
             _ => Err(not_hybrid()),
         }
+    }
+
+    /// The system of the fixed or periodic points of the local map at a grazing.
+    pub(super) fn local(
+        &self,
+        run: &str,
+        local: &Local,
+        at: (&Branch, &SpecialPoint),
+    ) -> Result<Box<dyn System>, SceneError> {
+        let points = match self {
+            Problem::Mita(settings) => settings.local(Actuator, Actuator::PHASE, local, at),
+            Problem::ImpactOscillator(settings) => settings.local(ImpactOscillator, TAU, local, at),
+            _ => {
+                let reason = "only hybrid systems graze: `Mita`, `ImpactOscillator`";
+                let (name, value) = ("local".into(), run.into());
+                return Err(SceneError::Value { name, value, reason: reason.into() });
+            }
+        };
+        points.map_err(|cause| SceneError::Local { run: run.into(), cause: Box::new(cause) })
     }
 
     /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes

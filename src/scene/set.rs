@@ -17,6 +17,7 @@ fn continuation_slots(s: &mut Settings) -> Slots<'_> {
         ("event_tolerance", Box::new(Plain(&mut s.event_tolerance))),
         ("max_iterations", Box::new(Plain(&mut s.max_iterations))),
         ("accuracy", Box::new(Plain(&mut s.accuracy))),
+        ("eigenvalues", Box::new(Plain(&mut s.eigenvalues))),
     ]
 }
 
@@ -237,13 +238,22 @@ impl Scene {
                 finite(&format!("run `{}`, start of `{name}`", run.name), *value)?;
             }
         }
-        if let Start::From { run: from, .. } = &run.start
-            && !earlier.iter().any(|run| run.name == *from)
-        {
+        if let Some(local) = &run.local {
+            local.check(self, run, earlier)?;
+        }
+        let Start::From { run: from, .. } = &run.start else { return Ok(()) };
+        let Some(from) = earlier.iter().find(|run| run.name == *from) else {
             let names = earlier.iter().map(|run| run.name.as_str());
             return Err(UnknownName::new("earlier run", from.clone(), names).into());
+        };
+        if run.is_akin_to(from) {
+            return Ok(());
         }
-        Ok(())
+        Err(SceneError::Invalid {
+            place: format!("run `{}`, start", run.name),
+            found: format!("`{}`", from.name),
+            rule: "must follow the flow, or the same local map, as this one does".into(),
+        })
     }
 
     fn check_simulated(

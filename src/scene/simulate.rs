@@ -125,6 +125,7 @@ fn branch<H: HybridSystem>(
         parameters: p.to_vec(),
         monitors: values.clone(),
         unstable: None,
+        eigenvalues: Vec::new(),
         admissible: true,
     };
     let special = SpecialPoint {

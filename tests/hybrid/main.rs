@@ -8,6 +8,7 @@ mod failures;
 mod grazing;
 mod mita_laws;
 mod orbits;
+mod recorded;
 mod references;
 mod simulation;
 mod systems;

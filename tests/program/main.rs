@@ -10,6 +10,7 @@ mod output_figures;
 mod readme;
 mod scenarios;
 mod scenes;
+mod scenes_near_grazing;
 mod scenes_of_impacts;
 mod scenes_of_orbits;
 mod sweeps;

@@ -62,6 +62,8 @@ pub enum Monitor {
     /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the
     /// event.
     Distance(Vec<(Watched, [bool; 2])>),
+    /// Less the same: how far a trajectory would penetrate a surface that is not there.
+    Penetration(Vec<(Watched, [bool; 2])>),
     /// The value of a scalar where another one first rises through zero on its segment, the largest of all
     /// segments; 0 where none rises through zero.
     Rising {
@@ -92,7 +94,9 @@ impl Monitor {
             Monitor::Maximum(watched) | Monitor::Minimum(watched) | Monitor::Range(watched) => {
                 watched.clone()
             }
-            Monitor::Distance(watched) => watched.iter().map(|(watched, _)| *watched).collect(),
+            Monitor::Distance(watched) | Monitor::Penetration(watched) => {
+                watched.iter().map(|(watched, _)| *watched).collect()
+            }
             Monitor::Rising { through, .. } => through.clone(),
         }
     }
@@ -202,6 +206,11 @@ pub trait BoundaryProblem {
 
     /// The integrands of the integral conditions, written into `g`.
     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
+
+    /// Whether anything moves along segments: time histories are drawn then.
+    fn moves(&self) -> bool {
+        true
+    }
 
     /// Whether a shift of time leaves the problem as it is, so that a phase condition is needed.
     fn phase(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::settings::Settings;
 use crate::core::kind::Kind;
-use crate::core::zero::{Group, Profile};
+use crate::core::zero::{Group, Profile, Spectrum};
 use serde::{Deserialize, Serialize};
 
 /// A regular point of a branch.
@@ -15,6 +15,11 @@ pub struct Point {
     pub monitors: Vec<f64>,
     /// The number of unstable eigenvalues; `None` where stability is not meant.
     pub unstable: Option<usize>,
+    /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real part, imaginary
+    /// part): those that decide stability, by falling real parts. Empty at the branch's ends, where one is infinite
+    /// (at a grazing), and where stability is not meant.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub eigenvalues: Spectrum,
     /// Whether the equations say something about the world there: a solution beyond a grazing, which passes
     /// through a surface, is virtual.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
@@ -170,31 +175,50 @@ impl Branch {
         self.special.iter().find(|point| point.label == label)
     }
 
-    /// The names of all columns: parameters, then monitors.
+    /// The names of all columns that every point has: parameters, then monitors.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.parameters.iter().chain(&self.monitors).map(String::as_str)
     }
 
-    /// The position of a parameter or a monitor among [`columns`](Branch::columns).
+    /// The position of a parameter or a monitor among [`columns`](Branch::columns); behind them, of the real or
+    /// imaginary part of an eigenvalue or multiplier that is kept with points: `eigenvalue[0]`,
+    /// `eigenvalue[0].imaginary`, ….
+    ///
+    /// ```
+    /// use tangency::core::continuation::Settings;
+    /// use tangency::output::example_branch;
+    /// // Two parameters and a monitor.
+    /// let mut branch = example_branch();
+    /// assert_eq!((branch.column("deflection"), branch.column("eigenvalue[0]")), (Some(2), None));
+    /// branch.settings = Settings { eigenvalues: 1, ..branch.settings };
+    /// branch.points[0].eigenvalues = vec![(-0.5, 0.0)];
+    /// let column = branch.column("eigenvalue[0]").expect("it is kept");
+    /// assert_eq!((branch.points[0].value(column), branch.points[1].value(column)), (Some(-0.5), None));
+    /// ```
     pub fn column(&self, name: &str) -> Option<usize> {
-        self.columns().position(|column| column == name)
+        self.columns().position(|column| column == name).or_else(|| {
+            let (real, imaginary) = match name.strip_suffix(".imaginary") {
+                Some(real) => (real, 1),
+                None => (name, 0),
+            };
+            let rank: usize = real.strip_prefix("eigenvalue[")?.strip_suffix(']')?.parse().ok()?;
+            let kept = rank < self.settings.eigenvalues;
+            kept.then(|| self.parameters.len() + self.monitors.len() + 2 * rank + imaginary)
+        })
     }
 }
 
 impl Point {
-    /// The value of a column: parameters first, then monitors.
+    /// The value of a column: parameters first, then monitors, then eigenvalues.
     pub fn value(&self, column: usize) -> Option<f64> {
-        value(&self.parameters, &self.monitors, column)
+        let eigenvalues = self.eigenvalues.iter().flat_map(|(real, imaginary)| [real, imaginary]);
+        self.parameters.iter().chain(&self.monitors).chain(eigenvalues).nth(column).copied()
     }
 }
 
 impl SpecialPoint {
     /// The value of a column: parameters first, then monitors.
     pub fn value(&self, column: usize) -> Option<f64> {
-        value(&self.parameters, &self.monitors, column)
+        self.parameters.iter().chain(&self.monitors).nth(column).copied()
     }
-}
-
-fn value(parameters: &[f64], monitors: &[f64], column: usize) -> Option<f64> {
-    parameters.iter().chain(monitors).nth(column).copied()
 }

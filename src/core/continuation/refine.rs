@@ -22,6 +22,7 @@ impl Stepper<'_> {
             parameters: start.parameters.clone(),
             monitors: start.monitors.clone(),
             unstable: start.unstable,
+            eigenvalues: Vec::new(),
             admissible: true,
         };
         if let Some((refined, error)) = self.refine(&event, &point, &point, usize::MAX) {
@@ -101,7 +102,14 @@ impl Stepper<'_> {
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
         let parameters = x[n..].to_vec();
-        Some((Point { parameters, monitors, unstable: None, admissible: true }, x))
+        let point = Point {
+            parameters,
+            monitors,
+            unstable: None,
+            eigenvalues: Vec::new(),
+            admissible: true,
+        };
+        Some((point, x))
     }
 }
 

@@ -238,6 +238,7 @@ impl Tracer<'_> {
             parameters: special.parameters.clone(),
             monitors: special.monitors.clone(),
             unstable: special.unstable,
+            eigenvalues: Vec::new(),
             admissible: self.stepper.is_admissible(&special.monitors),
         }
     }

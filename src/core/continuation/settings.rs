@@ -40,6 +40,9 @@ pub struct Settings {
     /// The relative error asked of special points where the problem can be refined; 0 asks for no
     /// refinement, and leaves the discretisation out of their `error` (between 0 and 1).
     pub accuracy: f64,
+    /// How many of the eigenvalues or multipliers that decide stability are kept with each point (at most
+    /// 16).
+    pub eigenvalues: usize,
 }
 
 impl Default for Settings {
@@ -54,6 +57,7 @@ impl Default for Settings {
             event_tolerance: 1e-12,
             max_iterations: 12,
             accuracy: 1e-8,
+            eigenvalues: 0,
         }
     }
 }
@@ -74,7 +78,7 @@ impl Settings {
     /// ```
     pub fn check(&self) -> Result<(), SettingError> {
         let tolerance = |t: f64| (1e-15..=1e-3).contains(&t);
-        let rules: [(&'static str, f64, bool, &'static str); 9] = [
+        let rules: [(&'static str, f64, bool, &'static str); 10] = [
             ("initial_step", self.initial_step, self.initial_step > 0.0, "more than 0"),
             ("min_step", self.min_step, self.min_step > 0.0, "more than 0"),
             ("max_step", self.max_step, self.max_step >= self.min_step, "at least `min_step`"),
@@ -94,6 +98,7 @@ impl Settings {
             ),
             ("max_iterations", self.max_iterations as f64, self.max_iterations >= 2, "at least 2"),
             ("accuracy", self.accuracy, (0.0..1.0).contains(&self.accuracy), "between 0 and 1"),
+            ("eigenvalues", self.eigenvalues as f64, self.eigenvalues <= 16, "at most 16"),
         ];
         match rules.into_iter().find(|rule| !(rule.2 && rule.1.is_finite())) {
             Some((name, value, _, range)) => Err(SettingError { name, value, range }),

@@ -6,7 +6,7 @@ use super::metric::Metric;
 use super::{Point, Settings};
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
-use crate::core::motion::Stability;
+use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, Tolerances, scaled_norm};
 use std::ops::Range;
 
@@ -154,7 +154,9 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        if matrix == Matrix::Known && !self.tests_assemble() {
+        // Eigenvalues that are only counted need not be known well.
+        let exact = self.tests_assemble() || (stability && self.settings.eigenvalues > 0);
+        if matrix == Matrix::Known && !exact {
             self.equations.load(&unknowns);
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();
@@ -383,6 +385,8 @@ impl Stepper<'_> {
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors)?;
         let spectrum = if stability { at.system.spectrum(at.x) } else { None };
+        let count = self.settings.eigenvalues;
+        let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), count);
         let dynamics = at.system.dynamics();
         let orientation = at.system.orientation();
         let stability =
@@ -390,7 +394,7 @@ impl Stepper<'_> {
         let unstable = stability.map(|stability| stability.unstable);
         let parameters = at.x[n..].to_vec();
         let admissible = self.is_admissible(&monitors);
-        Ok((Point { parameters, monitors, unstable, admissible }, stability))
+        Ok((Point { parameters, monitors, unstable, eigenvalues, admissible }, stability))
     }
 
     /// Whether no monitor says that the solution has passed through a surface.

@@ -22,7 +22,8 @@ use crate::core::scalar::Scalar;
 ///
 /// It is a boundary-value problem on segments without motion, so that everything that periodic orbits have
 /// applies: multipliers, stability, folds, period doublings, torus points, grazings, and the curves of them.
-/// Coordinates and parameters are deviations from the grazing orbit.
+/// Coordinates and parameters are deviations from the grazing orbit, but for parameters and monitors where
+/// [`in_place`](Self::in_place) says so.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Kind};
@@ -46,17 +47,47 @@ pub struct LocalOrbit {
     map: LocalMap,
     impacts: Vec<bool>,
     order: usize,
+    /// Whether parameters and monitors are those of the system, not deviations.
+    in_place: bool,
 }
 
-/// Functions of the points: the least `y` at impacts, and the least distance from the surface elsewhere.
+/// Functions of the points: the least `y` at impacts, the least distance from the surface elsewhere, and the
+/// penetration of the impact with the least `y` or, without impacts, less the distance.
 const DEPTH: usize = 0;
 const DISTANCE: usize = 1;
+const PENETRATION: usize = 2;
 
 impl LocalOrbit {
     /// The periodic points of as many iterates as there are answers to: is there an impact?
     pub fn of(map: LocalMap, impacts: &[bool]) -> Self {
         let order = map.space().order();
-        LocalOrbit { map, impacts: impacts.to_vec(), order }
+        LocalOrbit { map, impacts: impacts.to_vec(), order, in_place: false }
+    }
+
+    /// With parameters and monitors of the system in place of deviations, so that branches lie beside those of
+    /// the flow. Coordinates among the unknowns remain deviations, which have more digits.
+    ///
+    /// ```
+    /// use tangency::core::continuation::{Continuation, Kind};
+    /// use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// # use tangency::problems::classic::ImpactOscillator;
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+    /// // The oscillator of the example of `LocalMap`: from A = 0.1, where it grazes at x = 1.
+    /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
+    /// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
+    /// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1);
+    /// let branch = branch.trace()?;
+    /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+    /// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-6);
+    /// let displacement = fold.value(branch.column("max_displacement").expect("a monitor"));
+    /// assert!(displacement.is_some_and(|x| (x - 1.0).abs() < 1e-2 && x > 1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn in_place(mut self) -> Self {
+        self.in_place = true;
+        self
     }
 
     /// Those of the map without terms beyond an order.
@@ -97,6 +128,12 @@ impl LocalOrbit {
         points.zip(extras).map(|((x, impact), extra)| (x, *impact, *extra))
     }
 
+    /// Deviations of the parameters.
+    fn deviations<T: Scalar>(&self, q: &[T]) -> Vec<T> {
+        let origin = self.map.origin().1;
+        q.iter().zip(origin).map(|(p, at)| if self.in_place { *p - *at } else { *p }).collect()
+    }
+
     /// The place of the virtual point: `y` in place of the normal coordinate.
     fn virtual_point<T: Scalar>(&self, x: &[T], y: T) -> Vec<T> {
         let mut z = x.to_vec();
@@ -132,7 +169,7 @@ impl BoundaryProblem for LocalOrbit {
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         let (n, count) = (self.size(), self.impacts.len());
-        let p = &q[..self.map.parameters().len()];
+        let p = &self.deviations(q);
         let mut iteration: Iteration<T> = self.map.iteration_to(self.order);
         for (k, (x, impact, extra)) in self.points(ends.end, q).enumerate() {
             let next = (k + 1) % count;
@@ -158,16 +195,36 @@ impl BoundaryProblem for LocalOrbit {
 
     fn of_ends<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
         let least = |least: T, next: T| if next.real() < least.real() { next } else { least };
-        let impact = function == DEPTH;
-        let all = self.points(ends.start, q).filter(|point| point.1 == impact);
-        all.map(|point| point.2).fold(T::from(f64::INFINITY), least)
+        let of = |impact: bool| {
+            let all = self.points(ends.start, q).filter(|point| point.1 == impact);
+            all.map(|point| point.2).fold(T::from(f64::INFINITY), least)
+        };
+        match function {
+            PENETRATION if self.impacts.contains(&true) => of(true).powi(2),
+            PENETRATION => -of(false),
+            _ => of(function == DEPTH),
+        }
+    }
+
+    fn moves(&self) -> bool {
+        false
+    }
+
+    /// A coordinate in its place.
+    fn watch<T: Scalar>(&self, i: usize, _segment: usize, _t: T, x: &[T], _q: &[T]) -> T {
+        x[i] + self.map.origin().0[i]
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let all = |i: usize| (0..self.impacts.len()).map(|k| Watched::state(k, i)).collect();
+        let watched = |k: usize, i: usize| match self.in_place {
+            true => Watched::function(k, i),
+            false => Watched::state(k, i),
+        };
+        let all = |i: usize| (0..self.impacts.len()).map(|k| watched(k, i)).collect();
         let names = self.map.coordinates().iter().enumerate();
         let mut monitors: Vec<(String, Monitor)> =
             names.map(|(i, name)| (format!("max_{name}"), Monitor::Maximum(all(i)))).collect();
+        monitors.push(("penetration".into(), Monitor::Ends(PENETRATION)));
         if self.impacts.contains(&true) {
             monitors.push(("depth".into(), Monitor::Ends(DEPTH)));
         }
@@ -178,7 +235,7 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     fn grazings(&self) -> Vec<usize> {
-        (self.size()..self.monitors().len()).collect()
+        (self.size() + 1..self.monitors().len()).collect()
     }
 
     fn itinerary(&self) -> String {

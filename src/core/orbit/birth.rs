@@ -101,7 +101,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
             new.extend(before);
             new.push(first);
         }
-        let problem = HybridOrbit::of(self.system().clone(), Itinerary { legs: new, periods });
+        let problem = self.like(Itinerary { legs: new, periods });
         let zero = following.iter().map(|_| 0.0);
         let (p, extras) = q.split_at(self.parameters().len());
         let (mut states, mut durations): (Vec<f64>, Vec<f64>) =

@@ -33,6 +33,8 @@ pub struct HybridOrbit<H> {
     forced: bool,
     /// Where the states of each leg begin among those of all legs, and their number at the end.
     places: Vec<usize>,
+    /// Whether the penetration is recorded.
+    penetration: bool,
 }
 
 impl<H: HybridSystem> HybridOrbit<H> {
@@ -44,7 +46,38 @@ impl<H: HybridSystem> HybridOrbit<H> {
         for leg in &itinerary.legs {
             places.push(places[places.len() - 1] + modes[leg.mode].states.len());
         }
-        HybridOrbit { system, itinerary, modes, guards, parameters, forced, places }
+        HybridOrbit {
+            system,
+            itinerary,
+            modes,
+            guards,
+            parameters,
+            forced,
+            places,
+            penetration: false,
+        }
+    }
+
+    /// Records, as a monitor, how far orbits would penetrate a surface ([`virtual_point`](super::virtual_point)):
+    /// that of the event which is reached most slowly, 0 if motion would not turn within a period; without events,
+    /// less the distance.
+    pub fn with_penetration(mut self) -> Self {
+        self.penetration = true;
+        self
+    }
+
+    /// Whether the penetration is recorded.
+    pub(super) fn records_penetration(&self) -> bool {
+        self.penetration
+    }
+
+    /// Orbits of the same system with another itinerary.
+    pub(super) fn like(&self, itinerary: Itinerary) -> Self
+    where
+        H: Clone,
+    {
+        let orbit = HybridOrbit::of(self.system.clone(), itinerary);
+        HybridOrbit { penetration: self.penetration, ..orbit }
     }
 
     /// The system itself.
@@ -242,11 +275,11 @@ impl<H: HybridSystem + Clone> BoundaryProblem for HybridOrbit<H> {
     fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError> {
         let itinerary = Itinerary::read(words, &self.system)
             .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
-        Ok(HybridOrbit::of(self.system.clone(), itinerary))
+        Ok(self.like(itinerary))
     }
 
     fn doubled(&self) -> Option<Self> {
-        (!self.smooth()).then(|| HybridOrbit::of(self.system.clone(), self.itinerary.repeated(2)))
+        (!self.smooth()).then(|| self.like(self.itinerary.repeated(2)))
     }
 
     fn born_at_grazing(

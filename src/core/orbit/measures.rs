@@ -1,5 +1,6 @@
 //! What is recorded along branches of hybrid orbits: the system's measures, and what says where they graze.
 
+use super::beyond::virtual_point;
 use super::birth::rate;
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{Ends, Monitor, Observable, Watched};
@@ -7,11 +8,12 @@ use crate::core::hybrid::{HybridSystem, Measure, Passage};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
-/// Functions of the states at the ends: the least approach speed, the shortest duration, and from here on the
-/// system's own.
+/// Functions of the states at the ends: the least approach speed, the shortest duration, the penetration of the
+/// event that is approached most slowly, and from here on the system's own.
 const APPROACH: usize = 0;
 const SHORTEST: usize = 1;
-const OWN: usize = 2;
+const PENETRATION: usize = 2;
+const OWN: usize = 3;
 
 /// What follows an event that is approached faster is beyond doubt.
 const SURE: f64 = 1e-4;
@@ -32,6 +34,13 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
             monitors.push((shortest, Monitor::Ends(SHORTEST)));
         }
         let guards = self.watched_guards();
+        if self.records_penetration() {
+            let penetration = match self.itinerary().is_smooth() {
+                true => Monitor::Penetration(guards.clone()),
+                false => Monitor::Ends(PENETRATION),
+            };
+            monitors.push(("penetration".into(), penetration));
+        }
         if !guards.is_empty() {
             monitors.push((distance, Monitor::Distance(guards)));
         }
@@ -108,6 +117,33 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
         Ok(())
     }
 
+    /// Guard and mode of each event, its time, and the state at which it is reached.
+    fn events_of<'a, T: Scalar>(
+        &'a self,
+        ends: Ends<'a, T>,
+        q: &'a [T],
+    ) -> impl Iterator<Item = ((usize, usize), T, &'a [T])> + 'a {
+        let durations = self.durations(self.split(q).1);
+        self.itinerary().legs.iter().enumerate().filter_map(move |(s, leg)| {
+            let time = self.time(s, q) + durations[s];
+            Some(((leg.exit?, leg.mode), time, &ends.end[self.of_leg(s)]))
+        })
+    }
+
+    /// How far motion would go beyond the event that it approaches most slowly.
+    fn penetration<T: Scalar>(&self, ends: Ends<T>, q: &[T]) -> T {
+        let (p, system) = (self.split(q).0, self.system());
+        let speed = |(event, time, x): &(_, T, &[T])| -rate(system, *event, *time, x, p).real();
+        let durations = self.durations(self.split(q).1).iter();
+        let within = durations.map(|duration| duration.real()).sum();
+        let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
+        let turn = slowest.and_then(|(event, time, x)| {
+            let (time, x) = virtual_point(system, event, (time, x), p, within)?;
+            Some(-system.guard(event.0, time, &x, p))
+        });
+        turn.unwrap_or_else(T::zero)
+    }
+
     /// A function of the states at the ends of all legs.
     pub(super) fn number<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
         let (p, extras) = self.split(q);
@@ -115,13 +151,11 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
         let infinite = T::from(f64::INFINITY);
         match function {
             APPROACH => {
-                let approach = |(s, leg): (usize, &super::Leg)| {
-                    let x = &ends.end[self.of_leg(s)];
-                    let time = self.time(s, q) + self.durations(extras)[s];
-                    leg.exit.map(|guard| -rate(self.system(), (guard, leg.mode), time, x, p))
-                };
-                self.itinerary().legs.iter().enumerate().filter_map(approach).fold(infinite, least)
+                let events = self.events_of(ends, q);
+                let approach = |(event, time, x)| -rate(self.system(), event, time, x, p);
+                events.map(approach).fold(infinite, least)
             }
+            PENETRATION => self.penetration(ends, q),
             SHORTEST => self.durations(extras).iter().copied().fold(infinite, least),
             own => {
                 let passage = |(s, leg): (usize, &super::Leg)| {

@@ -12,6 +12,7 @@
 //!
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
 
+mod beyond;
 mod birth;
 mod hybrid;
 mod itinerary;
@@ -19,6 +20,7 @@ mod measures;
 mod periodic;
 mod simulation;
 
+pub use beyond::virtual_point;
 pub(in crate::core) use birth::rate;
 pub use hybrid::HybridOrbit;
 pub use itinerary::{Itinerary, ItineraryError, Leg};

@@ -111,9 +111,12 @@ fn names(figure: &Figure) -> Vec<Entry<'_>> {
         sample: Sample::Curve(style(name), colour(index)),
         text: (*name).to_owned(),
     };
-    let mut entries: Vec<Entry> = names.iter().enumerate().take(NAMED).map(entry).collect();
-    if names.len() > NAMED {
-        let text = format!("and {} more", names.len() - NAMED);
+    // What lies outside of a panel keeps its colour, and has no entry.
+    let seen = |name: &str| figure.series.iter().any(|s| s.name == name && !s.points.is_empty());
+    let seen: Vec<_> = names.iter().enumerate().filter(|(_, name)| seen(name)).collect();
+    let mut entries: Vec<Entry> = seen.iter().copied().take(NAMED).map(entry).collect();
+    if seen.len() > NAMED {
+        let text = format!("and {} more", seen.len() - NAMED);
         entries.push(Entry { sample: Sample::None, text });
     }
     entries

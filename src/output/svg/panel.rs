@@ -117,7 +117,7 @@ impl<'a> Panel<'a> {
 
     fn curves(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
         let names = self.figure.names();
-        for series in &self.figure.series {
+        for series in self.figure.series.iter().filter(|series| !series.points.is_empty()) {
             let index = names.iter().position(|name| *name == series.name).unwrap_or(0);
             let points: Vec<_> = series.points.iter().map(|at| self.pixel(frame, *at)).collect();
             curve(canvas, series.style, &points, colour(index))?;

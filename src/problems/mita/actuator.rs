@@ -98,6 +98,8 @@ const GUARDS: [(Cause, usize); 17] = [
 impl Actuator {
     /// The default values of the parameters.
     pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
+    /// By how much the phase `ωt` grows in a period of the forcing.
+    pub const PHASE: f64 = std::f64::consts::PI;
     /// The frame at rest.
     pub const STICK: usize = 0;
     /// The frame moves forward.

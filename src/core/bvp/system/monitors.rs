@@ -141,6 +141,9 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             }
             Monitor::Range(watched) => [extreme(watched, 1.0), extreme(watched, -1.0)],
             Monitor::Distance(watched) => [self.nearest(watched), None],
+            Monitor::Penetration(watched) => {
+                [self.nearest(watched).map(|(w, place, factor)| (w, place, -factor)), None]
+            }
             _ => [None, None],
         }
     }

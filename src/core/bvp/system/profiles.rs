@@ -24,7 +24,8 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             }
         };
         let mut begin = 0.0;
-        for (segment, names) in self.problem.segments().iter().enumerate() {
+        let segments = if self.problem.moves() { self.problem.segments() } else { Vec::new() };
+        for (segment, names) in segments.iter().enumerate() {
             let history = self.history(segment, begin, work)?;
             let columns = |i: usize, j: usize| history.iter().map(|x| [x[i], x[j]]).collect();
             for (i, name) in names.iter().enumerate() {

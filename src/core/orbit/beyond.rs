@@ -1,0 +1,105 @@
+//! Motion beyond a surface, as if the surface were not there.
+
+use super::birth::rate;
+use crate::core::flow::{Extrema, Flow, Scheme, Settings};
+use crate::core::hybrid::{HybridSystem, InMode};
+use crate::core::scalar::Scalar;
+use crate::core::watch::Watch;
+use num_dual::Dual;
+use std::ops::ControlFlow;
+
+/// Newton's iterations for the time: the first ones give its digits, each further one an order of derivatives.
+const ROUNDS: usize = 4;
+/// The last iteration changes the time by no more than this, relative to that within which motion must turn.
+const SETTLED: f64 = 1e-9;
+/// The tolerance of the flow, relative and absolute.
+const TOLERANCE: f64 = 1e-13;
+
+/// The **virtual point** of a motion that reaches a surface: where its guard would be least if the motion went on
+/// in the same mode. From a time and state at the surface, the time and state there; `None` if the motion does not
+/// turn within a time.
+///
+/// ```
+/// use tangency::core::orbit::virtual_point;
+/// use tangency::problems::classic::ImpactOscillator;
+/// // Without forcing and damping, x = sin t: from the wall at x = 0.8 the motion would go on to x = 1.
+/// let p = [0.0, 1.0, 0.8, 0.0, 0.8];
+/// let start = (0.8_f64.asin(), &[0.8, 0.6][..]);
+/// let guard = (ImpactOscillator::IMPACT, ImpactOscillator::FLIGHT);
+/// let (time, x) = virtual_point(&ImpactOscillator, guard, start, &p, 6.0).expect("it turns");
+/// assert!((time - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && (x[0] - 1.0).abs() < 1e-12);
+/// ```
+pub fn virtual_point<H: HybridSystem, T: Scalar>(
+    system: &H,
+    (guard, mode): (usize, usize),
+    (t, x): (T, &[T]),
+    p: &[T],
+    within: f64,
+) -> Option<(T, Vec<T>)> {
+    let guess = first_turn(system, (guard, mode), (t, x), p, within)?;
+    let (mut t, mut x) = (t, x.to_vec());
+    let mut flow = Flow::<T>::new(Settings::new(Scheme::DormandPrince8, TOLERANCE)).ok()?;
+    let mut step = T::constant(guess);
+    for _ in 0..ROUNDS + T::NDERIV {
+        flow.advance(&InMode { system, mode }, t, step, &mut x, p).ok()?;
+        t += step;
+        let turning = turning(system, (guard, mode), t, &x, p);
+        if turning.eps.real().is_nan() || turning.eps.real() <= 0.0 {
+            return None;
+        }
+        step = -turning.re / turning.eps;
+    }
+    (step.real().abs() <= SETTLED * within).then_some((t, x))
+}
+
+/// A guard along a motion.
+struct Guarding<'a, H> {
+    system: &'a H,
+    guard: usize,
+}
+
+impl<H: HybridSystem> Watch for Guarding<'_, H> {
+    fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
+        self.system.guard(self.guard, t, x, p)
+    }
+}
+
+/// After what time a guard that falls stops falling; none if it rises already.
+fn first_turn<H: HybridSystem, T: Scalar>(
+    system: &H,
+    (guard, mode): (usize, usize),
+    (t, x): (T, &[T]),
+    p: &[T],
+    within: f64,
+) -> Option<f64> {
+    if rate(system, (guard, mode), t, x, p).real() >= 0.0 {
+        return Some(0.0);
+    }
+    let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
+    let (mut x, p, watch) = (real(x), real(p), Guarding { system, guard });
+    let (mut flow, mut extrema, mut turn) = (Flow::<f64>::default(), Extrema::default(), None);
+    let outcome = flow.observe(&InMode { system, mode }, t.real(), within, &mut x, &p, |step| {
+        extrema.search(&watch, step, |extremum| {
+            turn.get_or_insert(within * extremum.place);
+        });
+        if turn.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    // Where motion leaves the domain of the field it has not turned.
+    outcome.ok()?;
+    turn
+}
+
+/// The rate of a guard, and how fast that changes, along the motion of a mode.
+fn turning<H: HybridSystem, T: Scalar>(
+    system: &H,
+    (guard, mode): (usize, usize),
+    t: T,
+    x: &[T],
+    p: &[T],
+) -> Dual<T> {
+    let mut f = vec![T::zero(); x.len()];
+    system.field(mode, t, x, p, &mut f);
+    let x: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
+    let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+    rate(system, (guard, mode), Dual::new(t, T::one()), &x, &p)
+}

@@ -1,0 +1,112 @@
+//! What an axis shows: a column as it is, or deviations from a special point, and which part of it.
+
+use super::document::{Deviation, Document};
+use super::error::FigureError;
+use super::figure::{Figure, Series, Style};
+
+/// How values of a column are shown.
+pub(super) struct Scale<'a>(Option<(&'a Deviation, f64)>);
+
+impl<'a> Scale<'a> {
+    /// As a document says.
+    pub fn of(document: &'a Document, column: &str) -> Result<Self, FigureError> {
+        let meant = |deviation: &&Deviation| deviation.column == column;
+        let Some(deviation) = document.plot.deviations.iter().find(meant) else {
+            return Ok(Scale(None));
+        };
+        let value = document.branch(&deviation.branch).ok().and_then(|branch| {
+            branch.of_kind(deviation.kind).next()?.value(branch.column(column)?)
+        });
+        let missing = || FigureError::NoOrigin {
+            column: column.into(),
+            kind: deviation.kind,
+            branch: deviation.branch.clone(),
+        };
+        Ok(Scale(Some((deviation, value.ok_or_else(missing)?))))
+    }
+
+    /// What is shown for a value.
+    pub fn shown(&self, value: f64) -> f64 {
+        self.0.map_or(value, |(deviation, at)| deviation.shown(value, at))
+    }
+}
+
+/// Cuts off what lies outside of ranges.
+pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
+    if ranges.iter().flatten().all(|end| end.is_infinite()) {
+        return;
+    }
+    let inside = |at: &[f64; 2]| (0..2).all(|k| at[k] >= ranges[k][0] && at[k] <= ranges[k][1]);
+    let mut series = Vec::new();
+    for whole in &figure.series {
+        let pieces = match (whole.style, whole.points.len()) {
+            (Style::Dots | Style::Specks, _) | (_, 1) => {
+                vec![whole.points.iter().copied().filter(inside).collect()]
+            }
+            _ => pieces(&whole.points, ranges),
+        };
+        let pieces = pieces.into_iter().filter(|piece: &Vec<_>| !piece.is_empty());
+        let before = series.len();
+        series.extend(pieces.map(|points| Series::new(&whole.name, whole.style, points)));
+        if series.len() == before {
+            // It keeps its name, and with that all others keep their colours.
+            series.push(Series::new(&whole.name, whole.style, []));
+        }
+    }
+    figure.series = series;
+    figure.marks.retain(|mark| inside(&mark.at));
+}
+
+/// The pieces of a line inside of ranges.
+fn pieces(points: &[[f64; 2]], ranges: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
+    let mut pieces: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
+    for pair in points.windows(2) {
+        let Some([from, to]) = part(pair[0], pair[1], ranges) else { continue };
+        let between = |part: f64| [0, 1].map(|k| pair[0][k] + part * (pair[1][k] - pair[0][k]));
+        let last = pieces.len() - 1;
+        if from > 0.0 || pieces[last].is_empty() {
+            pieces.push(vec![between(from)]);
+        }
+        let last = pieces.len() - 1;
+        pieces[last].push(if to < 1.0 { between(to) } else { pair[1] });
+        if to < 1.0 {
+            pieces.push(Vec::new());
+        }
+    }
+    pieces
+}
+
+/// The part of a segment inside of ranges (Liang and Barsky).
+fn part(a: [f64; 2], b: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for k in 0..2 {
+        let length = b[k] - a[k];
+        let [low, high] = ranges[k];
+        if length == 0.0 {
+            if a[k] < low || a[k] > high {
+                return None;
+            }
+            continue;
+        }
+        let ends = [(low - a[k]) / length, (high - a[k]) / length];
+        from = from.max(ends[0].min(ends[1]));
+        to = to.min(ends[0].max(ends[1]));
+    }
+    (from < to).then_some([from, to])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_cut_where_it_leaves() {
+        let points = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0], [3.0, 0.5]];
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let found: Vec<_> =
+            pieces(&points, [open, [0.0, 1.0]]).into_iter().filter(|p| !p.is_empty()).collect();
+        let left = vec![[0.0, 0.0], [0.5, 1.0]];
+        let right = vec![[1.5, 1.0], [2.0, 0.0], [3.0, 0.5]];
+        assert_eq!(found, [left, right]);
+    }
+}

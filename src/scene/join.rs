@@ -1,0 +1,57 @@
+//! Branches that meet in a grazing: it has one row, that of the branch which ends there.
+
+use crate::core::continuation::{Branch, Kind, Observer, Point, SpecialPoint};
+use std::ops::ControlFlow;
+
+/// Two grazings are one if no number of theirs differs by more than this part.
+const SAME: f64 = 1e-7;
+
+/// Sees a branch with the grazings at which it meets earlier ones as ends.
+pub(super) struct Joined<'a> {
+    pub done: &'a [&'a Branch],
+    pub observer: &'a mut dyn Observer,
+}
+
+impl Observer for Joined<'_> {
+    fn begin(&mut self, branch: &Branch) {
+        self.observer.begin(branch);
+    }
+
+    fn point(&mut self, point: &Point) -> ControlFlow<()> {
+        self.observer.point(point)
+    }
+
+    fn special(&mut self, branch: &Branch, special: &SpecialPoint) {
+        let mut special = special.clone();
+        join(branch, &mut special, self.done);
+        self.observer.special(branch, &special);
+    }
+}
+
+/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of this branch.
+/// Monitors that vanish at a grazing do so on one of the branches only.
+pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]) {
+    if special.kind != Kind::G || branch.condition.is_some() {
+        return;
+    }
+    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
+        branch.column(column).and_then(|k| special.value(k))
+    };
+    let same = |other: &Branch, there: &SpecialPoint| {
+        branch.columns().all(|column| {
+            match (value(branch, column, special), value(other, column, there)) {
+                (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
+                    (a - b).abs() <= SAME * a.abs().max(1.0)
+                }
+                _ => true,
+            }
+        })
+    };
+    let others = done.iter().copied().filter(|other| other.condition.is_none());
+    let mut met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
+    if let Some((other, there)) = met.find(|(other, there)| same(other, there)) {
+        special.kind = Kind::EP;
+        special.event =
+            format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
+    }
+}

@@ -1,0 +1,171 @@
+//! Runs that follow fixed and periodic points of a local map near a grazing.
+
+use super::discretisation::{Discretisation, Discretised};
+use super::{Run, Scene, SceneError, Start};
+use crate::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
+use crate::core::condition::EvaluationError;
+use crate::core::continuation::{Branch, Kind, SpecialPoint};
+use crate::core::grazing::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+use crate::core::hybrid::HybridSystem;
+use crate::core::orbit::{HybridOrbit, Itinerary};
+use crate::core::solution::Solution;
+use crate::core::zero::System;
+use crate::output::UnknownName;
+use serde::{Deserialize, Serialize};
+
+/// The local map of which a run follows fixed or periodic points: that at a grazing which an earlier run has
+/// found. Its order is a setting of the problem, `order`.
+///
+/// Parameters are those of the flow, so that branches lie beside its own. A run that starts at rest starts near the
+/// grazing itself, and one that starts from another run follows points of the same map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Local {
+    /// The earlier run.
+    pub run: String,
+    /// The kind of special point: a grazing of a branch, or a point on a curve of grazings.
+    pub kind: Kind,
+    /// Which one of that kind, in the order of the branch, from 0.
+    #[serde(default)]
+    pub nth: usize,
+    /// The parameters in which the map is expanded. All others are those of the grazing.
+    pub parameters: Vec<String>,
+    /// Whether each iterate of a periodic point impacts; a start from another run goes on with its iterates.
+    #[serde(default = "one_pass")]
+    pub impacts: Vec<bool>,
+}
+
+fn one_pass() -> Vec<bool> {
+    vec![false]
+}
+
+impl Run {
+    /// Whether both are about the same motions: those of the flow, or those of one local map.
+    pub(super) fn is_akin_to(&self, other: &Run) -> bool {
+        let map = |run: &Run| {
+            let local = run.local.clone()?;
+            let order = run.set.iter().find(|(name, _)| name == "order").cloned();
+            Some((local.run, local.kind, local.nth, local.parameters, order))
+        };
+        map(self) == map(other)
+    }
+}
+
+impl Local {
+    /// Refuses what a run that follows a local map cannot be.
+    pub(super) fn check(
+        &self,
+        scene: &Scene,
+        run: &Run,
+        earlier: &[Run],
+    ) -> Result<(), SceneError> {
+        let invalid = |what: &str, found: &str, rule: String| SceneError::Invalid {
+            place: format!("run `{}`, {what}", run.name),
+            found: found.into(),
+            rule,
+        };
+        let Some(at) = earlier.iter().find(|earlier| earlier.name == self.run) else {
+            let names = earlier.iter().map(|run| run.name.as_str());
+            return Err(UnknownName::new("earlier run", self.run.clone(), names).into());
+        };
+        if at.local.is_some() {
+            let rule = "must be a run of the flow, at whose grazing there is a map";
+            return Err(invalid("local", &format!("`{}`", self.run), rule.into()));
+        }
+        if self.impacts.is_empty() || self.parameters.is_empty() {
+            let rule = "must name the iterates of a point, and the parameters of the map";
+            return Err(invalid("local", "without iterates or parameters", rule.into()));
+        }
+        if matches!(run.start, Start::Simulated(_)) {
+            let rule = "must not be one where a local map is iterated: take `From` or `Guess`";
+            return Err(invalid("start", "a simulation", rule.into()));
+        }
+        let held = run.set.iter().map(|(name, _)| name).filter(|name| scene.value(name).is_some());
+        let along = run.along.iter().map(|range| &range.name);
+        match held.chain(along).find(|name| !self.parameters.contains(name)) {
+            Some(name) => {
+                let rule =
+                    format!("must be a parameter of the map: {}", self.parameters.join(", "));
+                Err(invalid("local", &format!("`{name}`"), rule))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Discretisation {
+    /// Fixed or periodic points of the local map of a system at a special point, where the phase grows by
+    /// `phase` in a period of the forcing.
+    pub(super) fn local<H>(
+        &self,
+        system: H,
+        phase: f64,
+        local: &Local,
+        (branch, special): (&Branch, &SpecialPoint),
+    ) -> Result<Box<dyn System>, GrazingError>
+    where
+        H: HybridSystem + Clone + 'static,
+    {
+        let point = match self.method {
+            Discretised::Collocation => {
+                let method = Collocation::new(self.degree)
+                    .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
+                grazing_point(&system, method, self.intervals, branch, special)
+            }
+            Discretised::Shooting => {
+                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
+                grazing_point(&system, method, self.segments, branch, special)
+            }
+        }?;
+        touches(&system, &point)?;
+        let point = point.located(&system, &local.parameters[0])?;
+        let names: Vec<&str> = local.parameters.iter().map(String::as_str).collect();
+        let settings = MapSettings { order: self.order, phase, ..MapSettings::default() };
+        let map = LocalMap::of(&system, &point, &names, settings)?;
+        let points = LocalOrbit::of(map, &local.impacts).in_place().system();
+        Ok(Box::new(points.map_err(EvaluationError::from)?))
+    }
+}
+
+/// A grazing as branches find it touches as closely as this.
+const TOUCHES: f64 = 1e-6;
+
+/// Refuses a point that is no grazing yet, though one may be near.
+fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), GrazingError> {
+    let GrazingPoint { guard, time, x, p, .. } = point;
+    let value = system.guard(*guard, *time, x, p);
+    if value.abs() <= TOUCHES {
+        return Ok(());
+    }
+    let guard = system.guards().swap_remove(*guard).name;
+    // The point is where the guard is least.
+    Err(GrazingError::NoTouch { guard, time: *time, value, rate: 0.0 })
+}
+
+/// The grazing at a special point of a branch, or of a curve of grazings.
+fn grazing_point<H, M>(
+    system: &H,
+    method: M,
+    intervals: usize,
+    branch: &Branch,
+    special: &SpecialPoint,
+) -> Result<GrazingPoint, GrazingError>
+where
+    H: HybridSystem + Clone + 'static,
+    M: Method + Clone + 'static,
+{
+    let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1));
+    let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
+        .map_err(EvaluationError::from)?;
+    let solution = Solution {
+        kind: special.kind,
+        itinerary: branch.itinerary.clone(),
+        mesh: special.mesh.clone(),
+        state: special.state.clone(),
+        parameters: special.parameters.clone(),
+        tangent: None,
+        switch: false,
+    };
+    let z = orbits.adopt(&solution)?.z;
+    GrazingPoint::at(&mut orbits, &z, &special.parameters)
+}
