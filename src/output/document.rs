@@ -49,6 +49,8 @@ pub struct Plot {
     /// Further panels, as pairs of columns for the horizontal and the vertical axis. Branches that lack one of
     /// them are left out.
     pub panels: Vec<(String, String)>,
+    /// Further panels where sweeps are drawn.
+    pub swept: Vec<(String, String)>,
     /// The kinds of profiles that are drawn, as pairs (abscissa, ordinate): `("displacement", "velocity")` is
     /// the phase portrait, `("time", "velocity")` a time history. If none is given, all.
     pub profiles: Vec<(String, String)>,

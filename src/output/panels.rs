@@ -52,7 +52,8 @@ pub fn figures(
         clip(&mut part, [*x, *y]);
         figures.push(part);
     }
-    for (x, y) in &plot.panels {
+    let swept = plot.swept.iter().filter(|_| !sweeps.is_empty());
+    for (x, y) in plot.panels.iter().chain(swept) {
         let mut panel = match sweeps.is_empty() {
             true => panel(documents, x, y)?,
             false => together(documents, sweeps, Some(x), Some(y))?,

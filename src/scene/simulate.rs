@@ -117,8 +117,10 @@ fn branch<H: HybridSystem>(
     let (mut monitors, mut values) = (vec![EVENTS.to_string()], vec![events]);
     for Curve { name, points } in curves.iter().filter(|curve| !curve.points.is_empty()) {
         let extreme = |pick: fn(f64, f64) -> f64| points.iter().map(|q| q[1]).reduce(pick);
-        monitors.extend([format!("max_{name}"), format!("min_{name}")]);
-        values.extend([extreme(f64::max), extreme(f64::min)].into_iter().flatten());
+        monitors.extend([format!("max_{name}"), format!("min_{name}"), format!("{name}_range")]);
+        let (most, least) = (extreme(f64::max), extreme(f64::min));
+        let range = most.zip(least).map(|(most, least)| most - least);
+        values.extend([most, least, range].into_iter().flatten());
     }
     let parameters = system.parameters();
     let point = Point {

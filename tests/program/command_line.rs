@@ -371,7 +371,7 @@ fn an_interrupted_trace_is_kept() {
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     let output = child.wait_with_output().unwrap();
-    assert!(failure(&output, 1).contains("interrupted; what was traced until then is kept"));
+    assert!(failure(&output, 1).contains("interrupted; what was done until then is kept"));
     assert!(rest.iter().any(|line| line.ends_with("interrupted")), "{rest:?}");
     let document = Document::load(folder.path().join("out/plate-clamped.ron")).unwrap();
     let branch = &document.branches[0];

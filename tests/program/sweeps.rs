@@ -1,11 +1,15 @@
 //! `tangency sweep` and `tangency merge` as a user meets them: files that others read, interruption, parts.
 
+use crate::common::close;
+use crate::scenarios::{built_in, traced};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
+use tangency::core::continuation::Kind;
+use tangency::core::sweep::{Order, Part};
 use tangency::output::{MergeError, Sweeps, merge};
-use tangency::scene::BUILT_IN;
+use tangency::scene::{BUILT_IN, Grid, sweep as swept};
 
 fn tangency(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
@@ -22,9 +26,9 @@ fn failure(output: &Output) -> &str {
 /// A sweep of many short runs.
 const SCENE: &str = r#"Scene(
     title: "Chaos", problem: Mita(), parameters: [("frequency", 0.5)],
-    plot: (y: "displacement_range", panels: [("voltage", "front.velocity"), ("voltage", "exponent")]),
+    plot: (y: "displacement_range", swept: [("voltage", "front.velocity"), ("voltage", "exponent")]),
     sweeps: [
-        (name: "up", order: up, strands: 3, over: [(name: "voltage", low: 0.55, high: 0.7, count: 31)],
+        (name: "up", order: up, strands: 3, over: [(name: "voltage", low: 0.3, high: 0.7, count: 31)],
          settling: (transient: 40, recorded: 20, exponent: 40), measures: ["displacement_range"]),
         (name: "starts", over: [(name: "displacement", low: -0.3, high: 0.3, count: 3), (name: "velocity", low: 0, high: 0.2, count: 3)],
          set: [("voltage", "0.2")], settling: (transient: 200, recorded: 40, exponent: 0)),
@@ -113,7 +117,7 @@ fn the_file_says_what_happened() {
     let first = &up.rows[&0].values;
     assert_eq!(
         [first[columns["voltage"]], first[columns["periods"]], first[columns["front"]]],
-        [0.55, 1.0, 1.0]
+        [0.3, 1.0, 1.0]
     );
     assert!(first[columns["exponent"]] < 0.0 && first[columns["failed"]] == 0.0);
     // One period: where it begins, an impact, and the rest of the frame.
@@ -155,6 +159,53 @@ fn bad_input_is_explained() {
     }
     let contradiction = MergeError::Contradiction { number: 2, sweep: "up".into(), run: 3 };
     assert_eq!(merge(vec![whole, wrong]), Err(contradiction));
+}
+
+/// What the bifurcation diagram at ω = 0.5 shows, by branches to their digits, by brute force to those of its grid:
+/// P(2,2) ends where it grazes; chaos, where P(2,1) begins at its fold; P(3,1) where it grazes; P(4,1) is stable
+/// from its doubling on; above V = 0.872 impacts are infinitely many.
+#[test]
+fn the_diagram_shows_its_events() {
+    let scene = built_in("mita-diagram");
+    let document = traced(&scene);
+    for (branch, kind, nth, voltage) in [
+        ("P(2,2)", Kind::G, 0, 0.580285066),
+        ("P(2,1)", Kind::LP, 1, 0.717839660),
+        ("P(3,1)", Kind::G, 0, 0.834671331),
+        ("P(4,1)", Kind::PD, 0, 0.839470615),
+    ] {
+        let branch = document.branch(branch).unwrap();
+        let found = branch.of_kind(kind).nth(nth).unwrap();
+        close(found.value(branch.column("voltage").unwrap()).unwrap(), voltage, 1e-9);
+    }
+    let at = |voltages: [f64; 2], order: Order, start: [f64; 2]| {
+        let mut scene = scene.clone();
+        scene.sweeps.truncate(1);
+        let sweep = &mut scene.sweeps[0];
+        sweep.over[0] =
+            Grid { name: "voltage".into(), low: voltages[0], high: voltages[1], count: 2 };
+        (sweep.order, sweep.strands) = (order, 1);
+        sweep.starts = vec![vec![("displacement".into(), start[0]), ("velocity".into(), start[1])]];
+        (sweep.settling.transient, sweep.settling.exponent) = (1500, 0);
+        let found = swept(&scene, "diagram", Part::WHOLE, None, &mut ()).unwrap();
+        let table = found.sweeps[0].clone();
+        let column = |name: &str| table.run_columns.iter().position(|known| known == name).unwrap();
+        let columns = ["periods", "front", "accumulations"].map(column);
+        [0, 1].map(|run| columns.map(|column| table.rows[&run].values[column]))
+    };
+    let anew = [0.1, -0.2];
+    // Beyond its grazing the doubled orbit is gone; P(3,2), with three impacts in two periods, is there before.
+    let [before, beyond] = at([0.579, 0.5805], Order::Up, anew);
+    assert_eq!((before[0], beyond[0], beyond[1]), (2.0, 2.0, 3.0));
+    let [chaos, cycle] = at([0.7168, 0.7185], Order::Up, anew);
+    assert_eq!((chaos[0], cycle[0], cycle[1]), (0.0, 1.0, 2.0));
+    // P(7,2) is there before P(3,1) grazes: from below, motion is still on the latter.
+    let [_, three] = at([0.82, 0.834], Order::Up, anew);
+    let [four, _] = at([0.8396, 0.841], Order::Up, anew);
+    assert_eq!((three[0], three[1], four[0], four[1]), (1.0, 3.0, 1.0, 4.0));
+    let [many, infinite] = at([0.871, 0.8725], Order::Anew, anew);
+    assert!(many[1].is_finite() && many[2] == 0.0, "{many:?}");
+    assert_eq!((infinite[0], infinite[1], infinite[2]), (1.0, f64::INFINITY, 1.0));
 }
 
 /// Every built-in sweep runs, coarsely, and is drawn.

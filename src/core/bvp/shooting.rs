@@ -368,7 +368,8 @@ mod tests {
         let exact = [2.0, std::f64::consts::PI, std::f64::consts::TAU, 7.0];
         assert_eq!(found.len(), exact.len(), "{found:?}");
         for ((t, x), exact) in found.iter().zip(exact) {
-            assert!((t - exact).abs() < 1e-11 && (x - exact.cos()).abs() < 2e-12, "{t} {x}");
+            // An error of the place moves the value by its square.
+            assert!((t - exact).abs() < 1e-10 && (x - exact.cos()).abs() < 2e-12, "{t} {x}");
         }
     }
 

@@ -136,7 +136,7 @@ impl<T: Scalar> Extrema<T> {
             let turn = self.sight.root(step, watch, [left, right], |sample| sample.slope);
             let enough = T::NDERIV == 0 && watch.state().is_some_and(|i| step.is_dense_enough(i));
             let (theta, value) = match enough {
-                true => (T::constant(turn.fraction), T::constant(turn.value)),
+                true => turn.vertex().map(T::constant).into(),
                 false => improved(&mut self.sight, step, watch, turn.fraction),
             };
             visit(Extremum { place: step.place(theta), value });

@@ -25,6 +25,17 @@ pub(super) struct Sample {
 }
 
 impl Sample {
+    /// Place and value of the vertex of the parabola through the sample.
+    pub fn vertex(&self) -> [f64; 2] {
+        let Sample { fraction, value, slope, curvature } = *self;
+        let change = slope / curvature;
+        if change.is_finite() {
+            [fraction - change, value - 0.5 * slope * change]
+        } else {
+            [fraction, value]
+        }
+    }
+
     /// Whether the slope becomes smaller in size.
     fn approaches(&self) -> bool {
         self.slope * self.curvature < 0.0
