@@ -1,9 +1,11 @@
 //! Tracing the runs of a scene, one after the other.
 
 use super::join::{Joined, join};
+use super::local::points_of;
 use super::simulate::Simulation;
 use super::{Local, Run, Scene, SceneError, Simulated, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
+use crate::core::grazing::{GrazingError, LocalMap};
 use crate::core::hybrid::HybridState;
 use crate::core::zero::{Group, System};
 use crate::output::{Document, UnknownName};
@@ -215,7 +217,7 @@ fn trace(
         (Some(start), _) => start.begin(curve, scene, run),
         (None, Start::Rest | Start::Guess(_) | Start::Simulated(_)) => curve,
         (None, Start::From { run: from, kind, nth, switch }) => {
-            let (branch, special) = point_of(run, done, from, *kind, *nth)?;
+            let (branch, special) = point_of(&run.name, done, from, *kind, *nth)?;
             let curve = begin_from(curve.restart(branch, special.label), &seen, run);
             if *switch { curve.switch() } else { curve }
         }
@@ -234,7 +236,30 @@ fn system_of(
     let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
         return seen.system(scene);
     };
-    seen.problem.local(&run.name, local, point_of(run, done, from, *kind, *nth)?)
+    let map =
+        seen.problem.local_map(&run.name, local, point_of(&run.name, done, from, *kind, *nth)?)?;
+    points_of(map, local).map_err(|cause| failed_map(&run.name, cause))
+}
+
+fn failed_map(run: &str, cause: GrazingError) -> SceneError {
+    SceneError::Local { run: run.into(), cause: Box::new(cause) }
+}
+
+/// The local map that a sweep iterates, after the runs that find its grazing.
+pub(super) fn map_of(
+    scene: &Scene,
+    seen: &Scene,
+    sweep: &str,
+    local: &Local,
+) -> Result<LocalMap, SceneError> {
+    let mut names = Vec::new();
+    leading(scene, &local.run, &mut names);
+    let mut done = Vec::new();
+    for run in scene.runs.iter().filter(|run| names.contains(&run.name.as_str())) {
+        done.push(trace(scene, run, None, &done, &mut ())?);
+    }
+    let at = point_of(sweep, &done, &local.run, local.kind, local.nth)?;
+    seen.problem.local_map(sweep, local, at)
 }
 
 impl StartPoint {
@@ -301,7 +326,7 @@ fn guess(system: &dyn System, values: &[(String, f64)]) -> Result<Vec<f64>, Scen
 
 /// The special point of an earlier run that a run starts from.
 fn point_of<'a>(
-    run: &Run,
+    run: &str,
     done: &'a [Branch],
     from: &str,
     kind: Kind,
@@ -313,7 +338,7 @@ fn point_of<'a>(
     match (branch, found.get(nth)) {
         (Some(branch), Some(special)) => Ok((branch, special)),
         _ => Err(SceneError::NoSuchPoint {
-            run: run.name.clone(),
+            run: run.into(),
             from: from.into(),
             kind: kind.to_string(),
             nth,

@@ -52,15 +52,15 @@ impl Run {
 }
 
 impl Local {
-    /// Refuses what a run that follows a local map cannot be.
-    pub(super) fn check(
+    /// Refuses a map that is none, for what has a name, sets parameters, and goes over others.
+    pub(super) fn check_map<'a>(
         &self,
-        scene: &Scene,
-        run: &Run,
+        place: &str,
         earlier: &[Run],
+        mut parameters: impl Iterator<Item = &'a String>,
     ) -> Result<(), SceneError> {
-        let invalid = |what: &str, found: &str, rule: String| SceneError::Invalid {
-            place: format!("run `{}`, {what}", run.name),
+        let invalid = |found: &str, rule: String| SceneError::Invalid {
+            place: format!("{place}, local"),
             found: found.into(),
             rule,
         };
@@ -70,39 +70,52 @@ impl Local {
         };
         if at.local.is_some() {
             let rule = "must be a run of the flow, at whose grazing there is a map";
-            return Err(invalid("local", &format!("`{}`", self.run), rule.into()));
+            return Err(invalid(&format!("`{}`", self.run), rule.into()));
         }
         if self.impacts.is_empty() || self.parameters.is_empty() {
             let rule = "must name the iterates of a point, and the parameters of the map";
-            return Err(invalid("local", "without iterates or parameters", rule.into()));
+            return Err(invalid("without iterates or parameters", rule.into()));
         }
-        if matches!(run.start, Start::Simulated(_)) {
-            let rule = "must not be one where a local map is iterated: take `From` or `Guess`";
-            return Err(invalid("start", "a simulation", rule.into()));
-        }
-        let held = run.set.iter().map(|(name, _)| name).filter(|name| scene.value(name).is_some());
-        let along = run.along.iter().map(|range| &range.name);
-        match held.chain(along).find(|name| !self.parameters.contains(name)) {
+        match parameters.find(|name| !self.parameters.contains(name)) {
             Some(name) => {
                 let rule =
                     format!("must be a parameter of the map: {}", self.parameters.join(", "));
-                Err(invalid("local", &format!("`{name}`"), rule))
+                Err(invalid(&format!("`{name}`"), rule))
             }
             None => Ok(()),
         }
     }
+
+    /// Refuses what a run that follows a local map cannot be.
+    pub(super) fn check(
+        &self,
+        scene: &Scene,
+        run: &Run,
+        earlier: &[Run],
+    ) -> Result<(), SceneError> {
+        let held = run.set.iter().map(|(name, _)| name).filter(|name| scene.value(name).is_some());
+        let along = run.along.iter().map(|range| &range.name);
+        self.check_map(&format!("run `{}`", run.name), earlier, held.chain(along))?;
+        if matches!(run.start, Start::Simulated(_)) {
+            return Err(SceneError::Invalid {
+                place: format!("run `{}`, start", run.name),
+                found: "a simulation".into(),
+                rule: "must be `Guess` or `From` where points of a local map are followed; sweeps iterate it".into(),
+            });
+        }
+        Ok(())
+    }
 }
 
 impl Discretisation {
-    /// Fixed or periodic points of the local map of a system at a special point, where the phase grows by
-    /// `phase` in a period of the forcing.
-    pub(super) fn local<H>(
+    /// The local map of a system at a special point, where the phase grows by `phase` in a period of the forcing.
+    pub(super) fn local_map<H>(
         &self,
         system: H,
         phase: f64,
         local: &Local,
         (branch, special): (&Branch, &SpecialPoint),
-    ) -> Result<Box<dyn System>, GrazingError>
+    ) -> Result<LocalMap, GrazingError>
     where
         H: HybridSystem + Clone + 'static,
     {
@@ -121,10 +134,14 @@ impl Discretisation {
         let point = point.located(&system, &local.parameters[0])?;
         let names: Vec<&str> = local.parameters.iter().map(String::as_str).collect();
         let settings = MapSettings { order: self.order, phase, ..MapSettings::default() };
-        let map = LocalMap::of(&system, &point, &names, settings)?;
-        let points = LocalOrbit::of(map, &local.impacts).in_place().system();
-        Ok(Box::new(points.map_err(EvaluationError::from)?))
+        LocalMap::of(&system, &point, &names, settings)
     }
+}
+
+/// Fixed or periodic points of a map that go through the surface, or do not.
+pub(super) fn points_of(map: LocalMap, local: &Local) -> Result<Box<dyn System>, GrazingError> {
+    let points = LocalOrbit::of(map, &local.impacts).in_place().system();
+    Ok(Box::new(points.map_err(EvaluationError::from)?))
 }
 
 /// A grazing as branches find it touches as closely as this.

@@ -7,6 +7,7 @@ use super::{Local, SceneError, Simulated, slot};
 use crate::core::bvp::BoundaryProblem;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::field::VectorField;
+use crate::core::grazing::LocalMap;
 use crate::core::hybrid::{HybridState, HybridSystem};
 use crate::core::zero::System;
 use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
@@ -122,23 +123,25 @@ impl Problem {
         }
     }
 
-    /// The system of the fixed or periodic points of the local map at a grazing.
-    pub(super) fn local(
+    /// The local map at a grazing, for a run or a sweep.
+    pub(super) fn local_map(
         &self,
         run: &str,
         local: &Local,
         at: (&Branch, &SpecialPoint),
-    ) -> Result<Box<dyn System>, SceneError> {
-        let points = match self {
-            Problem::Mita(settings) => settings.local(Actuator, Actuator::PHASE, local, at),
-            Problem::ImpactOscillator(settings) => settings.local(ImpactOscillator, TAU, local, at),
+    ) -> Result<LocalMap, SceneError> {
+        let map = match self {
+            Problem::Mita(settings) => settings.local_map(Actuator, Actuator::PHASE, local, at),
+            Problem::ImpactOscillator(settings) => {
+                settings.local_map(ImpactOscillator, TAU, local, at)
+            }
             _ => {
                 let reason = "only hybrid systems graze: `Mita`, `ImpactOscillator`";
                 let (name, value) = ("local".into(), run.into());
                 return Err(SceneError::Value { name, value, reason: reason.into() });
             }
         };
-        points.map_err(|cause| SceneError::Local { run: run.into(), cause: Box::new(cause) })
+        map.map_err(|cause| SceneError::Local { run: run.into(), cause: Box::new(cause) })
     }
 
     /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes

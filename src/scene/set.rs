@@ -201,7 +201,15 @@ impl Scene {
         for (index, run) in self.runs.iter().enumerate() {
             self.check_run(run, &self.runs[..index])?;
         }
-        Ok(())
+        self.sweeps.iter().try_for_each(|sweep| self.check_sweep(sweep))
+    }
+
+    fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {
+        let Some(local) = &sweep.local else { return Ok(()) };
+        let over = sweep.over.iter().map(|grid| &grid.name);
+        let names = sweep.set.iter().map(|(name, _)| name).chain(over);
+        let parameters = names.filter(|name| self.value(name).is_some());
+        local.check_map(&format!("sweep `{}`", sweep.name), &self.runs, parameters)
     }
 
     fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {

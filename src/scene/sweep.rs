@@ -1,10 +1,12 @@
 //! Sweeps of a scene: what motions settle on, over parameters and starts.
 
+use super::execute::map_of;
 use super::simulate::at_rest;
-use super::{Problem, Scene, SceneError};
+use super::{Local, Problem, Scene, SceneError};
 use crate::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
 use crate::core::flow::{Scheme, Settings};
-use crate::core::hybrid::{HybridSettings, HybridState, HybridSystem};
+use crate::core::grazing::{Iterated, LocalMap};
+use crate::core::hybrid::HybridSettings;
 use crate::core::sweep::{self, Axis, Found, Make, Order, Part, Plan, Quantity};
 use crate::output::{SweepTable, Sweeps, UnknownName};
 use crate::problems::classic::ImpactOscillator;
@@ -22,6 +24,10 @@ pub struct Sweep {
     /// What differs from the scene, as `--set` would: parameters by name.
     #[serde(default)]
     pub set: Vec<(String, String)>,
+    /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the
+    /// grazing.
+    #[serde(default)]
+    pub local: Option<Local>,
     /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
     pub over: Vec<Grid>,
     /// Where runs begin.
@@ -98,13 +104,6 @@ impl Problem {
             _ => Err(StrobeError::NoPeriod),
         }
     }
-
-    fn start(&self, state: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
-        match self {
-            Problem::ImpactOscillator(_) => at_rest(&ImpactOscillator.modes()[0], state),
-            _ => at_rest(&Actuator.modes()[0], state),
-        }
-    }
 }
 
 impl Scene {
@@ -128,9 +127,9 @@ impl Scene {
         };
         let axes = sweep.over.iter().map(axis).collect::<Result<_, _>>()?;
         let starts = match sweep.starts.is_empty() {
-            true => vec![self.problem.start(&[])?],
+            true => vec![at_rest(&motion.modes()[0], &[])?],
             false => {
-                let starts = sweep.starts.iter().map(|state| self.problem.start(state));
+                let starts = sweep.starts.iter().map(|state| at_rest(&motion.modes()[0], state));
                 starts.collect::<Result<_, _>>()?
             }
         };
@@ -189,11 +188,25 @@ pub fn sweep(
     Ok(all)
 }
 
+/// What a sweep looks at once in every period: the problem's motion, or a local map.
+fn strobed(
+    sweep: &Sweep,
+    seen: &Scene,
+    map: Option<&LocalMap>,
+) -> Result<Box<dyn Strobed>, StrobeError> {
+    let Some(map) = map else { return seen.problem.strobed(&sweep.measures, sweep.tolerance) };
+    let names: Vec<String> = seen.problem.parameters().into_iter().map(|(name, _)| name).collect();
+    let iterated = Iterated::of(map.clone(), &names, &sweep.measures);
+    Ok(Box::new(iterated.map_err(|cause| StrobeError::Map(cause.to_string()))?))
+}
+
 /// A sweep about to be done.
 struct Prepared<'a> {
     sweep: &'a Sweep,
     /// The scene as the sweep sees it.
     seen: Scene,
+    /// The local map, if that is iterated.
+    map: Option<LocalMap>,
     /// A motion, for its names.
     motion: Box<dyn Strobed>,
     plan: Plan,
@@ -202,9 +215,11 @@ struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     fn of(scene: &Scene, sweep: &'a Sweep) -> Result<Self, SceneError> {
         let seen = scene.with(&sweep.set)?;
-        let motion = seen.problem.strobed(&sweep.measures, sweep.tolerance)?;
+        let map = sweep.local.as_ref().map(|local| map_of(scene, &seen, &sweep.name, local));
+        let map = map.transpose()?;
+        let motion = strobed(sweep, &seen, map.as_ref())?;
         let plan = seen.plan(sweep, &*motion)?;
-        Ok(Prepared { sweep, seen, motion, plan })
+        Ok(Prepared { sweep, seen, map, motion, plan })
     }
 
     /// The sweep, of which nothing is done.
@@ -221,12 +236,12 @@ impl<'a> Prepared<'a> {
         index: usize,
         watch: &mut dyn SweepWatch,
     ) -> Result<ControlFlow<()>, SceneError> {
-        let Prepared { sweep, seen, motion, plan } = self;
+        let Prepared { sweep, seen, map, motion, plan } = self;
         let (table, modes) = (&all.sweeps[index], motion.modes());
         watch.begin(table);
         let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
         let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();
-        let make: &Make = &|| seen.problem.strobed(&sweep.measures, sweep.tolerance);
+        let make: &Make = &|| strobed(sweep, seen, map.as_ref());
         let mut outcome = ControlFlow::Continue(());
         let done = |run: usize| ends.get(&run).cloned();
         sweep::execute(plan, part, &seen.values(), make, &done, &mut |found: Found| {

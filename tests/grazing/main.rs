@@ -5,6 +5,7 @@ mod common;
 #[path = "../hybrid/systems/mod.rs"]
 mod systems;
 
+mod attractors;
 mod failures;
 mod jets;
 mod maps;

@@ -4,8 +4,9 @@
 use crate::common::close;
 use crate::scenarios::{built_in, column, refusal, traced, with};
 use tangency::core::continuation::{Branch, Kind};
-use tangency::output::{Document, FigureError, figures};
-use tangency::scene::{Scene, SceneError, StartPoint, execute};
+use tangency::core::sweep::Part;
+use tangency::output::{Document, FigureError, SweepTable, figures};
+use tangency::scene::{Scene, SceneError, StartPoint, execute, sweep};
 
 /// The one value of a column at the special points of a kind.
 #[track_caller]
@@ -151,6 +152,29 @@ fn branches_of_maps_are_restarted() {
     let [before, again] = [&document, &outcome.document].map(deepest);
     assert!(before > 0.01);
     close(before, again, 1e-9);
+}
+
+/// A sweep of the map beside one of the motion: before grazing and behind the doubling both settle on the same cycle,
+/// with the same exponent; a parameter that is none of the map's is refused.
+#[test]
+fn maps_are_swept() {
+    let few = [("count", "3"), ("recorded", "50"), ("exponent", "100"), ("order", "5")];
+    let scene = with("mita-lyapunov", &few);
+    let sweeps = sweep(&scene, "few", Part::WHOLE, None, &mut ()).unwrap();
+    let [flow, map] = &sweeps.sweeps[..] else { panic!("{}", sweeps.sweeps.len()) };
+    let value = |table: &SweepTable, run: usize, name: &str| {
+        table.rows[&run].values[table.run_columns.iter().position(|known| known == name).unwrap()]
+    };
+    for (run, impacts) in [(0, 0.0), (2, 1.0)] {
+        assert_eq!([value(flow, run, "periods"), value(map, run, "periods")], [1.0, 1.0]);
+        assert_eq!([value(flow, run, "front"), value(map, run, "impact")], [impacts, impacts]);
+        let [a, b] = [flow, map].map(|table| value(table, run, "exponent"));
+        assert!(a < 0.0 && (a - b).abs() < 1e-2 * a.abs(), "{run}: {a} {b}");
+    }
+    let text = include_str!("../../scenes/mita-lyapunov.ron");
+    let text = text.replace("name: \"voltage\", low: 0.1715", "name: \"damping\", low: 0.1715");
+    let refused = refusal(&text);
+    assert!(refused.contains("a parameter of the map: voltage, frequency"), "{refused}");
 }
 
 /// Panels leave out branches without their columns, deviations are measured from a point that must be there, and

@@ -57,6 +57,12 @@ pub enum GrazingError {
         /// The phase asked for.
         phase: f64,
     },
+    /// There is no such measure.
+    #[error("a local map measures no `{name}`, only `penetration`")]
+    NoMeasure {
+        /// The name.
+        name: String,
+    },
     /// The order is none.
     #[error("a local map has at least order 1, not {order}")]
     Order {

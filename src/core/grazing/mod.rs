@@ -36,11 +36,13 @@
 //! A [`GrazingPoint`] says where an orbit touches; [`LocalMap`] is `P`, to be iterated, differentiated and
 //! printed. It tells the scenario of the grazing ([`LocalMap::classified`]), and at points of codimension two
 //! the series of the curves of folds and period doublings that begin there ([`LocalMap::expanded`]). A
-//! [`LocalOrbit`] is the problem of its fixed and periodic points, for continuation.
+//! [`LocalOrbit`] is the problem of its fixed and periodic points, for continuation, and [`Iterated`] tells what
+//! motions settle on, by brute force.
 
 mod chart;
 mod error;
 mod expansion;
+mod iterated;
 mod iteration;
 mod map;
 mod maps;
@@ -54,6 +56,7 @@ mod touch;
 
 pub use error::GrazingError;
 pub use expansion::Expansion;
+pub use iterated::Iterated;
 pub use iteration::Iteration;
 pub use map::{LocalMap, MapSettings};
 pub use orbit::LocalOrbit;
