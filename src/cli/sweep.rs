@@ -113,10 +113,13 @@ impl Sweep {
         }
         let outcome = execute(scene, None, &mut watch);
         watch.finish()?;
-        outcome.document.save(self.scene.out.join(format!("{name}.ron")))?;
+        let document = Some(outcome.document).filter(|document| !document.branches.is_empty());
+        if let Some(document) = &document {
+            document.save(self.scene.out.join(format!("{name}.ron")))?;
+        }
         match outcome.error {
             Some(cause) => Err(self.scene.at_fault(cause)),
-            None => Ok(Some(outcome.document)),
+            None => Ok(document),
         }
     }
 }

@@ -88,7 +88,7 @@ impl Trace {
         let start = self.start.as_ref().map(Start::point).transpose()?;
         let document = self.scene.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;
-        if scene.runs.is_empty() {
+        if !scene.runs.iter().any(|run| run.shown) {
             return Err(CommandError::NoRun { scene: name });
         }
         let mut watch = Watch::new(out);

@@ -178,32 +178,30 @@ fn the_diagram_shows_its_events() {
         let found = branch.of_kind(kind).nth(nth).unwrap();
         close(found.value(branch.column("voltage").unwrap()).unwrap(), voltage, 1e-9);
     }
-    let at = |voltages: [f64; 2], order: Order, start: [f64; 2]| {
+    let at = |voltages: [f64; 2], count: usize, order: Order| {
         let mut scene = scene.clone();
         scene.sweeps.truncate(1);
         let sweep = &mut scene.sweeps[0];
-        sweep.over[0] =
-            Grid { name: "voltage".into(), low: voltages[0], high: voltages[1], count: 2 };
+        sweep.over[0] = Grid { name: "voltage".into(), low: voltages[0], high: voltages[1], count };
         (sweep.order, sweep.strands) = (order, 1);
-        sweep.starts = vec![vec![("displacement".into(), start[0]), ("velocity".into(), start[1])]];
+        sweep.starts = vec![vec![("displacement".into(), 0.1), ("velocity".into(), -0.2)]];
         (sweep.settling.transient, sweep.settling.exponent) = (1500, 0);
         let found = swept(&scene, "diagram", Part::WHOLE, None, &mut ()).unwrap();
         let table = found.sweeps[0].clone();
         let column = |name: &str| table.run_columns.iter().position(|known| known == name).unwrap();
         let columns = ["periods", "front", "accumulations"].map(column);
-        [0, 1].map(|run| columns.map(|column| table.rows[&run].values[column]))
+        [0, count - 1].map(|run| columns.map(|column| table.rows[&run].values[column]))
     };
-    let anew = [0.1, -0.2];
     // Beyond its grazing the doubled orbit is gone; P(3,2), with three impacts in two periods, is there before.
-    let [before, beyond] = at([0.579, 0.5805], Order::Up, anew);
+    let [before, beyond] = at([0.579, 0.5805], 2, Order::Up);
     assert_eq!((before[0], beyond[0], beyond[1]), (2.0, 2.0, 3.0));
-    let [chaos, cycle] = at([0.7168, 0.7185], Order::Up, anew);
+    let [chaos, cycle] = at([0.7168, 0.7185], 2, Order::Up);
     assert_eq!((chaos[0], cycle[0], cycle[1]), (0.0, 1.0, 2.0));
     // P(7,2) is there before P(3,1) grazes: from below, motion is still on the latter.
-    let [_, three] = at([0.82, 0.834], Order::Up, anew);
-    let [four, _] = at([0.8396, 0.841], Order::Up, anew);
+    let [_, three] = at([0.82, 0.834], 29, Order::Up);
+    let [four, _] = at([0.8396, 0.841], 2, Order::Up);
     assert_eq!((three[0], three[1], four[0], four[1]), (1.0, 3.0, 1.0, 4.0));
-    let [many, infinite] = at([0.871, 0.8725], Order::Anew, anew);
+    let [many, infinite] = at([0.871, 0.8725], 2, Order::Anew);
     assert!(many[1].is_finite() && many[2] == 0.0, "{many:?}");
     assert_eq!((infinite[0], infinite[1], infinite[2]), (1.0, f64::INFINITY, 1.0));
 }

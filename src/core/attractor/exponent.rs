@@ -69,13 +69,21 @@ fn normalised(vector: &mut [f64]) -> f64 {
     length
 }
 
-/// The matrix `∂F^q/∂x`, one row after the other, and the state `F^q(x)`; `None` if it is of another mode.
+/// The motion linearised over a cycle.
+pub(super) struct Monodromy {
+    /// The matrix `∂F^q/∂x`, one row after the other.
+    pub matrix: Vec<f64>,
+    /// The state `F^q(x)`.
+    pub end: HybridState<f64>,
+}
+
+/// The motion linearised over `q` periods; `None` if it ends in another mode.
 pub(super) fn monodromy(
     motion: &mut dyn Strobed,
     start: &HybridState<f64>,
     p: &[f64],
     q: usize,
-) -> Result<Option<(Vec<f64>, HybridState<f64>)>, StrobeError> {
+) -> Result<Option<Monodromy>, StrobeError> {
     let n = start.x.len();
     let (mut matrix, mut end) = (vec![0.0; n * n], start.clone());
     let mut tangent = Vec::new();
@@ -91,12 +99,17 @@ pub(super) fn monodromy(
         }
         (0..n).for_each(|i| matrix[i * n + column] = tangent[i]);
     }
-    Ok(Some((matrix, end)))
+    Ok(Some(Monodromy { matrix, end }))
+}
+
+/// Entry `k` of the `n × n` identity, one row after the other.
+fn identity(k: usize, n: usize) -> f64 {
+    f64::from(u8::from(k.is_multiple_of(n + 1)))
 }
 
 /// The exponent of a periodic motion, from the matrix over `q` periods.
 pub(super) fn of_matrix(matrix: &[f64], n: usize, q: usize) -> f64 {
-    let minus_one: Vec<f64> = (0..n * n).map(|k| -f64::from(u8::from(k % (n + 1) == 0))).collect();
+    let minus_one: Vec<f64> = (0..n * n).map(|k| -identity(k, n)).collect();
     let largest = multipliers(matrix, &minus_one, n);
     let size = largest.first().map_or(0.0, |(re, im)| re.hypot(*im));
     if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 }
@@ -105,10 +118,9 @@ pub(super) fn of_matrix(matrix: &[f64], n: usize, q: usize) -> f64 {
 /// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method; `None` if the matrix is singular.
 pub(super) fn correction(matrix: &[f64], start: &[f64], end: &[f64]) -> Option<Vec<f64>> {
     let n = start.len();
-    let identity = |k: usize| f64::from(u8::from(k % (n + 1) == 0));
     // One column after the other.
     let place = |k: usize| (k % n) * n + k / n;
-    let left: Vec<f64> = (0..n * n).map(|k| identity(k) - matrix[place(k)]).collect();
+    let left: Vec<f64> = (0..n * n).map(|k| identity(k, n) - matrix[place(k)]).collect();
     let mut right: Vec<f64> = end.iter().zip(start).map(|(end, start)| end - start).collect();
     let mut lu = BorderedLu::default();
     lu.factor(&left, Border::NONE).ok()?;

@@ -2,7 +2,7 @@
 
 use super::Strobed;
 use super::error::StrobeError;
-use super::exponent::{Exponent, correction, monodromy, of_matrix};
+use super::exponent::{Exponent, Monodromy, correction, monodromy, of_matrix};
 use super::period::Period;
 use crate::core::hybrid::{HybridState, Repetition};
 use serde::{Deserialize, Serialize};
@@ -155,7 +155,7 @@ fn improved(
     let largest = size(&near.x).max(f64::MIN_POSITIVE);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let (matrix, end) = monodromy(motion, &start, p, q).ok()??;
+        let Monodromy { matrix, end } = monodromy(motion, &start, p, q).ok()??;
         let value = of_matrix(&matrix, n, q);
         let step = correction(&matrix, &start.x, &end.x)?;
         let away: Vec<f64> =
