@@ -205,7 +205,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         if left.slope == 0.0 || left.slope * right.slope > 0.0 {
             return self.fall(step, [left, right], visit);
         }
-        let mut turn = self.sight.root(step, &self.watch, [left, right], |sample| sample.slope);
+        let mut turn = self.sight.root(step, &self.watch, [left, right], Sample::turning);
         let change = (left.value - turn.value).abs().max((right.value - turn.value).abs());
         if turn.value.abs() < TANGENT * change {
             let (theta, value) = improved(&mut self.sight, step, &self.watch, turn.fraction);
@@ -265,7 +265,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         let guess = if tangent {
             parabola
         } else {
-            self.sight.root(step, &self.watch, [left, right], |sample| sample.value).fraction
+            self.sight.root(step, &self.watch, [left, right], Sample::crossing).fraction
         };
         let (mut low, mut high) = (left.fraction, right.fraction);
         let (mut theta, mut last) = (guess, f64::INFINITY);
