@@ -5,6 +5,7 @@ mod common;
 
 mod attractors;
 mod failures;
+mod fleets;
 mod grazing;
 mod mita_laws;
 mod orbits;

@@ -133,7 +133,7 @@ impl<T: Scalar> Extrema<T> {
         visit: &mut impl FnMut(Extremum<T>),
     ) {
         if self.slope * right.slope < 0.0 {
-            let turn = self.sight.root(step, watch, [left, right], |sample| sample.slope);
+            let turn = self.sight.root(step, watch, [left, right], Sample::turning);
             let enough = T::NDERIV == 0 && watch.state().is_some_and(|i| step.is_dense_enough(i));
             let (theta, value) = match enough {
                 true => turn.vertex().map(T::constant).into(),

@@ -61,7 +61,7 @@ pub struct Flow<T: Scalar> {
     pub(in crate::core) settings: Settings,
     size: Option<Size<T>>,
     size_at_rest: Option<Size<T>>,
-    buffers: Buffers<T>,
+    pub(super) buffers: Buffers<T>,
     real: Vec<f64>,
 }
 
@@ -182,7 +182,7 @@ impl<T: Scalar> Flow<T> {
         result.map(|()| statistics)
     }
 
-    fn resize(&mut self, x: &[T], p: &[T]) {
+    pub(super) fn resize(&mut self, x: &[T], p: &[T]) {
         self.real.clear();
         self.real.extend(x.iter().chain(p).map(T::real));
         let buffers = &mut self.buffers;
@@ -233,7 +233,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// Refuses a state outside the domain of the field, or not finite.
-    fn inside<F: VectorField>(
+    pub(super) fn inside<F: VectorField>(
         &mut self,
         motion: &Motion<F, T>,
         sigma: f64,
@@ -265,7 +265,10 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// The slope at the start, and the first step to try.
-    fn first_step<F: VectorField>(&mut self, motion: &Motion<F, T>) -> Result<f64, FlowError> {
+    pub(super) fn first_step<F: VectorField>(
+        &mut self,
+        motion: &Motion<F, T>,
+    ) -> Result<f64, FlowError> {
         let scheme = self.settings.scheme;
         let measure = self.measure();
         let Buffers { x, stages, partial, linear, .. } = &mut self.buffers;
@@ -346,13 +349,12 @@ impl<T: Scalar> Flow<T> {
         (sigma, h): (f64, f64),
         observe: &mut impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let Settings { scheme, absolute, .. } = self.settings;
-        let buffers = &mut self.buffers;
+        let (Settings { scheme, absolute, .. }, buffers) = (self.settings, &mut self.buffers);
         if let Some(tableau) = scheme.tableau().filter(|tableau| !tableau.end_in_error()) {
             buffers.stages.end_slope(tableau.end(), motion, sigma + h);
         }
-        let known = Known::default();
-        observe(&mut Step { motion, scheme, tolerance: absolute, sigma, h, buffers, known })
+        let (tolerance, known) = (absolute, Known::default());
+        observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known })
     }
 
     /// How many steps in a row stability has limited: the slopes of the last stage and of the end belong to

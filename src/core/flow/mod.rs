@@ -21,12 +21,14 @@
 //!
 //! [`Scalar`]: crate::core::scalar::Scalar
 
+mod abreast;
 #[cfg(test)]
 mod conditions;
 mod control;
 mod error;
 mod extrema;
 mod integrate;
+mod lanes;
 mod motion;
 mod rises;
 mod rodas;
@@ -39,12 +41,14 @@ mod step;
 mod tableau;
 mod work;
 
+pub(in crate::core) use abreast::{Abreast, Course, Outlook};
 pub use control::Size;
 pub use error::{FlowError, SettingsError};
 pub use extrema::{Extrema, Extremum};
 pub use integrate::{Flow, Statistics};
+pub(in crate::core) use lanes::LANES;
 pub(in crate::core) use rises::Rises;
-pub(in crate::core) use roots::NEGATIVE;
+pub(in crate::core) use roots::{NEGATIVE, Sign};
 pub use roots::{Root, Roots};
 pub use settings::{Scheme, Settings};
 pub(in crate::core) use step::RealStep;

@@ -62,7 +62,7 @@ impl Rises {
         if !rises(&ends) {
             return;
         }
-        let mut theta = self.sight.root(step, watch, ends, |sample| sample.value).fraction;
+        let mut theta = self.sight.root(step, watch, ends, Sample::crossing).fraction;
         for _ in 0..ROUNDS {
             let (value, slope) = self.sight.exact(step, watch, theta);
             let change = value / slope;

@@ -19,7 +19,7 @@ pub struct Root<T> {
 
 /// Values up to this size are zero where a flow begins: a function that is no larger counts as positive only
 /// when it has become larger, and as fallen when it has fallen by so much.
-const ZERO: f64 = 1e-13;
+pub(super) const ZERO: f64 = 1e-13;
 /// A function below zero by more than this where a flow begins has fallen before.
 pub(in crate::core) const NEGATIVE: f64 = 1e-9;
 /// How many times a root is improved at most: what bisection needs.
@@ -38,7 +38,7 @@ const FAR: f64 = 10.0;
 
 /// What is known of a watched function so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Sign {
+pub(in crate::core) enum Sign {
     /// Nothing: the flow begins.
     Unknown,
     /// It has been positive: it counts where it falls through zero.
@@ -111,6 +111,17 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         (self.watch, self.sign, self.end, self.far) = (watch, Sign::Unknown, None, None);
     }
 
+    /// Goes on in a flow of which so much is known.
+    pub(in crate::core) fn resume(&mut self, watch: W, sign: Sign) {
+        self.restart(watch);
+        self.sign = sign;
+    }
+
+    /// What is known of the function so far.
+    pub(in crate::core) fn sign(&self) -> Sign {
+        self.sign
+    }
+
     /// Calls `visit` with every root in a step, in their order, until it breaks.
     pub fn search<F: VectorField>(
         &mut self,
@@ -125,7 +136,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         let ends = self.sight.ends(step, &self.watch, start);
         self.end = ends.map(|[_, end]| Sample { slope: end.slope / step.h, ..end });
         self.far = ends.map(|[start, end]| (end.value, end.value - start.value));
-        if ends.is_some_and(|ends| self.keeps_positive(&ends)) {
+        if ends.is_some_and(|ends| self.keeps_positive(&ends) || self.rises(&ends)) {
             return ControlFlow::Continue(());
         }
         let one_extremum = |slopes| crosses_once(&slopes) || keep_clear_of_zero(&slopes);
@@ -174,6 +185,16 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         self.sign == Sign::Positive && least > ZERO && clear
     }
 
+    /// Whether the function rises all the way, so that it does not fall through zero, and is positive at the end.
+    fn rises(&mut self, ends: &[Sample; 2]) -> bool {
+        let rises =
+            keep_clear_of_zero(&slopes(ends)) && ends[1].slope > 0.0 && ends[1].value > ZERO;
+        if rises {
+            self.sign = Sign::Positive;
+        }
+        rises
+    }
+
     /// Goes from one sample to the next, by way of the extremum between them if there is one.
     fn pass<F: VectorField>(
         &mut self,
@@ -184,7 +205,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         if left.slope == 0.0 || left.slope * right.slope > 0.0 {
             return self.fall(step, [left, right], visit);
         }
-        let mut turn = self.sight.root(step, &self.watch, [left, right], |sample| sample.slope);
+        let mut turn = self.sight.root(step, &self.watch, [left, right], Sample::turning);
         let change = (left.value - turn.value).abs().max((right.value - turn.value).abs());
         if turn.value.abs() < TANGENT * change {
             let (theta, value) = improved(&mut self.sight, step, &self.watch, turn.fraction);
@@ -244,7 +265,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
         let guess = if tangent {
             parabola
         } else {
-            self.sight.root(step, &self.watch, [left, right], |sample| sample.value).fraction
+            self.sight.root(step, &self.watch, [left, right], Sample::crossing).fraction
         };
         let (mut low, mut high) = (left.fraction, right.fraction);
         let (mut theta, mut last) = (guess, f64::INFINITY);

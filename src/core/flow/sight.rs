@@ -36,6 +36,16 @@ impl Sample {
         }
     }
 
+    /// The value with its slope.
+    pub fn crossing(&self) -> (f64, Option<f64>) {
+        (self.value, Some(self.slope))
+    }
+
+    /// The slope with its own.
+    pub fn turning(&self) -> (f64, Option<f64>) {
+        (self.slope, Some(self.curvature))
+    }
+
     /// Whether the slope becomes smaller in size.
     fn approaches(&self) -> bool {
         self.slope * self.curvature < 0.0
@@ -216,7 +226,7 @@ impl<T: Scalar> Sight<T> {
             let right = self.sample(step, watch, part as f64 / parts as f64);
             let (near, away) = (left.approaches(), !right.approaches());
             if !brief && left.slope * right.slope > 0.0 && near && away {
-                let turn = self.root(step, watch, [left, right], |sample| sample.curvature);
+                let turn = self.root(step, watch, [left, right], |sample| (sample.curvature, None));
                 self.samples.push(turn);
             }
             self.samples.push(right);
@@ -224,30 +234,34 @@ impl<T: Scalar> Sight<T> {
         }
     }
 
-    /// Where a quantity changes its sign between two samples, by false position (of the Illinois kind, which
-    /// does not stall at one end); the second sample if it does not.
+    /// Where a quantity, given with its slope as far as it is known, changes its sign between two samples: by Newton's
+    /// method within the bracket, or by false position (of the Illinois kind, which does not stall at one end); the
+    /// second sample if it does not.
     pub fn root<F: VectorField, W: Watch>(
         &mut self,
         step: &Step<F, T>,
         watch: &W,
         [left, right]: [Sample; 2],
-        quantity: impl Fn(&Sample) -> f64,
+        quantity: impl Fn(&Sample) -> (f64, Option<f64>),
     ) -> Sample {
         let (mut low, mut high) =
-            ((left.fraction, quantity(&left)), (right.fraction, quantity(&right)));
+            ((left.fraction, quantity(&left).0), (right.fraction, quantity(&right).0));
         if low.1 * high.1 >= 0.0 {
             return right;
         }
-        let mut middle = right;
+        let (mut middle, mut newton) = (right, None);
         for _ in 0..ROUNDS {
-            let fraction = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let inside = |place: &f64| (place - low.0) * (place - high.0) < 0.0;
+            let secant = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let fraction = newton.filter(inside).unwrap_or(secant);
             let change = fraction - middle.fraction;
             middle = self.sample(step, watch, fraction);
-            let value = quantity(&middle);
+            let (value, slope) = quantity(&middle);
             // Good enough for Newton's method on shorter steps.
             if change.abs() < 1e-6 || value == 0.0 {
                 break;
             }
+            newton = slope.map(|slope| fraction - value / slope);
             if value * high.1 < 0.0 {
                 low = high;
             } else {

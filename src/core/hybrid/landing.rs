@@ -1,7 +1,9 @@
 //! Which guard ends a mode within a step, and where.
 
+use super::event::Event;
 use super::leg::GuardOf;
-use super::system::{Guard, HybridSystem};
+use super::simulation::INSTANT;
+use super::system::HybridSystem;
 use crate::core::field::VectorField;
 use crate::core::flow::{Root, Roots, Step};
 use crate::core::scalar::Scalar;
@@ -17,15 +19,77 @@ pub(super) struct Landing<T> {
     pub root: Root<T>,
 }
 
-/// The first guard of a mode to fall through zero in a step; of several together the one stated first.
-pub(super) fn first<S: HybridSystem, F: VectorField, T: Scalar>(
-    guards: &[Guard],
+/// A leg begins with a step no longer than so many legs before it: in chatter each is shorter than the last one, and
+/// must not be lost in a step.
+const LEGS: f64 = 4.0;
+
+/// What looks for the end of a leg in its steps.
+pub(super) struct Lookout<'l, 'a, S, T> {
+    pub system: &'a S,
+    /// The guards to look at.
+    pub watched: &'l [usize],
+    pub roots: &'l mut [Roots<T, GuardOf<'a, S>>],
+    /// Time and state where the leg ends are written here.
+    pub event: &'l mut Event<T>,
+    /// How long the step was in which the leg ends is written here.
+    pub pace: &'l mut Option<f64>,
+    /// Real parts of the parameters.
+    pub p: &'l [f64],
+    /// When the leg begins, and how long it may last.
+    pub leg: (T, T),
+}
+
+impl<S: HybridSystem, T: Scalar> Lookout<'_, '_, S, T> {
+    /// Where the leg ends in a step, if it does.
+    pub fn landing<F: VectorField>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
+        let landing = first(self.watched, self.roots, step)
+            .filter(|landing| !lifts(self.system, landing, step, self.p))?;
+        let ((begin, left), end) = (self.leg, landing.root.fraction);
+        self.event.time = step.time(end);
+        step.state(end, &mut self.event.before);
+        let lasted = (self.event.time - begin).real();
+        let longest = (step.length() * left.real()).min(LEGS * lasted);
+        *self.pace = (longest > INSTANT).then_some(longest);
+        Some(landing)
+    }
+}
+
+/// A guard that falls no faster at the beginning of a leg may be lifted.
+const RESTING: f64 = 1e-12;
+
+/// Fractions of a step at which a guard that is lifted is positive.
+const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+
+/// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
+/// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
+fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
+    system: &S,
+    landing: &Landing<T>,
+    step: &mut Step<F, T>,
+    p: &[f64],
+) -> bool {
+    let Landing { guard, root } = landing;
+    let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
+    if !begins || root.rate.real() < -RESTING {
+        return false;
+    }
+    let mut x = step.start().to_vec();
+    LIFTED.into_iter().all(|fraction| {
+        let fraction = T::constant(fraction);
+        step.interpolate(fraction, &mut x);
+        let real: Vec<f64> = x.iter().map(T::real).collect();
+        system.guard(*guard, step.time(fraction).real(), &real, p) > 0.0
+    })
+}
+
+/// The first of these guards to fall through zero in a step; of several together the one stated first.
+fn first<S: HybridSystem, F: VectorField, T: Scalar>(
+    watched: &[usize],
     roots: &mut [Roots<T, GuardOf<S>>],
-    mode: usize,
     step: &mut Step<F, T>,
 ) -> Option<Landing<T>> {
     let mut found: Option<Landing<T>> = None;
-    for guard in (0..guards.len()).filter(|g| guards[*g].mode == mode) {
+    for &guard in watched {
         let _ = roots[guard].search(step, |_, root| {
             let earlier =
                 |other: &Landing<T>| root.fraction.real() < other.root.fraction.real() - TOGETHER;

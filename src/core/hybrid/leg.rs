@@ -1,10 +1,15 @@
 //! One mode as a vector field, and one guard as a watched function.
 
+use super::simulation::HybridFlow;
 use super::system::HybridSystem;
 use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
 use crate::core::zero::{LeftDomain, Names};
+
+/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
+/// tells how fast things change.
+const PART_OF_PERIOD: f64 = 0.125;
 
 /// The vector field of one mode.
 pub struct InMode<'a, S> {
@@ -44,5 +49,17 @@ pub struct GuardOf<'a, S> {
 impl<S: HybridSystem> Watch for GuardOf<'_, S> {
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
         self.system.guard(self.guard, t, x, p)
+    }
+}
+
+impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
+    /// Prepares the flow for a leg that lasts no longer than this.
+    pub(super) fn prepare_leg(&mut self, left: f64) {
+        let period = self.system.period(&self.p).unwrap_or(f64::INFINITY);
+        let largest = self.settings.flow.largest_step;
+        self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left);
+        // Fields of different modes have much in common: the forcing, and most of the forces.
+        let pace = self.pace.map(|pace| (pace / left).min(1.0));
+        self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
     }
 }

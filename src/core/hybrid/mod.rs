@@ -18,6 +18,7 @@
 mod chatter;
 mod error;
 mod event;
+mod fleet;
 mod landing;
 mod leg;
 mod measure;
@@ -29,6 +30,7 @@ mod system;
 
 pub use error::{After, HybridError};
 pub use event::{Event, History, HybridObserver, Piece};
+pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
 pub use measure::{Measure, Passage};
 pub use recurrence::{Cycle, CycleLeg, Recurrence, RecurrenceError};

@@ -3,50 +3,15 @@
 use super::chatter::{Accumulation, Series};
 use super::error::{After, HybridError};
 use super::event::{Event, HybridObserver};
-use super::landing::{Landing, first};
+use super::landing::{Landing, Lookout};
 use super::leg::{GuardOf, InMode};
 use super::system::{Guard, HybridSystem, Mode};
-use crate::core::field::VectorField;
-use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics, Step};
+use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics};
 use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
-/// A guard that falls no faster at the beginning of a leg may be lifted.
-const RESTING: f64 = 1e-12;
-
-/// Fractions of a step at which a guard that is lifted is positive.
-const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
-
-/// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
-/// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
-fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
-    system: &S,
-    landing: &Landing<T>,
-    step: &mut Step<F, T>,
-    p: &[f64],
-) -> bool {
-    let Landing { guard, root } = landing;
-    let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
-    if !begins || root.rate.real() < -RESTING {
-        return false;
-    }
-    let mut x = step.start().to_vec();
-    LIFTED.into_iter().all(|fraction| {
-        let fraction = T::constant(fraction);
-        step.interpolate(fraction, &mut x);
-        let real: Vec<f64> = x.iter().map(T::real).collect();
-        system.guard(*guard, step.time(fraction).real(), &real, p) > 0.0
-    })
-}
-
-/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
-/// tells how fast things change.
-const PART_OF_PERIOD: f64 = 0.125;
-/// A leg begins with a step no longer than so many legs before it: in chatter each is shorter than the last one, and
-/// must not be lost in a step.
-const LEGS: f64 = 4.0;
 /// Time stands still while it moves by less than this.
-const INSTANT: f64 = 1e-9;
+pub(super) const INSTANT: f64 = 1e-9;
 
 /// Tolerances and limits of a hybrid motion.
 ///
@@ -134,13 +99,15 @@ pub struct HybridFlow<'a, S, T: Scalar> {
     pub(super) system: &'a S,
     pub(super) modes: Vec<Mode>,
     pub(super) guards: Vec<Guard>,
-    settings: HybridSettings,
-    flow: Flow<T>,
-    roots: Vec<Roots<T, GuardOf<'a, S>>>,
+    /// The guards of each mode.
+    pub(super) watched: Vec<Vec<usize>>,
+    pub(super) settings: HybridSettings,
+    pub(super) flow: Flow<T>,
+    pub(super) roots: Vec<Roots<T, GuardOf<'a, S>>>,
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
     /// How long the step was in which the last leg ended.
-    pace: Option<f64>,
+    pub(super) pace: Option<f64>,
     /// Real parts of a state.
     pub(super) x: Vec<f64>,
     /// Real parts of the parameters.
@@ -149,12 +116,12 @@ pub struct HybridFlow<'a, S, T: Scalar> {
 
 /// A motion under way: where it ends, and what it has cost.
 pub(super) struct Run<'a, T, O> {
-    end: T,
-    p: &'a [T],
-    observer: &'a mut O,
+    pub end: T,
+    pub p: &'a [T],
+    pub observer: &'a mut O,
     pub statistics: HybridStatistics,
     /// When time moved last, and how many events have come since.
-    still: (f64, usize),
+    pub still: (f64, usize),
 }
 
 impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
@@ -168,7 +135,22 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         let series = guards.iter().map(|_| Series::new()).collect();
         let (flow, event) = (Flow::new(settings.flow)?, Event::empty());
         let (pace, x, p) = Default::default();
-        Ok(HybridFlow { system, modes, guards, settings, flow, roots, series, event, pace, x, p })
+        let of_mode = |mode| (0..guards.len()).filter(|g| guards[*g].mode == mode).collect();
+        let watched = (0..modes.len()).map(of_mode).collect();
+        Ok(HybridFlow {
+            system,
+            modes,
+            guards,
+            watched,
+            settings,
+            flow,
+            roots,
+            series,
+            event,
+            pace,
+            x,
+            p,
+        })
     }
 
     /// The system.
@@ -230,7 +212,12 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
     }
 
     /// Refuses what cannot begin.
-    fn begin(&mut self, state: &HybridState<T>, duration: T, p: &[T]) -> Result<(), HybridError> {
+    pub(super) fn begin(
+        &mut self,
+        state: &HybridState<T>,
+        duration: T,
+        p: &[T],
+    ) -> Result<(), HybridError> {
         self.series.iter_mut().for_each(|series| series.events = 0);
         self.pace = None;
         let (time, mode, modes) = (state.time.real(), state.mode, self.modes.len());
@@ -261,15 +248,12 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         self.x.clear();
         self.x.extend(state.x.iter().map(T::real));
         let time = state.time.real();
-        for (g, guard) in self.guards.iter().enumerate() {
-            if guard.mode != state.mode {
-                continue;
-            }
+        for &g in &self.watched[state.mode] {
             let value = self.system.guard(g, time, &self.x, &self.p);
             if value < -NEGATIVE {
                 let mode = self.modes[state.mode].name.clone();
                 let after = After(event.map(|event| self.guards[event].name.clone()));
-                let guard = guard.name.clone();
+                let guard = self.guards[g].name.clone();
                 return Err(HybridError::Outside { time, mode, guard, value, after });
             }
         }
@@ -277,37 +261,27 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
     }
 
     /// Follows the flow of one mode to its end, or to that of the motion.
-    fn leg<O: HybridObserver<T>>(
+    pub(super) fn leg<O: HybridObserver<T>>(
         &mut self,
         state: &mut HybridState<T>,
         run: &mut Run<T, O>,
     ) -> Result<Option<Landing<T>>, HybridError> {
         let (system, mode, left) = (self.system, state.mode, run.end - state.time);
-        let period = system.period(&self.p).unwrap_or(f64::INFINITY);
-        let largest = self.settings.flow.largest_step;
-        self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left.real());
-        // Fields of different modes have much in common: the forcing, and most of the forces.
-        let pace = self.pace.map(|pace| (pace / left.real()).min(1.0));
-        self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
+        self.prepare_leg(left.real());
         for (guard, roots) in self.roots.iter_mut().enumerate() {
             roots.restart(GuardOf { system, guard });
         }
-        let HybridFlow { guards, flow, roots, event, pace, p: real, .. } = self;
+        let HybridFlow { flow, roots, event, pace, p, watched, .. } = self;
+        let watched = &watched[mode];
+        let mut lookout =
+            Lookout { system, watched, roots, event, pace, p, leg: (state.time, left) };
         let mut landing = None;
-        let (field, time) = (InMode { system, mode }, state.time);
-        event.before.clear();
-        event.before.extend_from_slice(&state.x);
-        let outcome = flow.observe(&field, time, left, &mut state.x, run.p, |step| {
-            landing = first(guards, roots, mode, step)
-                .filter(|landing| !lifts(system, landing, step, real));
+        lookout.event.before.clear();
+        lookout.event.before.extend_from_slice(&state.x);
+        let field = InMode { system, mode };
+        let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
+            landing = lookout.landing(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);
-            if landing.is_some() {
-                event.time = step.time(end);
-                step.state(end, &mut event.before);
-                let lasted = (event.time - time).real();
-                let longest = (step.length() * left.real()).min(LEGS * lasted);
-                *pace = (longest > INSTANT).then_some(longest);
-            }
             run.observer.step(mode, step, end);
             if landing.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -329,7 +303,7 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
     }
 
     /// Passes an event, and the accumulation of such events if it is near.
-    fn land<O: HybridObserver<T>>(
+    pub(super) fn land<O: HybridObserver<T>>(
         &mut self,
         Landing { guard, root }: Landing<T>,
         state: &mut HybridState<T>,
@@ -409,7 +383,7 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
 }
 
 /// The cost of two flows.
-fn sum(a: Statistics, b: Statistics) -> Statistics {
+pub(super) fn sum(a: Statistics, b: Statistics) -> Statistics {
     Statistics {
         evaluations: a.evaluations + b.evaluations,
         accepted: a.accepted + b.accepted,

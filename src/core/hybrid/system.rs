@@ -117,6 +117,13 @@ pub trait HybridSystem {
         self.guards()[guard].contact
     }
 
+    /// Whether [`field`](Self::field) and [`guard`](Self::guard) may be evaluated for several motions at once, each in
+    /// a lane of a vector register: what they compute with must not be compared, nor asked for its real part, since
+    /// one decision cannot be right in all lanes. Modes and guards may be told apart. By default no.
+    fn in_lanes(&self) -> bool {
+        false
+    }
+
     /// The period of the forcing; `None` if the system is autonomous.
     fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
         None

@@ -329,6 +329,10 @@ impl HybridSystem for Actuator {
         Some(Self::contact(cause, mode).filter(|_| pressed).unwrap_or(mode))
     }
 
+    fn in_lanes(&self) -> bool {
+        true
+    }
+
     fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
         VectorField::period(&Block, &Parameters::of(p).block)
     }

@@ -1,0 +1,147 @@
+//! Numbers side by side, one in each lane of a vector register: several flows of one field take a step at once.
+//!
+//! Every lane is computed as if the others were not there, to the last bit, so that what is found does not depend on
+//! which flows go together.
+
+mod dual;
+mod sine;
+
+use std::fmt::{Display, Formatter};
+use std::ops::{
+    Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
+};
+use wide::f64x8;
+
+/// How many numbers there are side by side.
+pub(in crate::core) const LANES: usize = 8;
+
+/// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison, or a decision by
+/// the real part, can only be one for all, and sees the first lane.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::core) struct Lanes(f64x8);
+
+impl Lanes {
+    /// One number in all lanes.
+    #[inline(always)]
+    pub fn splat(value: f64) -> Self {
+        Lanes(f64x8::splat(value))
+    }
+
+    /// The numbers of the lanes.
+    #[inline(always)]
+    pub fn each(self) -> [f64; LANES] {
+        self.0.to_array()
+    }
+
+    /// The first number.
+    #[inline(always)]
+    fn first(self) -> f64 {
+        self.0.as_array()[0]
+    }
+
+    /// A function that has no vector form, lane by lane.
+    fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        Lanes(f64x8::new(self.each().map(function)))
+    }
+
+    /// The larger number in each lane.
+    #[inline(always)]
+    pub fn most(self, other: Self) -> Self {
+        Lanes(self.0.fast_max(other.0))
+    }
+
+    /// The smaller number in each lane.
+    #[inline(always)]
+    pub fn least(self, other: Self) -> Self {
+        Lanes(self.0.fast_min(other.0))
+    }
+
+    /// The size in each lane.
+    #[inline(always)]
+    pub fn size(self) -> Self {
+        Lanes(self.0.abs())
+    }
+
+    /// The square root in each lane.
+    #[inline(always)]
+    pub fn root(self) -> Self {
+        Lanes(self.0.sqrt())
+    }
+
+    /// In which lanes the number is larger than another, one bit each.
+    #[inline(always)]
+    pub fn exceeds(self, other: Self) -> u32 {
+        self.0.simd_gt(other.0).to_bitmask()
+    }
+}
+
+impl From<[f64; LANES]> for Lanes {
+    #[inline(always)]
+    fn from(values: [f64; LANES]) -> Self {
+        Lanes(f64x8::new(values))
+    }
+}
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Lanes(-self.0)
+    }
+}
+
+macro_rules! operators {
+    ($($operator:ident $method:ident, $assign:ident $assigned:ident;)*) => {$(
+        impl $operator for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Lanes(self.0.$method(other.0))
+            }
+        }
+
+        impl $operator<&Lanes> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: &Self) -> Self {
+                Lanes(self.0.$method(other.0))
+            }
+        }
+
+        impl $operator<f64> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                Lanes(self.0.$method(f64x8::splat(other)))
+            }
+        }
+
+        impl $assign for Lanes {
+            #[inline(always)]
+            fn $assigned(&mut self, other: Self) {
+                *self = (*self).$method(other);
+            }
+        }
+
+        impl $assign<f64> for Lanes {
+            #[inline(always)]
+            fn $assigned(&mut self, other: f64) {
+                *self = (*self).$method(other);
+            }
+        }
+    )*};
+}
+
+operators! {
+    Add add, AddAssign add_assign;
+    Sub sub, SubAssign sub_assign;
+    Mul mul, MulAssign mul_assign;
+    Div div, DivAssign div_assign;
+    Rem rem, RemAssign rem_assign;
+}
+
+impl Display for Lanes {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?}", self.each())
+    }
+}

@@ -1,0 +1,199 @@
+//! What is done with members between steps abreast.
+
+use super::berth::{Berth, Next, Outcome};
+use super::{Fleet, FleetObserver};
+use crate::core::flow::{LANES, Sign};
+use crate::core::hybrid::chatter::Series;
+use crate::core::hybrid::error::HybridError;
+use crate::core::hybrid::event::{Event, HybridObserver};
+use crate::core::hybrid::landing::{Landing, Lookout};
+use crate::core::hybrid::leg::{GuardOf, InMode};
+use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
+use crate::core::hybrid::system::HybridSystem;
+use std::ops::ControlFlow;
+
+/// Shows the events of one member.
+struct Shown<'a, O>(usize, &'a mut O);
+
+impl<O: FleetObserver> HybridObserver<f64> for Shown<'_, O> {
+    fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
+        self.1.event(self.0, event);
+        ControlFlow::Continue(())
+    }
+}
+
+impl<S: HybridSystem> Fleet<'_, S> {
+    /// Does with a member what is not done abreast.
+    pub(super) fn go(
+        &mut self,
+        number: usize,
+        next: Next,
+        observer: &mut impl FleetObserver,
+    ) -> Outcome {
+        let mut next = next;
+        loop {
+            let berth = &mut self.berths[number];
+            next = match next {
+                Next::Depart => {
+                    let (time, duration) = (berth.state.time, berth.duration);
+                    (berth.end, berth.still) = (time + duration, (time, 0));
+                    berth.statistics = HybridStatistics::default();
+                    self.work(number, observer, |worker, state, run| {
+                        worker.begin(state, duration, run.p)
+                    })?;
+                    Next::Leg
+                }
+                Next::Leg if berth.state.time >= berth.end => Next::Arrive,
+                Next::Leg if !self.sets_out(number) => Next::Alone,
+                Next::Leg => return Ok(ControlFlow::Continue(())),
+                Next::Alone => self.work(number, observer, |worker, state, run| {
+                    let Some(landing) = worker.leg(state, run)? else { return Ok(Next::Arrive) };
+                    worker.land(landing, state, run).map(|_| Next::Leg)
+                })?,
+                Next::Arrive => {
+                    let Berth { member, state, statistics, .. } = &mut self.berths[number];
+                    if observer.arrived(*member, state, statistics).is_break() {
+                        return Ok(ControlFlow::Break(()));
+                    }
+                    Next::Depart
+                }
+            };
+        }
+    }
+
+    /// Lets the worker work for a member.
+    fn work<O: FleetObserver, R>(
+        &mut self,
+        number: usize,
+        observer: &mut O,
+        act: impl FnOnce(
+            &mut HybridFlow<S, f64>,
+            &mut HybridState<f64>,
+            &mut Run<f64, Shown<O>>,
+        ) -> Result<R, HybridError>,
+    ) -> Result<R, HybridError> {
+        let (Fleet { worker, berths, .. }, shown) = (self, &mut Shown(0, observer));
+        let Berth { member, state, p, end, statistics, still, series, pace, .. } =
+            &mut berths[number];
+        if series.is_empty() {
+            series.extend(worker.guards.iter().map(|_| Series::new()));
+        }
+        std::mem::swap(&mut worker.series, series);
+        worker.pace = *pace;
+        worker.p.clone_from(p);
+        shown.0 = *member;
+        let mut run = Run { end: *end, p, observer: shown, statistics: *statistics, still: *still };
+        let result = act(worker, state, &mut run);
+        (*statistics, *still, *pace) = (run.statistics, run.still, worker.pace);
+        std::mem::swap(&mut worker.series, series);
+        result
+    }
+
+    /// Sets out on a leg abreast, if this member can.
+    fn sets_out(&mut self, number: usize) -> bool {
+        let Fleet { worker, abreast, berths, .. } = self;
+        let Berth { state, p, end, pace, course, signs, .. } = &mut berths[number];
+        let (left, mode, system) = (*end - state.time, state.mode, worker.system);
+        worker.pace = *pace;
+        worker.p.clone_from(p);
+        worker.prepare_leg(left);
+        signs.clear();
+        signs.resize(worker.watched[mode].len(), Sign::Unknown);
+        let (field, span) = (InMode { system, mode }, [state.time, left]);
+        abreast.is_some() && worker.flow.set_out(&field, span, &state.x, p, course).is_ok()
+    }
+
+    /// Tries a step of members in one mode.
+    pub(super) fn attempt(&mut self, mode: usize, abreast: &[usize]) -> [f64; LANES] {
+        let Fleet { worker, abreast: lanes, outlooks, berths, .. } = self;
+        let Some(lanes) = lanes else { return [f64::NAN; LANES] };
+        for lane in 0..LANES {
+            let berth = &berths[abreast[lane.min(abreast.len() - 1)]];
+            lanes.load(lane, &berth.course, &berth.p);
+        }
+        let system = worker.system;
+        let errors = lanes.attempt(&InMode { system, mode }, &worker.settings.flow);
+        lanes.look();
+        outlooks.clear();
+        let guards = worker.watched[mode].iter();
+        outlooks.extend(guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard })));
+        errors
+    }
+
+    /// Decides what the step of a lane means.
+    pub(super) fn judge(
+        &mut self,
+        mode: usize,
+        (lane, number): (usize, usize),
+        error: f64,
+        observer: &mut impl FleetObserver,
+    ) -> Outcome {
+        let (system, most) = (self.worker.system, self.worker.settings.flow.max_steps);
+        let Some(abreast) = &self.abreast else { return self.go(number, Next::Alone, observer) };
+        let Berth { course, signs, .. } = &mut self.berths[number];
+        course.statistics.evaluations += abreast.cost();
+        let steps = course.statistics.accepted + course.statistics.rejected;
+        if error.is_nan() || error > 1.0 {
+            // What cannot go on is told by the flow of the leg alone.
+            let again = course.reject(error).is_some() && steps < most;
+            return if again {
+                Ok(ControlFlow::Continue(()))
+            } else {
+                self.go(number, Next::Alone, observer)
+            };
+        }
+        self.loud.clear();
+        for ((guard, sign), outlook) in
+            self.worker.watched[mode].iter().zip(&mut *signs).zip(&self.outlooks)
+        {
+            if outlook.is_quiet(lane, *sign) {
+                *sign = Sign::Positive;
+            } else {
+                self.loud.push(*guard);
+            }
+        }
+        let landing = if self.loud.is_empty() { None } else { self.look_at(mode, lane, number) };
+        let Some(abreast) = &self.abreast else { return self.go(number, Next::Alone, observer) };
+        let Berth { course, p, state, statistics, end, .. } = &mut self.berths[number];
+        abreast.accept(lane, error, course);
+        if let Some(landing) = landing {
+            statistics.flow = sum(statistics.flow, course.statistics);
+            self.work(number, observer, |worker, state, run| {
+                worker.land(landing, state, run).map(|_| ())
+            })?;
+            return self.go(number, Next::Leg, observer);
+        }
+        let x = course.state();
+        if steps >= most || x.iter().any(|x| !x.is_finite()) || system.domain(mode, x, p).is_err() {
+            return self.go(number, Next::Alone, observer);
+        }
+        if course.is_over() {
+            statistics.flow = sum(statistics.flow, course.statistics);
+            state.time = *end;
+            state.x.clear();
+            state.x.extend_from_slice(x);
+            return self.go(number, Next::Arrive, observer);
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Looks at the step of one lane for where its leg ends.
+    fn look_at(&mut self, mode: usize, lane: usize, number: usize) -> Option<Landing<f64>> {
+        let Fleet { worker, abreast, loud, berths, .. } = self;
+        let Berth { state, p, end, course, signs, pace, .. } = &mut berths[number];
+        let HybridFlow { system, flow, roots, event, watched, .. } = worker;
+        let system: &S = system;
+        watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| {
+            roots[*guard].resume(GuardOf { system, guard: *guard }, *sign)
+        });
+        event.before.clone_from(&state.x);
+        let leg = (state.time, *end - state.time);
+        let mut lookout = Lookout { system, watched: loud, roots, event, pace, p, leg };
+        let (mut landing, abreast) = (None, abreast.as_ref()?);
+        flow.show_lane(&InMode { system, mode }, p, (abreast, lane, course), |step| {
+            landing = lookout.landing(step);
+        });
+        watched[mode].iter().zip(signs).for_each(|(guard, sign)| *sign = roots[*guard].sign());
+        landing
+    }
+}
