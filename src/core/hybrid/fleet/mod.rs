@@ -104,57 +104,62 @@ impl<'a, S: HybridSystem> Fleet<'a, S> {
         duration: impl Fn(&Member) -> f64,
         observer: &mut impl FleetObserver,
     ) -> Vec<Result<(), HybridError>> {
-        let mut results: Vec<_> = members.iter().map(|_| Ok(())).collect();
         let mut waiting = 0..members.len();
-        let mut queues: Vec<Vec<usize>> = self.worker.modes.iter().map(|_| Vec::new()).collect();
-        let mut free: Vec<usize> = (0..UNDER_WAY).collect();
+        let mut harbour = Harbour {
+            queues: self.worker.modes.iter().map(|_| Vec::new()).collect(),
+            free: (0..UNDER_WAY).collect(),
+            results: members.iter().map(|_| Ok(())).collect(),
+            members,
+        };
         self.berths.resize_with(UNDER_WAY, Berth::new);
         loop {
-            while let Some(berth) = free.pop() {
+            while let Some(number) = harbour.free.pop() {
                 let Some(member) = waiting.next() else { break };
-                self.berths[berth].board(member, &members[member], duration(&members[member]));
-                let outcome = self.go(berth, Next::Depart, observer);
-                self.go_on(berth, outcome, (&mut queues, &mut free, members, &mut results));
+                let boarding = &harbour.members[member];
+                self.berths[number].board(member, boarding, duration(boarding));
+                let outcome = self.go(number, Next::Depart, observer);
+                harbour.go_on(number, &self.berths[number], outcome);
             }
-            let Some(mode) = (0..queues.len()).max_by_key(|mode| queues[*mode].len()) else {
-                break;
-            };
-            let queue = &mut queues[mode];
-            if queue.is_empty() {
-                break;
-            }
-            let count = queue.len().min(LANES);
-            let mut abreast = [0; LANES];
-            abreast[..count].copy_from_slice(&queue[queue.len() - count..]);
-            queue.truncate(queue.len() - count);
+            let Some((mode, abreast, count)) = harbour.longest() else { break };
             let errors = self.attempt(mode, &abreast[..count]);
             for (lane, berth) in abreast[..count].iter().enumerate() {
                 let outcome = self.judge(mode, (lane, *berth), errors[lane], observer);
-                self.go_on(*berth, outcome, (&mut queues, &mut free, members, &mut results));
+                harbour.go_on(*berth, &self.berths[*berth], outcome);
             }
         }
-        results
+        harbour.results
+    }
+}
+
+/// Which berths wait in which mode, which are free, and what has become of the members.
+struct Harbour<'m> {
+    /// Berths by the mode of their members.
+    queues: Vec<Vec<usize>>,
+    free: Vec<usize>,
+    members: &'m mut [Member],
+    results: Vec<Result<(), HybridError>>,
+}
+
+impl Harbour<'_> {
+    /// The mode in which most are waiting, and as many of them as go abreast.
+    fn longest(&mut self) -> Option<(usize, [usize; LANES], usize)> {
+        let modes = self.queues.iter_mut().enumerate().filter(|(_, queue)| !queue.is_empty());
+        let (mode, queue) = modes.max_by_key(|(_, queue)| queue.len())?;
+        let count = queue.len().min(LANES);
+        let mut abreast = [0; LANES];
+        abreast[..count].copy_from_slice(&queue[queue.len() - count..]);
+        queue.truncate(queue.len() - count);
+        Some((mode, abreast, count))
     }
 
     /// Puts a member into the queue of its mode, or back where it came from.
-    fn go_on(
-        &mut self,
-        number: usize,
-        outcome: Outcome,
-        (queues, free, members, results): (
-            &mut [Vec<usize>],
-            &mut Vec<usize>,
-            &mut [Member],
-            &mut [Result<(), HybridError>],
-        ),
-    ) {
-        let berth = &mut self.berths[number];
+    fn go_on(&mut self, number: usize, berth: &Berth, outcome: Outcome) {
         if let Ok(ControlFlow::Continue(())) = outcome {
-            queues[berth.state.mode].push(number);
+            self.queues[berth.state.mode].push(number);
             return;
         }
-        members[berth.member].state.clone_from(&berth.state);
-        results[berth.member] = outcome.map(|_| ());
-        free.push(number);
+        self.members[berth.member].state.clone_from(&berth.state);
+        self.results[berth.member] = outcome.map(|_| ());
+        self.free.push(number);
     }
 }
