@@ -156,8 +156,17 @@ def machine():
         return platform.processor() or platform.machine()
 
 
+def together(rounds):
+    """One row for each of tangency's methods out of several rounds: the median of CPU times, and the least."""
+    for rows in zip(*rounds):
+        row = sorted(rows, key=milliseconds)[len(rows) // 2]
+        least = min(float(re.search(r"least ([\d.eE+-]+)", row[-1])[1]) for row in rows)
+        yield [*row[:-1], f"{milliseconds(row):.3f} (least {least:.3f})"]
+
+
 def measure(arguments, directory):
-    """The rows of AUTO in its several builds, with remarks."""
+    """The rows of AUTO in its several builds, with remarks, and tangency's: both take turns, since machines have slow
+    minutes."""
     call(sys.executable, "-m", "pip", "download", "--no-deps", "--no-binary", "bifpy", "-d", directory, AUTO)
     (sources,) = directory.glob("*.tar.gz")
     builds = {"as bifpy builds it": ([], build(sources, directory / "0", [])),
@@ -167,7 +176,14 @@ def measure(arguments, directory):
     programs = {f"AUTO-07p, {build_name}, {name}": Auto(name, directory / build_name, objects, options)
                 for build_name, (options, objects) in builds.items() for name in FORMULATIONS}  # fmt: skip
     one_core()
-    return zip(*(auto.row(name, arguments.runs) for name, auto in programs.items()))
+    rows, remarks, rounds = [], [], []
+    for name, auto in programs.items():
+        row, remark = auto.row(name, arguments.runs)
+        rows.append(row)
+        remarks.append(remark)
+        if arguments.tangency:
+            rounds.append(tangency(arguments.tangency))
+    return rows, remarks, list(together(rounds))
 
 
 def one_core():
@@ -188,8 +204,7 @@ def main():
         call(*shlex.split(arguments.tangency.replace("cargo run", "cargo build", 1)), cwd=HERE.parents[1])
 
     with tempfile.TemporaryDirectory() as directory:
-        rows, remarks = measure(arguments, pathlib.Path(directory))
-    own = tangency(arguments.tangency) if arguments.tangency else []
+        rows, remarks, own = measure(arguments, pathlib.Path(directory))
 
     versions = [call("gfortran", "--version").splitlines()[0]]
     versions += [call("rustc", "--version").strip()] if own else []
