@@ -76,7 +76,7 @@
 //! | [`core::continuation`] | [`Continuation`](core::continuation::Continuation): stepping, events, switching; [`Branch`](core::continuation::Branch)es as data |
 //! | [`core::field`], [`core::flow`] | [`VectorField`](core::field::VectorField)s, and their flow in any scalar |
 //! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting, as systems |
-//! | [`core::hybrid`] | [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, and their event-driven simulation |
+//! | [`core::hybrid`] | [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, their event-driven simulation, and that of many abreast |
 //! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, and simulations that find them |
 //! | [`core::jet`], [`core::grazing`] | Taylor series as scalars; local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
