@@ -184,8 +184,14 @@ fn sweep() -> Result<(), Box<dyn Error>> {
     let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0; 2] };
     let axis = Axis { quantity: Quantity::Parameter(0), low: 0.55, high: 0.85, count: 32 };
     let settling = Settling { transient: 200, ..Settling::default() };
-    let plan =
-        Plan { axes: vec![axis], starts: vec![start], order: Order::Anew, strands: 1, settling };
+    let plan = Plan {
+        axes: vec![axis],
+        starts: vec![start],
+        order: Order::Anew,
+        strands: 1,
+        settling,
+        crisis: None,
+    };
     let make = || -> Result<Box<dyn Strobed>, StrobeError> {
         Ok(Box::new(Stroboscope::of(&Actuator, settings(1e-9), &[])?))
     };

@@ -9,7 +9,6 @@ import argparse
 import datetime
 import os
 import pathlib
-import platform
 import re
 import shlex
 import statistics
@@ -17,6 +16,8 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+
+from common import machine, one_core, table
 
 HERE = pathlib.Path(__file__).resolve().parent
 AUTO = "bifpy==0.3.0"  # the source package that carries AUTO-07p
@@ -135,25 +136,9 @@ def tangency(command):
     return [[cell.strip() for cell in row] for row in rows]
 
 
-def table(header, rows):
-    """A Markdown table."""
-    for row in (header, ["---"] * len(header), *rows):
-        print("| " + " | ".join(row) + " |")
-    print()
-
-
 def milliseconds(row):
     """The number in the last of the common columns."""
     return float(re.match(r"[\d.eE+-]+", row[len(COLUMNS) - 1])[0])
-
-
-def machine():
-    """The processor's name."""
-    try:
-        names = re.search(r"model name\s*:\s*(.*)", pathlib.Path("/proc/cpuinfo").read_text())
-        return names[1]
-    except (OSError, TypeError):
-        return platform.processor() or platform.machine()
 
 
 def together(rounds):
@@ -184,13 +169,6 @@ def measure(arguments, directory):
         if arguments.tangency:
             rounds.append(tangency(arguments.tangency))
     return rows, remarks, list(together(rounds))
-
-
-def one_core():
-    """This process and all it starts from now on: one thread, and on Linux one core."""
-    os.environ |= {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
-    if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
 def main():

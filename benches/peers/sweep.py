@@ -10,7 +10,6 @@ import datetime
 import math
 import os
 import pathlib
-import platform
 import re
 import shlex
 import statistics
@@ -21,6 +20,7 @@ import time
 import heyoka as hy
 import numpy as np
 import scipy
+from common import machine, one_core, table
 from scipy.integrate import solve_ivp
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -203,28 +203,6 @@ def measure(arguments, voltage, directory):
         rates.setdefault((SciPy.name, *of_scipy), []).append(rate(scipys, few, 1))
     remark = f"V = {voltage}: heyoka at 1e-16 and tangency at 1e-14 differ by {error(converged, exact):.1e}."
     return [[f"{voltage}", *key, statistics.median(numbers)] for key, numbers in rates.items()], remark
-
-
-def table(header, rows):
-    """A Markdown table."""
-    for row in (header, ["---"] * len(header), *rows):
-        print("| " + " | ".join(row) + " |")
-    print()
-
-
-def machine():
-    """The processor's name."""
-    try:
-        return re.search(r"model name\s*:\s*(.*)", pathlib.Path("/proc/cpuinfo").read_text())[1]
-    except (OSError, TypeError):
-        return platform.processor() or platform.machine()
-
-
-def one_core():
-    """This process and all it starts from now on: one thread, and on Linux one core."""
-    os.environ |= {"OMP_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
-    if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
 def main():

@@ -1,7 +1,7 @@
 //! Tracing the runs of a scene, one after the other.
 
 use super::join::{Joined, join};
-use super::local::points_of;
+use super::local::{points_of, series_of};
 use super::simulate::Simulation;
 use super::{Local, Run, Scene, SceneError, Simulated, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
@@ -238,7 +238,11 @@ fn system_of(
     };
     let map =
         seen.problem.local_map(&run.name, local, point_of(&run.name, done, from, *kind, *nth)?)?;
-    points_of(map, local).map_err(|cause| failed_map(&run.name, cause))
+    let system = match run.expanded {
+        None => points_of(map, &run.impacts),
+        Some(kind) => series_of(&map, kind, &run.along[0].name),
+    };
+    system.map_err(|cause| failed_map(&run.name, cause))
 }
 
 fn failed_map(run: &str, cause: GrazingError) -> SceneError {

@@ -5,7 +5,10 @@ use super::{Run, Scene, SceneError, Start};
 use crate::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
-use crate::core::grazing::{GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings};
+use crate::core::dense::Dense;
+use crate::core::grazing::{
+    ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
+};
 use crate::core::hybrid::HybridSystem;
 use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::solution::Solution;
@@ -30,13 +33,6 @@ pub struct Local {
     pub nth: usize,
     /// The parameters in which the map is expanded. All others are those of the grazing.
     pub parameters: Vec<String>,
-    /// Whether each iterate of a periodic point impacts; a start from another run goes on with its iterates.
-    #[serde(default = "one_pass")]
-    pub impacts: Vec<bool>,
-}
-
-fn one_pass() -> Vec<bool> {
-    vec![false]
 }
 
 impl Run {
@@ -72,9 +68,11 @@ impl Local {
             let rule = "must be a run of the flow, at whose grazing there is a map";
             return Err(invalid(&format!("`{}`", self.run), rule.into()));
         }
-        if self.impacts.is_empty() || self.parameters.is_empty() {
-            let rule = "must name the iterates of a point, and the parameters of the map";
-            return Err(invalid("without iterates or parameters", rule.into()));
+        if self.parameters.is_empty() {
+            return Err(invalid(
+                "without parameters",
+                "must name the parameters of the map".into(),
+            ));
         }
         match parameters.find(|name| !self.parameters.contains(name)) {
             Some(name) => {
@@ -96,6 +94,13 @@ impl Local {
         let held = run.set.iter().map(|(name, _)| name).filter(|name| scene.value(name).is_some());
         let along = run.along.iter().map(|range| &range.name);
         self.check_map(&format!("run `{}`", run.name), earlier, held.chain(along))?;
+        if run.expanded.is_some() && (run.along.len(), self.parameters.len()) != (1, 2) {
+            return Err(SceneError::Invalid {
+                place: format!("run `{}`, expanded", run.name),
+                found: format!("a map in {}", self.parameters.join(", ")),
+                rule: "must release one of the two parameters of a map: the other one is given by the series".into(),
+            });
+        }
         if matches!(run.start, Start::Simulated(_)) {
             return Err(SceneError::Invalid {
                 place: format!("run `{}`, start", run.name),
@@ -138,10 +143,27 @@ impl Discretisation {
     }
 }
 
-/// Fixed or periodic points of a map that go through the surface, or do not.
-pub(super) fn points_of(map: LocalMap, local: &Local) -> Result<Box<dyn System>, GrazingError> {
-    let points = LocalOrbit::of(map, &local.impacts).in_place().system();
+/// Points of a map each iterate of which goes through the surface, or does not; fixed points before the surface, if
+/// nothing is said.
+pub(super) fn points_of(map: LocalMap, impacts: &[bool]) -> Result<Box<dyn System>, GrazingError> {
+    let impacts = if impacts.is_empty() { &[false] } else { impacts };
+    let points = LocalOrbit::of(map, impacts).in_place().system();
     Ok(Box::new(points.map_err(EvaluationError::from)?))
+}
+
+/// The curve of a kind of special points that begins at the grazing of a map, by its series in one of its two
+/// parameters.
+pub(super) fn series_of(
+    map: &LocalMap,
+    kind: Kind,
+    free: &str,
+) -> Result<Box<dyn System>, GrazingError> {
+    let (names, p) = (map.parameters(), map.origin().1);
+    let second = names.iter().position(|name| name == free).unwrap_or(1);
+    let order = [1 - second.min(1), second];
+    let names = order.map(|k| names[k].clone());
+    let expansion = map.expanded(kind, [&names[0], &names[1]])?;
+    Ok(Box::new(Dense::new(ExpansionCurve { expansion, origin: order.map(|k| p[k]), names })))
 }
 
 /// A grazing as branches find it touches as closely as this.

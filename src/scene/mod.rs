@@ -78,6 +78,14 @@ pub struct Run {
     /// The local map near a grazing of which fixed or periodic points are followed, in place of orbits of the flow.
     #[serde(default)]
     pub local: Option<Local>,
+    /// Whether each iterate of a point of the local map impacts: none, of fixed points before the surface. A start
+    /// from another run goes on with its iterates.
+    #[serde(default)]
+    pub impacts: Vec<bool>,
+    /// The curve of folds (`LP`) or period doublings (`PD`) that begins at the grazing of the local map, by its Taylor
+    /// series to the map's order, in place of points of the map: released is one of its two parameters.
+    #[serde(default)]
+    pub expanded: Option<Kind>,
     /// The kind of special point that is held along the curve, where it is a curve of events.
     #[serde(default)]
     pub hold: Option<Kind>,

@@ -103,7 +103,7 @@ impl Problem {
         match self {
             Problem::Mita(_) => simulate(&Actuator, run, simulated, p, start),
             Problem::ImpactOscillator(_) => simulate(&ImpactOscillator, run, simulated, p, start),
-            _ => Err(not_hybrid()),
+            _ => Err(not_hybrid("start", "Simulated")),
         }
     }
 
@@ -119,7 +119,7 @@ impl Problem {
             Problem::ImpactOscillator(settings) => {
                 settings.settled(ImpactOscillator, run, simulated, p)
             }
-            _ => Err(not_hybrid()),
+            _ => Err(not_hybrid("start", "Simulated")),
         }
     }
 
@@ -159,9 +159,10 @@ impl Problem {
     }
 }
 
-fn not_hybrid() -> SceneError {
+/// What of a scene needs a hybrid system.
+pub(super) fn not_hybrid(name: &str, value: &str) -> SceneError {
     let reason = "only hybrid systems are simulated by scenes: `Mita`, `ImpactOscillator`";
-    SceneError::Value { name: "start".into(), value: "Simulated".into(), reason: reason.into() }
+    SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
 }
 
 fn plate_slots(plate: &mut PlateSettings) -> Slots<'_> {

@@ -28,7 +28,7 @@ fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
         ("recorded", Box::new(Plain(&mut sweep.settling.recorded))),
         ("most", Box::new(Plain(&mut sweep.settling.most))),
         ("exponent", Box::new(Plain(&mut sweep.settling.exponent))),
-        ("flow_error", Box::new(Plain(&mut sweep.tolerance))),
+        ("flow_error", Box::new(Plain(&mut sweep.flow_error))),
     ];
     if let [grid, ..] = &mut sweep.over[..] {
         slots.push(("count", Box::new(Plain(&mut grid.count))));
@@ -246,8 +246,9 @@ impl Scene {
                 finite(&format!("run `{}`, start of `{name}`", run.name), *value)?;
             }
         }
-        if let Some(local) = &run.local {
-            local.check(self, run, earlier)?;
+        match &run.local {
+            Some(local) => local.check(self, run, earlier)?,
+            None => no_map(run)?,
         }
         let Start::From { run: from, .. } = &run.start else { return Ok(()) };
         let Some(from) = earlier.iter().find(|run| run.name == *from) else {
@@ -330,4 +331,18 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), Sc
         seen.push(name);
     }
     Ok(())
+}
+
+/// Refuses what belongs to points of a local map in a run without one.
+fn no_map(run: &Run) -> Result<(), SceneError> {
+    let found = match (run.impacts.is_empty(), run.expanded) {
+        (true, None) => return Ok(()),
+        (false, _) => format!("impacts: {:?}", run.impacts),
+        (_, Some(kind)) => format!("expanded: {kind}"),
+    };
+    Err(SceneError::Invalid {
+        place: format!("run `{}`", run.name),
+        found,
+        rule: "must state the local map that it is about, `local`; orbits of the flow have an `itinerary`".into(),
+    })
 }

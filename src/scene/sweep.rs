@@ -1,12 +1,13 @@
 //! Sweeps of a scene: what motions settle on, over parameters and starts.
 
 use super::execute::map_of;
+use super::problem::not_hybrid;
 use super::simulate::at_rest;
 use super::{Local, Problem, Scene, SceneError};
-use crate::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
+use crate::core::attractor::{CrisisSearch, Layout, Settling, StrobeError, Strobed, Stroboscope};
 use crate::core::flow::{Scheme, Settings};
 use crate::core::grazing::{Iterated, LocalMap};
-use crate::core::hybrid::HybridSettings;
+use crate::core::hybrid::{HybridSettings, Mode};
 use crate::core::sweep::{self, Axis, Found, Make, Order, Part, Plan, Quantity};
 use crate::output::{SweepTable, Sweeps, UnknownName};
 use crate::problems::classic::ImpactOscillator;
@@ -44,19 +45,22 @@ pub struct Sweep {
     /// How runs are followed.
     #[serde(default)]
     pub settling: Settling,
+    /// Where each run seeks the crisis in which its attractor is lost.
+    #[serde(default)]
+    pub crisis: Option<Sought>,
     /// What is measured in every period recorded, by the names of the problem's monitors.
     #[serde(default)]
     pub measures: Vec<String>,
     /// The tolerance of the flow, absolute and relative.
-    #[serde(default = "tolerance")]
-    pub tolerance: f64,
+    #[serde(default = "flow_error")]
+    pub flow_error: f64,
 }
 
 fn one() -> usize {
     1
 }
 
-fn tolerance() -> f64 {
+fn flow_error() -> f64 {
     1e-10
 }
 
@@ -72,6 +76,34 @@ pub struct Grid {
     pub high: f64,
     /// How many.
     pub count: usize,
+}
+
+/// Where a crisis is sought ([`CrisisSearch`]).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sought {
+    /// The parameter that goes on.
+    pub name: String,
+    /// From where on.
+    pub from: f64,
+    /// Where to.
+    pub to: f64,
+    /// In how many steps.
+    #[serde(default = "one")]
+    pub steps: usize,
+    /// How long the interval may be in which the crisis is.
+    pub tolerance: f64,
+}
+
+impl Sought {
+    fn among(&self, parameters: &[(String, f64)]) -> Result<CrisisSearch, UnknownName> {
+        let &Sought { ref name, from, to, steps, tolerance } = self;
+        let parameter = parameters.iter().position(|(known, _)| known == name);
+        let known = parameters.iter().map(|(name, _)| name.as_str());
+        let parameter =
+            parameter.ok_or_else(|| UnknownName::new("parameter", name.as_str(), known))?;
+        Ok(CrisisSearch { parameter, between: [from, to], steps, tolerance })
+    }
 }
 
 /// Sees the runs of sweeps.
@@ -101,6 +133,7 @@ impl Problem {
             Problem::ImpactOscillator(_) => {
                 Ok(Box::new(Stroboscope::of(&ImpactOscillator, settings, measures)?))
             }
+            // Refused where sweeps are prepared.
             _ => Err(StrobeError::NoPeriod),
         }
     }
@@ -112,9 +145,9 @@ impl Scene {
         ron::to_string(self).unwrap_or_default()
     }
 
-    fn plan(&self, sweep: &Sweep, motion: &dyn Strobed) -> Result<Plan, SceneError> {
+    fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
         let parameters = self.problem.parameters();
-        let states = &motion.modes()[0].states;
+        let states = &mode.states;
         let axis = |grid: &Grid| {
             let parameter = parameters.iter().position(|(name, _)| *name == grid.name);
             let state = || states.iter().position(|name| *name == grid.name).map(Quantity::State);
@@ -127,14 +160,15 @@ impl Scene {
         };
         let axes = sweep.over.iter().map(axis).collect::<Result<_, _>>()?;
         let starts = match sweep.starts.is_empty() {
-            true => vec![at_rest(&motion.modes()[0], &[])?],
+            true => vec![at_rest(mode, &[])?],
             false => {
-                let starts = sweep.starts.iter().map(|state| at_rest(&motion.modes()[0], state));
+                let starts = sweep.starts.iter().map(|state| at_rest(mode, state));
                 starts.collect::<Result<_, _>>()?
             }
         };
+        let crisis = sweep.crisis.as_ref().map(|sought| sought.among(&parameters)).transpose()?;
         let Sweep { order, strands, settling, .. } = *sweep;
-        let plan = Plan { axes, starts, order, strands, settling };
+        let plan = Plan { axes, starts, order, strands, settling, crisis };
         plan.check()?;
         Ok(plan)
     }
@@ -194,7 +228,7 @@ fn strobed(
     seen: &Scene,
     map: Option<&LocalMap>,
 ) -> Result<Box<dyn Strobed>, StrobeError> {
-    let Some(map) = map else { return seen.problem.strobed(&sweep.measures, sweep.tolerance) };
+    let Some(map) = map else { return seen.problem.strobed(&sweep.measures, sweep.flow_error) };
     let names: Vec<String> = seen.problem.parameters().into_iter().map(|(name, _)| name).collect();
     let iterated = Iterated::of(map.clone(), &names, &sweep.measures);
     Ok(Box::new(iterated.map_err(|cause| StrobeError::Map(cause.to_string()))?))
@@ -207,25 +241,28 @@ struct Prepared<'a> {
     seen: Scene,
     /// The local map, if that is iterated.
     map: Option<LocalMap>,
-    /// A motion, for its names.
-    motion: Box<dyn Strobed>,
+    layout: Layout,
     plan: Plan,
 }
 
 impl<'a> Prepared<'a> {
     fn of(scene: &Scene, sweep: &'a Sweep) -> Result<Self, SceneError> {
         let seen = scene.with(&sweep.set)?;
+        if !matches!(seen.problem, Problem::Mita(_) | Problem::ImpactOscillator(_)) {
+            return Err(not_hybrid("sweeps", &sweep.name));
+        }
         let map = sweep.local.as_ref().map(|local| map_of(scene, &seen, &sweep.name, local));
         let map = map.transpose()?;
-        let motion = strobed(sweep, &seen, map.as_ref())?;
-        let plan = seen.plan(sweep, &*motion)?;
-        Ok(Prepared { sweep, seen, map, motion, plan })
+        let layout = strobed(sweep, &seen, map.as_ref())?.layout().clone();
+        let plan = seen.plan(sweep, &layout.modes[0])?;
+        Ok(Prepared { sweep, seen, map, layout, plan })
     }
 
     /// The sweep, of which nothing is done.
     fn table(&self) -> SweepTable {
         let axes: Vec<String> = self.sweep.over.iter().map(|grid| grid.name.clone()).collect();
-        SweepTable::new(&self.sweep.name, &axes, self.plan.runs(), &*self.motion)
+        let crisis = self.sweep.crisis.as_ref().map(|sought| sought.name.as_str());
+        SweepTable::new(&self.sweep.name, (&axes, crisis), self.plan.runs(), &self.layout)
     }
 
     /// Does the runs that are not known.
@@ -236,8 +273,8 @@ impl<'a> Prepared<'a> {
         index: usize,
         watch: &mut dyn SweepWatch,
     ) -> Result<ControlFlow<()>, SceneError> {
-        let Prepared { sweep, seen, map, motion, plan } = self;
-        let (table, modes) = (&all.sweeps[index], motion.modes());
+        let Prepared { sweep, seen, map, layout, plan } = self;
+        let (table, modes) = (&all.sweeps[index], &layout.modes);
         watch.begin(table);
         let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
         let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();

@@ -4,7 +4,9 @@
 use crate::common::close;
 use crate::points::{actuator, oscillator, settings};
 use crate::systems::impact_oscillator::ClosedForm;
-use tangency::core::attractor::{Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope};
+use tangency::core::attractor::{
+    CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
+};
 use tangency::core::grazing::{GrazingError, Iterated, LocalMap};
 use tangency::core::hybrid::{HybridSettings, HybridState, HybridSystem};
 use tangency::problems::mita::Actuator;
@@ -91,11 +93,11 @@ fn chaos_is_lost_where_the_map_says() {
     let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();
     let mut iterated = Iterated::of(map, &Actuator.parameters(), &[]).unwrap();
     let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[]).unwrap();
-    let settling = Settling { transient: 3000, recorded: 50, exponent: 0, ..Settling::default() };
+    let settling = Settling { transient: 6000, recorded: 50, exponent: 0, ..Settling::default() };
     let between = [0.1790, 0.1780];
     let lost = |motion: &mut dyn Strobed, start: &[f64]| {
-        let crisis = settling.crisis(motion, at(start), &point.p, 0, between, 1e-6).unwrap();
-        let crisis = crisis.expect("chaos is lost");
+        let search = CrisisSearch::of(0, between, 1e-6);
+        let crisis = settling.crisis(motion, at(start), &point.p, &search).unwrap();
         assert_eq!(crisis.beyond, Some(1));
         crisis.between[1]
     };

@@ -6,7 +6,9 @@ use crate::systems::impact_oscillator::ClosedForm;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use tangency::core::attractor::{Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope};
+use tangency::core::attractor::{
+    CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
+};
 use tangency::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Mesh, Shooting};
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
@@ -201,7 +203,14 @@ fn measures_of_a_period_are_those_of_the_orbit() {
 fn plan(order: Order, strands: usize, count: usize) -> Plan {
     let axis = Axis { quantity: Quantity::Parameter(0), low: 0.55, high: 0.62, count };
     let settling = Settling { transient: 30, recorded: 10, exponent: 20, ..Settling::default() };
-    Plan { axes: vec![axis], starts: vec![at(0, &[0.1, -0.2])], order, strands, settling }
+    Plan {
+        axes: vec![axis],
+        starts: vec![at(0, &[0.1, -0.2])],
+        order,
+        strands,
+        settling,
+        crisis: None,
+    }
 }
 
 fn swept(
@@ -276,12 +285,13 @@ fn a_chaotic_band_ends_in_a_crisis() {
     let start = at(0, &[0.1, -0.2]);
     let p = mita(0.0, 0.45);
     let find = |motion: &mut Stroboscope<_>, between| {
-        settling.crisis(motion, start.clone(), &p, 0, between, 2e-5).unwrap()
+        settling.crisis(motion, start.clone(), &p, &CrisisSearch::of(0, between, 2e-5))
     };
     let crisis = find(&mut motion, [0.24, 0.2345]).unwrap();
     let [alive, lost] = crisis.between;
     assert!(alive > lost && alive < 0.23545 && lost > 0.2353, "{crisis:?}");
     assert_eq!(crisis.beyond, Some(1));
     // Chaos at both ends.
-    assert_eq!(find(&mut motion, [0.25, 0.24]), None);
+    let refused = find(&mut motion, [0.25, 0.24]).unwrap_err();
+    assert_eq!(refused, StrobeError::NoCrisis { from: 0.25, to: 0.24, steps: 1 });
 }

@@ -7,8 +7,8 @@ use crate::systems::multipliers;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
-use tangency::core::hybrid::HybridSystem;
-use tangency::core::orbit::{HybridOrbit, Itinerary, virtual_point};
+use tangency::core::hybrid::{HybridSystem, virtual_point};
+use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::zero::System;
 use tangency::problems::classic::ImpactOscillator;
 

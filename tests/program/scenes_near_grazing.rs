@@ -113,7 +113,7 @@ fn curves_of_maps_begin_at_points_of_codimension_two() {
 fn periodic_points_are_followed() {
     let flow = "along: [(name: \"voltage\", low: 0.17, high: 0.18)]";
     let map = "local: (run: \"a\", kind: G, parameters: [\"voltage\"])";
-    let half = "local: (run: \"a\", kind: G, parameters: [\"voltage\"], impacts: [true, false])";
+    let half = format!("{map}, impacts: [true, false]");
     let switch =
         |run: &str, kind: &str| format!("start: From(run: \"{run}\", kind: {kind}, switch: true)");
     let [g, pd] = [["a", "A"].map(|run| switch(run, "G")), ["b", "B"].map(|run| switch(run, "PD"))];
@@ -124,6 +124,13 @@ fn periodic_points_are_followed() {
          (name: \"A\", {map}, {flow}), (name: \"B\", {map}, {}, {flow}), (name: \"C\", {map}, {}, {flow}), \
          (name: \"D\", {half}, set: [(\"voltage\", \"0.1713\")], {flow})])",
         g[0], pd[0], g[1], pd[1]
+    );
+    let of_the_flow = text.replace(&half, "impacts: [true, false]");
+    assert!(
+        Scene::parse(&of_the_flow)
+            .unwrap_err()
+            .to_string()
+            .contains("the local map that it is about")
     );
     let document = traced(&Scene::parse(&text).unwrap());
     close(one(&document, "b", Kind::PD, "voltage"), one(&document, "B", Kind::PD, "voltage"), 2e-8);

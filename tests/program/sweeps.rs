@@ -145,6 +145,10 @@ fn bad_input_is_explained() {
     fails(&["sweep", "lure"], "has nothing to sweep");
     fails(&["trace", "mita-lyapunov"], "has no branches to trace");
     fails(&["sweep", "chaos.ron", "--set", "count=0"], "a count is 0");
+    let smooth =
+        SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
+    std::fs::write(folder.path().join("smooth.ron"), smooth).unwrap();
+    fails(&["sweep", "smooth.ron"], "only hybrid systems are simulated by scenes");
     assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
     fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "were made by another scene");
     std::fs::write(folder.path().join("broken.npz"), b"PK").unwrap();

@@ -2,7 +2,7 @@
 
 use super::Strobed;
 use super::error::StrobeError;
-use super::settling::Settling;
+use super::settling::{Settled, Settling};
 use crate::core::hybrid::HybridState;
 
 /// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves it for good.
@@ -10,68 +10,128 @@ use crate::core::hybrid::HybridState;
 pub struct Crisis {
     /// The parameter at which motion was still on it after the transient, and that at which it had left.
     pub between: [f64; 2],
-    /// The last state on the attractor.
-    pub state: HybridState<f64>,
+    /// The attractor at the first of them.
+    pub attractor: Settled,
     /// The cycle on which motion settled beyond, by its number of periods; `None` if motion ended there.
     pub beyond: Option<usize>,
 }
 
+/// Where a crisis is sought.
+///
+/// ```
+/// use tangency::core::attractor::CrisisSearch;
+/// let search = CrisisSearch { steps: 20, ..CrisisSearch::of(0, [0.29, 0.16], 1e-5) };
+/// assert_eq!(search.value(10), 0.225);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrisisSearch {
+    /// The parameter, by its position.
+    pub parameter: usize,
+    /// From where on it goes, and where to.
+    pub between: [f64; 2],
+    /// In how many steps: the crisis is in the last one that begins on the attractor.
+    pub steps: usize,
+    /// How long the interval may be in which the crisis is.
+    pub tolerance: f64,
+}
+
+impl CrisisSearch {
+    /// A search in one step, which must begin on the attractor.
+    pub fn of(parameter: usize, between: [f64; 2], tolerance: f64) -> Self {
+        CrisisSearch { parameter, between, steps: 1, tolerance }
+    }
+
+    /// The parameter after so many steps.
+    pub fn value(&self, step: usize) -> f64 {
+        let ([from, to], part) = (self.between, step as f64 / self.steps.max(1) as f64);
+        from + (to - from) * part
+    }
+}
+
+/// An attractor is lost if none of so many of its states, and its last one, stay on it.
+const STARTS: usize = 3;
+
+/// What motion does at one value of the parameter: it is on the attractor, on a cycle, or it ends.
+type Outcome = Result<Settled, StrobeError>;
+
+/// Whether motion is not on the attractor: it has settled on a cycle, or ends.
+fn is_lost(outcome: &Outcome) -> bool {
+    outcome.as_ref().map_or(true, |settled| settled.periods.is_some())
+}
+
 impl Settling {
-    /// Halves the interval between a parameter at which motion from a state does not settle on a cycle, and one at which
-    /// it does, or ends, until it is no longer than `tolerance`. The transient is how long an attractor must last to count:
-    /// beyond a crisis motion stays near it for a time that grows without bound towards the crisis.
+    /// Where the attractor is lost that motion from a state is on, if it is no cycle.
     ///
-    /// `None` if both ends are of one kind.
+    /// The parameter goes on in steps, each from where the one before ended, which takes it over windows of cycles.
+    /// The step after the last one in which motion does not settle on a cycle is halved until it is no longer than the
+    /// tolerance, where several states of the attractor must leave it. The transient is how long an attractor must last to count: beyond a crisis motion stays near it for
+    /// a time that grows without bound towards the crisis.
     ///
     /// ```
-    /// use tangency::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
+    /// use tangency::core::attractor::{CrisisSearch, Settling, StrobeError, Strobed, Stroboscope};
     /// use tangency::core::hybrid::{HybridSettings, HybridState};
     /// use tangency::problems::mita::Actuator;
     /// // Chaos at ω = 0.5 ends where orbits with two impacts a period begin: at their fold, V = 0.717840.
     /// let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[])?;
     /// let settling = Settling { transient: 300, recorded: 100, exponent: 0, ..Settling::default() };
     /// let start = HybridState { mode: 0, time: 0.0, x: vec![0.1, -0.2] };
-    /// let crisis = settling.crisis(&mut motion, start, &Actuator::DEFAULTS, 0, [0.71, 0.73], 1e-3)?;
-    /// let [chaos, cycle] = crisis.expect("a crisis").between;
+    /// let search = CrisisSearch::of(0, [0.71, 0.73], 1e-3);
+    /// let [chaos, cycle] = settling.crisis(&mut motion, start, &Actuator::DEFAULTS, &search)?.between;
     /// assert!(chaos < 0.71784 + 1e-3 && cycle > 0.71784);
     /// # Ok::<(), StrobeError>(())
     /// ```
     ///
     /// # Errors
-    /// [`StrobeError`] if the motion ends where the attractor should be.
+    /// [`StrobeError::NoCrisis`] if motion settles on cycles only, or on none where the search ends; another one if
+    /// it ends where the search begins.
     pub fn crisis(
         &self,
         motion: &mut dyn Strobed,
         start: HybridState<f64>,
         p: &[f64],
-        parameter: usize,
-        between: [f64; 2],
-        tolerance: f64,
-    ) -> Result<Option<Crisis>, StrobeError> {
-        let (mut p, mut between) = (p.to_vec(), between);
-        p[parameter] = between[0];
-        let alive = self.follow(motion, start, &p)?;
-        p[parameter] = between[1];
-        let mut lost = self.follow(motion, alive.end.clone(), &p);
-        let is_lost = |settled: &Result<super::Settled, StrobeError>| {
-            settled.as_ref().map_or(true, |settled| settled.periods.is_some())
+        search: &CrisisSearch,
+    ) -> Result<Crisis, StrobeError> {
+        let mut p = p.to_vec();
+        let mut follow = |value: f64, state: HybridState<f64>| {
+            p[search.parameter] = value;
+            self.follow(motion, state, &p)
         };
-        if alive.periods.is_some() || !is_lost(&lost) {
-            return Ok(None);
+        let first = follow(search.value(0), start)?;
+        let (mut state, mut last) = (first.end.clone(), None);
+        let mut alive = Some((search.value(0), first)).filter(|(_, first)| first.periods.is_none());
+        for step in 1..=search.steps {
+            let (value, outcome) = (search.value(step), follow(search.value(step), state.clone()));
+            if let Ok(settled) = &outcome {
+                state = settled.end.clone();
+            }
+            if is_lost(&outcome) {
+                last.get_or_insert((value, outcome));
+            } else if let Ok(settled) = outcome {
+                (alive, last) = (Some((value, settled)), None);
+            }
         }
-        let mut state = alive.end;
-        while (between[1] - between[0]).abs() > tolerance {
-            let middle = 0.5 * (between[0] + between[1]);
-            p[parameter] = middle;
-            let settled = self.follow(motion, state.clone(), &p);
-            if is_lost(&settled) {
-                (between[1], lost) = (middle, settled);
+        let (Some((mut on, mut attractor)), Some((mut off, mut lost))) = (alive, last) else {
+            let [from, to] = search.between;
+            return Err(StrobeError::NoCrisis { from, to, steps: search.steps });
+        };
+        while (off - on).abs() > search.tolerance {
+            let middle = 0.5 * (on + off);
+            // One state may happen to be outside of the basin already.
+            let records = attractor.records.chunks(attractor.records.len().div_ceil(STARTS).max(1));
+            let starts: Vec<_> = records.map(|part| part[0].start.clone()).collect();
+            let mut outcome = follow(middle, attractor.end.clone());
+            for start in starts {
+                if is_lost(&outcome) {
+                    outcome = follow(middle, start);
+                }
+            }
+            if is_lost(&outcome) {
+                (off, lost) = (middle, outcome);
             } else {
-                between[0] = middle;
-                state = settled?.end;
+                (on, attractor) = (middle, outcome?);
             }
         }
         let beyond = lost.ok().and_then(|settled| settled.periods);
-        Ok(Some(Crisis { between, state, beyond }))
+        Ok(Crisis { between: [on, off], attractor, beyond })
     }
 }

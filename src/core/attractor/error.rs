@@ -21,6 +21,19 @@ pub enum StrobeError {
         /// What there is.
         known: String,
     },
+    /// No attractor is lost.
+    #[error(
+        "there is no crisis in {steps} steps from {from} to {to}: motion must be on no cycle at one of them, and on a cycle, or \
+         end, at the last one; move the ends, take more steps, or a longer transient"
+    )]
+    NoCrisis {
+        /// Where the search begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+        /// In how many steps.
+        steps: usize,
+    },
     /// A map has left the place where it means anything.
     #[error("{0}")]
     Map(String),

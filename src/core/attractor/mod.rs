@@ -26,7 +26,7 @@ mod period;
 mod settling;
 mod stroboscope;
 
-pub use crisis::Crisis;
+pub use crisis::{Crisis, CrisisSearch};
 pub use error::StrobeError;
 pub use exponent::Exponent;
 pub use period::{Happening, Period};
@@ -35,19 +35,24 @@ pub use stroboscope::Stroboscope;
 
 use crate::core::hybrid::{HybridState, Mode};
 
+/// What is seen of a motion, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// The modes with the names of their states.
+    pub modes: Vec<Mode>,
+    /// The names of all events, by their numbers.
+    pub events: Vec<String>,
+    /// The names of what is measured in a period.
+    pub measures: Vec<String>,
+}
+
 /// A motion that is looked at once in every period.
 ///
 /// States are those of a hybrid system, whose time is that of the look: a map in itself has one mode, and its time
 /// is zero.
 pub trait Strobed {
-    /// The modes with the names of their states.
-    fn modes(&self) -> &[Mode];
-
-    /// The names of all events, by their numbers.
-    fn events(&self) -> &[String];
-
-    /// The names of what is measured in a period.
-    fn measures(&self) -> &[String];
+    /// What is seen of it, by name.
+    fn layout(&self) -> &Layout;
 
     /// Follows the motion for one period.
     ///

@@ -3,7 +3,8 @@
 use crate::core::field::VectorField;
 use crate::core::flow::{Extrema, Rises, Step};
 use crate::core::hybrid::{
-    Event, HybridObserver, HybridState, HybridSystem, Measure, Mode, Passage,
+    Event, GuardOf, HybridObserver, HybridState, HybridSystem, Measure, Mode, Passage,
+    virtual_point,
 };
 use crate::core::watch::State;
 use std::ops::ControlFlow;
@@ -53,8 +54,18 @@ enum Gauge {
     Extremes { place: Vec<Option<usize>>, range: [f64; 2], extrema: Extrema<f64> },
     /// The largest value of one state where another one rises through zero.
     Rising { places: Vec<Option<[usize; 2]>>, most: f64, rises: Rises },
+    /// The least extremum of a guard, and the event that is approached most slowly.
+    Depth { guards: Vec<(usize, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
     /// Nothing before the end.
     Legs,
+}
+
+/// An event that is approached slowly.
+struct Slow {
+    approach: f64,
+    guard: usize,
+    /// Where.
+    at: HybridState<f64>,
 }
 
 /// Watches one period of a hybrid motion.
@@ -93,6 +104,11 @@ impl<'a, S: HybridSystem> Recorder<'a, S> {
                 let places = both.map(|(a, b)| Some([a?, b?])).collect();
                 Gauge::Rising { places, most: 0.0, rises: Rises::default() }
             }
+            Measure::Penetration => {
+                let modes = system.guards().into_iter().map(|guard| guard.mode);
+                let guards = modes.map(|mode| (mode, Extrema::default())).collect();
+                Gauge::Depth { guards, least: f64::INFINITY, slowest: None }
+            }
             Measure::Cycle(_) => Gauge::Legs,
         };
         let mut recorder = Recorder {
@@ -112,8 +128,12 @@ impl<'a, S: HybridSystem> Recorder<'a, S> {
         self.legs.push(Leg { mode, exit: None, start: x.to_vec(), end: x.to_vec() });
         self.take(mode, x);
         for gauge in &mut self.gauges {
-            if let Gauge::Extremes { extrema, .. } = gauge {
-                extrema.restart();
+            match gauge {
+                Gauge::Extremes { extrema, .. } => extrema.restart(),
+                Gauge::Depth { guards, .. } => {
+                    guards.iter_mut().for_each(|(_, extrema)| extrema.restart());
+                }
+                _ => {}
             }
         }
     }
@@ -141,11 +161,21 @@ impl<'a, S: HybridSystem> Recorder<'a, S> {
             (Measure::Minimum(_), Gauge::Extremes { range, .. }) => range[0],
             (_, Gauge::Extremes { range, .. }) => range[1] - range[0],
             (_, Gauge::Rising { most, .. }) => *most,
+            (_, Gauge::Depth { least, slowest: None, .. }) => -least,
+            (_, Gauge::Depth { slowest: Some(event), .. }) => {
+                self.beyond(event, end.time - self.began, p)
+            }
             (Measure::Cycle(position), _) => self.system.measure(*position, &legs, 1, p),
             _ => f64::NAN,
         };
         let measures = self.measures.iter().zip(&self.gauges).map(value).collect();
         Period { start, events: self.happenings, measures }
+    }
+
+    /// How far motion would go beyond the surface of an event; not a number if it does not turn within a time.
+    fn beyond(&self, Slow { guard, at, .. }: &Slow, within: f64, p: &[f64]) -> f64 {
+        let turn = virtual_point(self.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);
+        turn.map_or(f64::NAN, |(time, x)| -self.system.guard(*guard, time, &x, p))
     }
 }
 
@@ -175,19 +205,37 @@ impl<S: HybridSystem> HybridObserver<f64> for Recorder<'_, S> {
                         }
                     });
                 }
+                Gauge::Depth { guards, least, .. } => {
+                    let watched = guards.iter_mut().enumerate().filter(|(_, at)| at.0 == mode);
+                    for (guard, (_, extrema)) in watched {
+                        extrema.search(&GuardOf { system: self.system, guard }, step, |found| {
+                            if found.place <= last {
+                                *least = least.min(found.value);
+                            }
+                        });
+                    }
+                }
                 Gauge::Legs => {}
             }
         }
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
-        let &Event { guard, time, mode, next, accumulation, .. } = event;
+        let &Event { guard, time, mode, next, accumulation, approach, .. } = event;
         self.take(mode, &event.before);
         if let Some(leg) = self.legs.last_mut() {
             leg.exit = (!accumulation).then_some(guard);
             leg.end.clone_from(&event.before);
         }
         let before = HybridState { mode, time, x: event.before.clone() };
+        for gauge in &mut self.gauges {
+            if let Gauge::Depth { slowest, .. } = gauge
+                && !accumulation
+                && slowest.as_ref().is_none_or(|slow| approach < slow.approach)
+            {
+                *slowest = Some(Slow { approach, guard, at: before.clone() });
+            }
+        }
         let (event_number, time) = (self.numbers[guard], time - self.began);
         self.happenings.push(Happening { event: event_number, time, before, accumulation });
         self.begin(next, &event.after);

@@ -138,7 +138,7 @@ fn counts(motion: &dyn Strobed, records: &[Period], cycles: usize) -> (Vec<(Stri
         let infinite = own().any(|e| e.accumulation);
         (name.clone(), if infinite { f64::INFINITY } else { mean(own().count()) })
     };
-    let events = motion.events().iter().enumerate().map(count).collect();
+    let events = motion.layout().events.iter().enumerate().map(count).collect();
     (events, mean(all().filter(|e| e.accumulation).count()))
 }
 

@@ -1,9 +1,9 @@
 //! Hybrid systems looked at once in every period.
 
-use super::Strobed;
 use super::error::StrobeError;
 use super::period::{Period, Recorder};
-use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, Measure, Mode};
+use super::{Layout, Strobed};
+use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, Measure};
 use num_dual::Dual64;
 
 /// The motion of a hybrid system, looked at once in every period of its forcing.
@@ -26,17 +26,17 @@ use num_dual::Dual64;
 pub struct Stroboscope<'a, S> {
     real: HybridFlow<'a, S, f64>,
     dual: HybridFlow<'a, S, Dual64>,
-    events: Vec<String>,
+    layout: Layout,
     /// Numbers of events by guard.
     numbers: Vec<usize>,
-    names: Vec<String>,
     measures: Vec<Measure>,
     tangent: HybridState<Dual64>,
     p: Vec<Dual64>,
 }
 
 impl<'a, S: HybridSystem> Stroboscope<'a, S> {
-    /// The motion of a system, of which these measures are taken.
+    /// The motion of a system, of which these measures are taken: its own, and its
+    /// [`penetration`](Measure::Penetration).
     ///
     /// # Errors
     /// [`StrobeError::NoMeasure`] if the system has no such measure, [`StrobeError::Hybrid`] if a setting has
@@ -46,7 +46,8 @@ impl<'a, S: HybridSystem> Stroboscope<'a, S> {
         settings: HybridSettings,
         measures: &[String],
     ) -> Result<Self, StrobeError> {
-        let known = system.measures();
+        let mut known = system.measures();
+        known.push((Measure::PENETRATION.into(), Measure::Penetration));
         let measure = |name: &String| {
             let found = known.iter().find(|(known, _)| known == name);
             found.map(|(_, measure)| measure.clone()).ok_or_else(|| StrobeError::NoMeasure {
@@ -65,9 +66,8 @@ impl<'a, S: HybridSystem> Stroboscope<'a, S> {
         Ok(Stroboscope {
             real: HybridFlow::new(system, settings)?,
             dual: HybridFlow::new(system, settings)?,
-            events,
+            layout: Layout { modes: system.modes(), events, measures: measures.to_vec() },
             numbers,
-            names: measures.to_vec(),
             measures: measures.iter().map(measure).collect::<Result<_, _>>()?,
             tangent: HybridState { mode: 0, time: Dual64::from(0.0), x: Vec::new() },
             p: Vec::new(),
@@ -80,16 +80,8 @@ impl<'a, S: HybridSystem> Stroboscope<'a, S> {
 }
 
 impl<S: HybridSystem> Strobed for Stroboscope<'_, S> {
-    fn modes(&self) -> &[Mode] {
-        self.real.modes()
-    }
-
-    fn events(&self) -> &[String] {
-        &self.events
-    }
-
-    fn measures(&self) -> &[String] {
-        &self.names
+    fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     fn advance(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<(), StrobeError> {
@@ -102,9 +94,8 @@ impl<S: HybridSystem> Strobed for Stroboscope<'_, S> {
 
     fn record(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<Period, StrobeError> {
         let (period, start) = (self.period(p)?, state.clone());
-        let Stroboscope { real, measures, numbers, .. } = self;
-        let (system, modes) = (real.system(), real.modes().to_vec());
-        let mut recorder = Recorder::new(system, &modes, measures, numbers, state);
+        let Stroboscope { real, layout, measures, numbers, .. } = self;
+        let mut recorder = Recorder::new(real.system(), &layout.modes, measures, numbers, state);
         real.advance(state, period, p, &mut recorder)?;
         let recorded = recorder.finish(start, state, p);
         state.time = recorded.start.time;

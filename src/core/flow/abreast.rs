@@ -3,12 +3,12 @@
 //! Every flow has its own place, step and parameters. What the step of one of them means is decided for it alone:
 //! here steps are tried, and watched functions are seen to keep clear of zero, which is nearly all of the work.
 
-use super::control::Control;
+use super::course::Course;
 use super::error::FlowError;
-use super::integrate::{Flow, Statistics};
+use super::integrate::Flow;
 use super::lanes::{LANES, Lanes};
 use super::motion::Motion;
-use super::roots::{Sign, ZERO};
+use super::outlook::Outlook;
 use super::settings::Settings;
 use super::stages::Stages;
 use super::step::{Known, Step};
@@ -17,67 +17,6 @@ use crate::core::field::VectorField;
 use crate::core::watch::Watch;
 use num_dual::Dual;
 use std::cell::Cell;
-
-/// A flow under way, between two steps.
-pub(in crate::core) struct Course {
-    /// The time at its start.
-    start: f64,
-    /// Its duration.
-    length: f64,
-    /// How far it has come, from 0 to 1.
-    sigma: f64,
-    /// The step to try.
-    h: f64,
-    /// The state.
-    x: Vec<f64>,
-    /// The slope by time.
-    slope: Vec<f64>,
-    largest_step: f64,
-    control: Control,
-    /// What it has cost.
-    pub statistics: Statistics,
-}
-
-impl Course {
-    /// No flow as yet.
-    pub fn new() -> Self {
-        let settings = Settings::default();
-        Course {
-            start: 0.0,
-            length: 0.0,
-            sigma: 0.0,
-            h: 0.0,
-            x: Vec::new(),
-            slope: Vec::new(),
-            largest_step: 1.0,
-            control: Control::new(&settings),
-            statistics: Statistics::default(),
-        }
-    }
-
-    /// The state.
-    pub fn state(&self) -> &[f64] {
-        &self.x
-    }
-
-    /// Whether the end is reached.
-    pub fn is_over(&self) -> bool {
-        self.sigma >= 1.0
-    }
-
-    /// The step to try, and whether it is the last one.
-    fn step(&self) -> (f64, bool) {
-        let h = self.h.min(self.largest_step);
-        if self.sigma + 1.01 * h >= 1.0 { (1.0 - self.sigma, true) } else { (h, false) }
-    }
-
-    /// Makes the step shorter that was tried with an error; none if this flow wants another look.
-    pub fn reject(&mut self, error: f64) -> Option<()> {
-        self.statistics.rejected += 1;
-        self.h = self.step().0 * self.control.rejected(error);
-        (error.is_finite() && self.h > 1e-12).then_some(())
-    }
-}
 
 impl Flow<f64> {
     /// Sets out on a course.
@@ -98,18 +37,13 @@ impl Flow<f64> {
         self.inside(&motion, 0.0)?;
         let h = self.first_step(&motion)?;
         let slope = self.buffers.stages.slope(0);
-        course.x.clear();
-        course.x.extend_from_slice(x);
-        course.slope.clear();
-        course.slope.extend(slope.iter().map(|slope| slope / length));
-        (course.start, course.length, course.sigma, course.h) = (start, length, 0.0, h);
-        course.largest_step = self.settings.largest_step;
-        course.control = Control::new(&self.settings);
-        course.statistics = Statistics { evaluations: evaluations.get(), ..Default::default() };
+        let slope = slope.iter().map(|slope| slope / length);
+        course.begin([start, length], h, x, slope, &self.settings);
+        course.statistics.evaluations = evaluations.get();
         Ok(())
     }
 
-    /// Shows the step of one lane as if it were of this flow.
+    /// Shows the step of one lane as if it were of this flow. What is known exactly then is the state at its end.
     pub(in crate::core) fn show_lane<F: VectorField>(
         &mut self,
         field: &F,
@@ -132,40 +66,14 @@ impl Flow<f64> {
         for (to, from) in buffers.stages.end.iter_mut().zip(&abreast.stages.end) {
             *to = from.each()[lane];
         }
-        observe(&mut Step {
-            motion,
-            scheme,
-            tolerance,
-            sigma,
-            h,
-            buffers,
-            known: Known::default(),
-        });
+        // The end of the step, as if it had been asked for.
+        let first = scheme.tableau().map_or(0, |tableau| tableau.end() * n);
+        buffers.partial.end.clone_from(&buffers.stages.end);
+        buffers.slopes.clear();
+        buffers.slopes.extend_from_slice(&buffers.stages.slopes[first..first + n]);
+        let known = Known::at(1.0);
+        observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known });
         course.statistics.evaluations += evaluations.get();
-    }
-}
-
-/// What ends and slopes of a step tell about a watched function, one bit for each lane.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::core) struct Outlook {
-    /// It is positive at the start.
-    positive: u32,
-    /// It is positive at both ends, and has no extremum between them that could be less.
-    clear: u32,
-    /// It rises all the way, and is positive at the end.
-    rises: u32,
-}
-
-impl Outlook {
-    /// Whether it is seen that the function does not fall through zero in the step of a lane; it is positive then.
-    pub fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
-        let bit = |bits: u32| bits >> lane & 1 == 1;
-        let positive = match sign {
-            Sign::Positive => true,
-            Sign::Unknown => bit(self.positive),
-            Sign::Zero { .. } | Sign::Fallen => false,
-        };
-        bit(self.rises) || positive && bit(self.clear)
     }
 }
 
@@ -280,19 +188,7 @@ impl Abreast {
             let time = Dual::new(time + length * end as f64, length);
             watch.value(time, &self.dual_x[end], &self.dual_p)
         });
-        let middle = (end.re - start.re) * 1.5 - (start.eps + end.eps) * 0.25;
-        let slopes = [start.eps, middle, end.eps];
-        let [first, second, third] = slopes.map(Lanes::size);
-        let (least, most) = (first.least(second).least(third), first.most(second).most(third));
-        let (zero, none) = (Lanes::splat(0.0), Lanes::splat(ZERO));
-        let same = slopes.iter().fold(!0, |bits, slope| bits & (*slope * slopes[2]).exceeds(zero));
-        let monotone = same & (least * 5.0).exceeds(most);
-        let lower = start.re.least(end.re);
-        Outlook {
-            positive: start.re.exceeds(none),
-            clear: lower.exceeds(none) & (monotone | lower.exceeds(most)),
-            rises: monotone & end.eps.exceeds(zero) & end.re.exceeds(none),
-        }
+        Outlook::of([start, end])
     }
 
     /// Accepts the step of a lane with this error.
@@ -300,13 +196,13 @@ impl Abreast {
         let (n, (h, last)) = (course.x.len(), course.step());
         let slopes = &self.stages.slopes[self.tableau.end() * n..];
         let length = self.length[lane];
-        course.x.iter_mut().zip(&self.stages.end).for_each(|(x, end)| *x = end.each()[lane]);
+        let end = self.stages.end.iter().map(|end| end.each()[lane]);
+        course.x.iter_mut().zip(end).for_each(|(x, end)| *x = end);
         for (to, slope) in course.slope.iter_mut().zip(slopes) {
             *to = slope.each()[lane] / length;
         }
         course.sigma = if last { 1.0 } else { course.sigma + h };
-        course.h = h * course.control.accepted(error);
-        course.statistics.accepted += 1;
+        course.accept(h, error);
     }
 
     /// How many evaluations of the field a step takes.

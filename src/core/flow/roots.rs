@@ -284,7 +284,11 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
     }
 
     /// The root whose real part is known: its derivatives by Newton's method, one order in every round.
-    fn at_once<F: VectorField>(&mut self, step: &mut Step<F, T>, fraction: f64) -> Root<T> {
+    pub(in crate::core) fn at_once<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        fraction: f64,
+    ) -> Root<T> {
         let mut theta = T::constant(fraction);
         for _ in 0..T::NDERIV {
             let (value, slope) = self.sight.exact(step, &self.watch, theta);

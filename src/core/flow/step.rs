@@ -33,6 +33,13 @@ pub(super) struct Known {
     exact: Option<f64>,
 }
 
+impl Known {
+    /// State and slopes are known exactly at a fraction.
+    pub fn at(fraction: f64) -> Self {
+        Known { exact: Some(fraction), ..Known::default() }
+    }
+}
+
 impl<T: Scalar> Default for Buffers<T> {
     fn default() -> Self {
         Buffers {
@@ -54,7 +61,7 @@ const NEAR: f64 = 1e-4;
 
 /// From a state to one that is no farther away than this, as a part of the step, a step of order 2 is exact: it errs by
 /// a twelfth of the third power.
-const CLOSE: f64 = 1e-6;
+pub(super) const CLOSE: f64 = 1e-5;
 
 /// The largest value of `θ⁴ (1 − θ)³`.
 const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;

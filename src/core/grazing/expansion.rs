@@ -20,7 +20,7 @@ use crate::core::jet::{Jet, Space};
 use crate::core::kind::Kind;
 use crate::core::linear::BorderedLu;
 use crate::core::scalar::Scalar;
-use crate::core::zero::Border;
+use crate::core::zero::{Border, Dynamics, Names, ZeroProblem};
 use num_dual::{Dual, Dual64, DualNum};
 
 /// The Taylor series of a curve of special points from a grazing of codimension two: `Δp₁ = Σ c_k Δp₂ᵏ`.
@@ -32,6 +32,63 @@ pub struct Expansion {
     pub parameter: Vec<f64>,
     /// The coefficients of `y`, one fewer. The curve lies on the side of `Δp₂` where `y` is positive.
     pub depth: Vec<f64>,
+}
+
+/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to be traced and drawn beside
+/// what it is a series of.
+///
+/// ```
+/// use tangency::core::continuation::Continuation;
+/// use tangency::core::dense::Dense;
+/// use tangency::core::grazing::{Expansion, ExpansionCurve};
+/// use tangency::core::kind::Kind;
+/// // V = 1 + 2 Δω + 3 Δω² about ω = 5, on the side where y = Δω is positive.
+/// let expansion = Expansion { kind: Kind::LP, parameter: vec![2.0, 3.0], depth: vec![1.0] };
+/// let names = ["voltage", "frequency"].map(String::from);
+/// let curve = ExpansionCurve { expansion, origin: [1.0, 5.0], names };
+/// let branch = Continuation::of(&mut Dense::new(curve)).at("frequency", 5.0).vary("frequency", 5.0, 5.5).trace()?;
+/// let last = branch.points.last().expect("a point");
+/// assert!((last.monitors[0] - 2.75).abs() < 1e-12 && (last.monitors[1] - 0.5).abs() < 1e-12);
+/// # Ok::<(), tangency::core::continuation::TraceFailure>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpansionCurve {
+    /// The series.
+    pub expansion: Expansion,
+    /// `p₁` and `p₂` at the point of codimension two.
+    pub origin: [f64; 2],
+    /// Their names.
+    pub names: [String; 2],
+}
+
+/// The name of `y` along the curve.
+const DEPTH: &str = "depth";
+
+/// `Σ c_k xᵏ`, k from 1 on.
+fn power_series<T: Scalar>(coefficients: &[f64], x: T) -> T {
+    coefficients.iter().rev().fold(T::zero(), |sum, c| (sum + *c) * x)
+}
+
+impl ZeroProblem for ExpansionCurve {
+    fn names(&self) -> Names {
+        let [solved, free] = &self.names;
+        Names::new([solved.as_str(), DEPTH], [free.as_str()]).with_monitors([solved, DEPTH])
+    }
+
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let ([first, second], Expansion { parameter, depth, .. }) = (self.origin, &self.expansion);
+        let change = p[0] - second;
+        r[0] = z[0] - first - power_series(parameter, change);
+        r[1] = z[1] - power_series(depth, change);
+    }
+
+    fn monitors<T: Scalar>(&self, z: &[T], _p: &[T], values: &mut [T]) {
+        values.copy_from_slice(z);
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        Dynamics::Static
+    }
 }
 
 /// A series has room for the terms of the highest order.

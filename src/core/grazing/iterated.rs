@@ -3,8 +3,8 @@
 use super::error::GrazingError;
 use super::iteration::Buffers;
 use super::map::LocalMap;
-use crate::core::attractor::{Happening, Period, StrobeError, Strobed};
-use crate::core::hybrid::{HybridState, Mode};
+use crate::core::attractor::{Happening, Layout, Period, StrobeError, Strobed};
+use crate::core::hybrid::{HybridState, Measure, Mode};
 use num_dual::Dual64;
 
 /// Beyond this deviation a polynomial in deviations means nothing.
@@ -12,9 +12,6 @@ const MOST: f64 = 1.0;
 
 /// The number of the only event: that the virtual point lies beyond the surface.
 const IMPACT: usize = 0;
-
-/// What is measured where a period begins.
-const PENETRATION: &str = "penetration";
 
 /// The local map iterated: what motions near the grazing settle on, in a fraction of the time that simulation
 /// takes.
@@ -48,9 +45,7 @@ pub struct Iterated {
     /// The positions of the map's parameters among all, and their deviations.
     positions: Vec<usize>,
     p: Vec<f64>,
-    modes: Vec<Mode>,
-    events: Vec<String>,
-    measures: Vec<String>,
+    layout: Layout,
     real: Buffers<f64>,
     dual: Buffers<Dual64>,
     /// A point and parameters on dual numbers.
@@ -75,16 +70,18 @@ impl Iterated {
             found.ok_or(GrazingError::Parameter { name, known })
         };
         let positions = map.parameters().iter().map(position).collect::<Result<_, _>>()?;
-        if let Some(name) = measures.iter().find(|name| *name != PENETRATION) {
+        if let Some(name) = measures.iter().find(|name| *name != Measure::PENETRATION) {
             return Err(GrazingError::NoMeasure { name: name.clone() });
         }
         let order = map.space().order();
         Ok(Iterated {
             positions,
             p: Vec::new(),
-            modes: vec![Mode { name: "map".into(), states: map.coordinates().to_vec() }],
-            events: vec!["impact".into()],
-            measures: measures.to_vec(),
+            layout: Layout {
+                modes: vec![Mode { name: "map".into(), states: map.coordinates().to_vec() }],
+                events: vec!["impact".into()],
+                measures: measures.to_vec(),
+            },
             real: Buffers::new(order),
             dual: Buffers::new(order),
             moving: Vec::new(),
@@ -126,16 +123,8 @@ impl Iterated {
 }
 
 impl Strobed for Iterated {
-    fn modes(&self) -> &[Mode] {
-        &self.modes
-    }
-
-    fn events(&self) -> &[String] {
-        &self.events
-    }
-
-    fn measures(&self) -> &[String] {
-        &self.measures
+    fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     fn advance(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<(), StrobeError> {
@@ -150,7 +139,7 @@ impl Strobed for Iterated {
             Happening { event: IMPACT, time: 0.0, before, accumulation: false }
         };
         let events = (penetration > 0.0).then(impact).into_iter().collect();
-        let measures = self.measures.iter().map(|_| penetration).collect();
+        let measures = self.layout.measures.iter().map(|_| penetration).collect();
         Ok(Period { start, events, measures })
     }
 

@@ -55,7 +55,7 @@ mod table;
 mod touch;
 
 pub use error::GrazingError;
-pub use expansion::Expansion;
+pub use expansion::{Expansion, ExpansionCurve};
 pub use iterated::Iterated;
 pub use iteration::Iteration;
 pub use map::{LocalMap, MapSettings};

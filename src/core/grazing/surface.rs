@@ -1,7 +1,6 @@
 //! Surfaces along the motion of a mode: a guard, and where it is least.
 
-use crate::core::hybrid::HybridSystem;
-use crate::core::orbit::rate;
+use crate::core::hybrid::{HybridSystem, along, rate};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
@@ -39,11 +38,7 @@ impl Surface {
         x: &[T],
         p: &[T],
     ) -> Dual<T> {
-        let mut f = vec![T::zero(); x.len()];
-        system.field(mode, t, x, p, &mut f);
-        let x: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
-        let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
-        self.value(system, mode, Dual::new(t, T::one()), &x, &p)
+        along(system, mode, t, x, p, |t, x, p| self.value(system, mode, t, x, p))
     }
 
     /// Its name, given those of the guards.

@@ -5,8 +5,8 @@ use super::point::GrazingPoint;
 use crate::core::bvp::{BoundaryProblem, BoundarySystem, Method, OnSegment};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
-use crate::core::hybrid::HybridSystem;
-use crate::core::orbit::{HybridOrbit, Leg, rate};
+use crate::core::hybrid::{HybridSystem, rate};
+use crate::core::orbit::{HybridOrbit, Leg};
 use crate::core::zero::LeftDomain;
 
 /// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time.

@@ -44,11 +44,32 @@ impl<S: HybridSystem, T: Scalar> Lookout<'_, '_, S, T> {
     pub fn landing<F: VectorField>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
         let landing = first(self.watched, self.roots, step)
             .filter(|landing| !lifts(self.system, landing, step, self.p))?;
+        self.arrive(step, landing, step.length())
+    }
+
+    /// Where the leg ends in a step that goes to the root of a guard, as is known.
+    pub fn reach<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        (guard, fraction): (usize, f64),
+        whole: f64,
+    ) -> Option<Landing<T>> {
+        let root = self.roots[guard].at_once(step, fraction);
+        self.arrive(step, Landing { guard, root }, whole * step.length())
+    }
+
+    /// Writes down where the leg ends; without the event, the step would have had this length.
+    fn arrive<F: VectorField>(
+        &mut self,
+        step: &mut Step<F, T>,
+        landing: Landing<T>,
+        length: f64,
+    ) -> Option<Landing<T>> {
         let ((begin, left), end) = (self.leg, landing.root.fraction);
         self.event.time = step.time(end);
         step.state(end, &mut self.event.before);
         let lasted = (self.event.time - begin).real();
-        let longest = (step.length() * left.real()).min(LEGS * lasted);
+        let longest = (length * left.real()).min(LEGS * lasted);
         *self.pace = (longest > INSTANT).then_some(longest);
         Some(landing)
     }

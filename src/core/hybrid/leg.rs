@@ -6,6 +6,7 @@ use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
 use crate::core::zero::{LeftDomain, Names};
+use num_dual::Dual;
 
 /// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
 /// tells how fast things change.
@@ -36,6 +37,33 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
         self.system.domain(self.mode, x, p)
     }
+}
+
+/// A function of time and states along the motion of a mode, with its rate `d/dt`.
+pub(in crate::core) fn along<S: HybridSystem, T: Scalar>(
+    system: &S,
+    mode: usize,
+    t: T,
+    x: &[T],
+    p: &[T],
+    value: impl FnOnce(Dual<T>, &[Dual<T>], &[Dual<T>]) -> Dual<T>,
+) -> Dual<T> {
+    let mut f = vec![T::zero(); x.len()];
+    system.field(mode, t, x, p, &mut f);
+    let moving: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
+    let fixed: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+    value(Dual::new(t, T::one()), &moving, &fixed)
+}
+
+/// How fast a guard changes along the motion of its mode, `dh/dt = h_t + h_x f`.
+pub(in crate::core) fn rate<H: HybridSystem, T: Scalar>(
+    system: &H,
+    (guard, mode): (usize, usize),
+    t: T,
+    x: &[T],
+    p: &[T],
+) -> T {
+    along(system, mode, t, x, p, |t, x, p| system.guard(guard, t, x, p)).eps
 }
 
 /// One guard as a function to be watched along the flow of its mode.

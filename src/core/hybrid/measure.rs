@@ -19,9 +19,18 @@ pub enum Measure {
         /// The state whose value is taken.
         value: String,
     },
+    /// How far motion goes beyond the surface of the event that it approaches most slowly, or would go were the
+    /// surface not there ([`virtual_point`](super::virtual_point)): the size of the guard there. Of a motion without
+    /// events, the least distance from a surface, negative.
+    Penetration,
     /// A number that the system computes from the states at the ends of all legs, by its position
     /// ([`HybridSystem::measure`](super::HybridSystem::measure)).
     Cycle(usize),
+}
+
+impl Measure {
+    /// The name of [`Penetration`](Self::Penetration), which every hybrid system has.
+    pub const PENETRATION: &str = "penetration";
 }
 
 /// One leg of a hybrid orbit, seen by its ends.

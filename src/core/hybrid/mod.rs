@@ -15,6 +15,7 @@
 //! the one stated first counts, and the others at once after it, if they still fall. Where the events of one
 //! guard accumulate (complete chatter), the motion goes on from their accumulation.
 
+mod beyond;
 mod chatter;
 mod error;
 mod event;
@@ -28,10 +29,12 @@ mod settling;
 mod simulation;
 mod system;
 
+pub use beyond::virtual_point;
 pub use error::{After, HybridError};
 pub use event::{Event, History, HybridObserver, Piece};
 pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
+pub(in crate::core) use leg::{along, rate};
 pub use measure::{Measure, Passage};
 pub use recurrence::{Cycle, CycleLeg, Recurrence, RecurrenceError};
 pub(in crate::core) use repetition::Repetition;

@@ -9,26 +9,11 @@ use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, BoundaryProblem, OnSegment};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, HybridSystem};
+use crate::core::hybrid::{Cycle, HybridSystem, rate};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
-use num_dual::{Dual, Dual64};
+use num_dual::Dual64;
 use std::ops::ControlFlow;
-
-/// How fast a guard changes along the motion of its mode, `dh/dt = h_t + h_x f`.
-pub(in crate::core) fn rate<H: HybridSystem, T: Scalar>(
-    system: &H,
-    (guard, mode): (usize, usize),
-    t: T,
-    x: &[T],
-    p: &[T],
-) -> T {
-    let mut f = vec![T::zero(); x.len()];
-    system.field(mode, t, x, p, &mut f);
-    let moving: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
-    let fixed: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
-    system.guard(guard, Dual::new(t, T::one()), &moving, &fixed).eps
-}
 
 /// Where an orbit comes nearest to a guard.
 struct Touch {

@@ -58,9 +58,8 @@ impl<H: HybridSystem> HybridOrbit<H> {
         }
     }
 
-    /// Records, as a monitor, how far orbits would penetrate a surface ([`virtual_point`](super::virtual_point)):
-    /// that of the event which is reached most slowly, 0 if motion would not turn within a period; without events,
-    /// less the distance.
+    /// Records [`Measure::Penetration`](crate::core::hybrid::Measure::Penetration) as a monitor, 0 if motion would
+    /// not turn within a period.
     pub fn with_penetration(mut self) -> Self {
         self.penetration = true;
         self

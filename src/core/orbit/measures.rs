@@ -1,10 +1,8 @@
 //! What is recorded along branches of hybrid orbits: the system's measures, and what says where they graze.
 
-use super::beyond::virtual_point;
-use super::birth::rate;
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{Ends, Monitor, Observable, Watched};
-use crate::core::hybrid::{HybridSystem, Measure, Passage};
+use crate::core::hybrid::{HybridSystem, Measure, Passage, rate, virtual_point};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -35,11 +33,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
         }
         let guards = self.watched_guards();
         if self.records_penetration() {
-            let penetration = match self.itinerary().is_smooth() {
-                true => Monitor::Penetration(guards.clone()),
-                false => Monitor::Ends(PENETRATION),
-            };
-            monitors.push(("penetration".into(), penetration));
+            monitors.push((Measure::PENETRATION.into(), self.monitor(&Measure::Penetration)));
         }
         if !guards.is_empty() {
             monitors.push((distance, Monitor::Distance(guards)));
@@ -71,6 +65,10 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
                     .unzip();
                 Monitor::Rising { through, value }
             }
+            Measure::Penetration if self.itinerary().is_smooth() => {
+                Monitor::Penetration(self.watched_guards())
+            }
+            Measure::Penetration => Monitor::Ends(PENETRATION),
             Measure::Cycle(k) => Monitor::Ends(OWN + k),
         }
     }

@@ -12,7 +12,6 @@
 //!
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
 
-mod beyond;
 mod birth;
 mod hybrid;
 mod itinerary;
@@ -20,8 +19,6 @@ mod measures;
 mod periodic;
 mod simulation;
 
-pub use beyond::virtual_point;
-pub(in crate::core) use birth::rate;
 pub use hybrid::HybridOrbit;
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub use periodic::{Orbit, by_collocation, by_shooting};

@@ -15,8 +15,10 @@ pub struct Found {
     pub run: usize,
     /// The values on the axes.
     pub values: Vec<f64>,
-    /// What it has settled on, or why it did not.
+    /// What it has settled on, or why it did not; where a crisis was sought, the last attractor before it.
     pub settled: Result<Settled, StrobeError>,
+    /// Where a crisis was sought and found: on the attractor, and off it.
+    pub crisis: Option<[f64; 2]>,
 }
 
 impl Found {
@@ -26,17 +28,8 @@ impl Found {
     }
 }
 
-/// Sees the runs of a sweep, in the order in which they are done.
-pub trait SweepObserver {
-    /// A run is done; the sweep may be ended.
-    fn found(&mut self, found: Found) -> ControlFlow<()>;
-}
-
-impl<C: FnMut(Found) -> ControlFlow<()>> SweepObserver for C {
-    fn found(&mut self, found: Found) -> ControlFlow<()> {
-        self(found)
-    }
-}
+/// Sees a run that is done; the sweep may be ended.
+pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
 
 /// Makes a motion.
 pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed>, StrobeError> + Sync + 'a;
@@ -54,7 +47,7 @@ pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed>, StrobeError> + Sync + '
 /// // The oscillator with a stop under a growing forcing: without impacts, and with one in every period.
 /// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
 /// let axis = Axis { quantity: Quantity::Parameter(0), low: 1.0, high: 5.0, count: 3 };
-/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Anew, strands: 1, settling: Settling::default() };
+/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Anew, strands: 1, settling: Settling::default(), crisis: None };
 /// let make = || -> Result<Box<dyn Strobed>, StrobeError> {
 ///     Ok(Box::new(Stroboscope::of(&ImpactOscillator, HybridSettings::default(), &[])?))
 /// };
@@ -75,7 +68,7 @@ pub fn execute(
     p: &[f64],
     make: &Make,
     done: &(dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
-    observer: &mut dyn SweepObserver,
+    visit: &mut Visit,
 ) -> Result<(), PlanError> {
     plan.check()?;
     let Part { number, of } = part;
@@ -96,7 +89,7 @@ pub fn execute(
             strands.par_iter().with_max_len(1).for_each_with(sender, follow);
         });
         for found in receiver {
-            if !stop.load(Ordering::Relaxed) && observer.found(found).is_break() {
+            if !stop.load(Ordering::Relaxed) && visit(found).is_break() {
                 stop.store(true, Ordering::Relaxed);
             }
         }
@@ -147,8 +140,17 @@ impl Strand<'_> {
             Some(motion) => Ok(motion),
             None => (self.make)(),
         };
-        let settled =
-            made.and_then(|made| self.plan.settling.follow(&mut **motion.insert(made), state, &p));
-        Found { run, values: self.plan.values(run), settled }
+        let Plan { settling, crisis: sought, .. } = self.plan;
+        let settled = made.and_then(|made| {
+            let motion = &mut **motion.insert(made);
+            let Some(search) = sought else {
+                return Ok((settling.follow(motion, state, &p)?, None));
+            };
+            let found = settling.crisis(motion, state, &p, search)?;
+            Ok((found.attractor, Some(found.between)))
+        });
+        let crisis = settled.as_ref().ok().and_then(|(_, crisis)| *crisis);
+        let settled = settled.map(|(settled, _)| settled);
+        Found { run, values: self.plan.values(run), settled, crisis }
     }
 }

@@ -11,5 +11,5 @@
 mod execute;
 mod plan;
 
-pub use execute::{Found, Make, SweepObserver, execute};
+pub use execute::{Found, Make, Visit, execute};
 pub use plan::{Axis, Order, Part, Plan, PlanError, Quantity};

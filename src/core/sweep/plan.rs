@@ -1,6 +1,6 @@
 //! Which runs there are, and which of them follow each other.
 
-use crate::core::attractor::Settling;
+use crate::core::attractor::{CrisisSearch, Settling};
 use crate::core::hybrid::HybridState;
 use serde::{Deserialize, Serialize};
 
@@ -71,7 +71,8 @@ impl Part {
 /// use tangency::core::{attractor::Settling, hybrid::HybridState, sweep::{Axis, Order, Plan, Quantity}};
 /// let start = HybridState { mode: 0, time: 0.0, x: vec![0.0, 0.0] };
 /// let axis = Axis { quantity: Quantity::Parameter(0), low: 1.0, high: 2.0, count: 5 };
-/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Down, strands: 2, settling: Settling::default() };
+/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Down, strands: 2, settling: Settling::default(),
+///     crisis: None };
 /// assert_eq!(plan.runs(), 5);
 /// // Down from 2 to 1.5, and from 1.25 to 1.
 /// assert_eq!(plan.strand_list(), [vec![4, 3, 2], vec![1, 0]]);
@@ -89,6 +90,8 @@ pub struct Plan {
     pub strands: usize,
     /// How runs are followed.
     pub settling: Settling,
+    /// Each run finds out where the attractor is lost that motion is on.
+    pub crisis: Option<CrisisSearch>,
 }
 
 /// Why there is no such sweep.

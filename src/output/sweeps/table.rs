@@ -1,6 +1,6 @@
 //! The tables of a sweep: a row for each run, and a row for everything recorded.
 
-use crate::core::attractor::{Happening, Period, Settled, Strobed};
+use crate::core::attractor::{Happening, Layout, Period, Settled};
 use crate::core::hybrid::{HybridState, Mode};
 use crate::core::sweep::Found;
 use crate::output::Plot;
@@ -34,7 +34,8 @@ pub struct Row {
 
 /// A sweep as tables.
 ///
-/// Of a run there are: its number `run` and that of its `start`; the values on the axes; the `periods` in its cycle
+/// Of a run there are: its number `run` and that of its `start`; the values on the axes; where it seeks a crisis, the
+/// value of the parameter there, by its name, and `crisis_error`; the `periods` in its cycle
 /// (0 if it has none); every event by name, how often it came in a cycle (a period, if there is no cycle), and
 /// `accumulations` of infinitely many; `exponent` and `exponent_error`; `failed` (1 or 0); and the state in the end,
 /// as `end_mode`, `end_0`, `end_1`, ….
@@ -71,14 +72,22 @@ fn all_states(modes: &[Mode]) -> Vec<&str> {
 }
 
 impl SweepTable {
-    /// A sweep of a motion over these axes, of which nothing is done.
-    pub fn new(name: &str, axes: &[String], total: usize, motion: &dyn Strobed) -> Self {
+    /// A sweep over these axes, with the parameter in which each run seeks a crisis, if it does, of a motion with this
+    /// layout, of which nothing is done.
+    pub fn new(
+        name: &str,
+        (axes, crisis): (&[String], Option<&str>),
+        total: usize,
+        layout: &Layout,
+    ) -> Self {
+        let Layout { modes, events, measures } = layout;
         let own = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<Vec<_>>();
-        let longest = motion.modes().iter().map(|mode| mode.states.len()).max().unwrap_or(0);
+        let longest = modes.iter().map(|mode| mode.states.len()).max().unwrap_or(0);
         let mut run_columns = own(&["run", "start"]);
         run_columns.extend_from_slice(axes);
+        run_columns.extend(crisis.into_iter().flat_map(|name| own(&[name, "crisis_error"])));
         run_columns.push("periods".into());
-        run_columns.extend_from_slice(motion.events());
+        run_columns.extend_from_slice(events);
         run_columns.extend(own(&[
             "accumulations",
             "exponent",
@@ -88,12 +97,12 @@ impl SweepTable {
         ]));
         run_columns.extend((0..longest).map(|k| format!("end_{k}")));
         let mut point_columns = own(&["run", "period", "event", "time"]);
-        point_columns.extend(own(&all_states(motion.modes())));
-        point_columns.extend_from_slice(motion.measures());
+        point_columns.extend(own(&all_states(modes)));
+        point_columns.extend_from_slice(measures);
         SweepTable {
             name: name.into(),
             axes: axes.to_vec(),
-            events: motion.events().to_vec(),
+            events: events.clone(),
             total,
             run_columns,
             point_columns,
@@ -127,6 +136,7 @@ impl SweepTable {
     fn values(&self, found: &Found, start: usize, settled: &Settled) -> Vec<f64> {
         let mut values = vec![found.run as f64, start as f64];
         values.extend_from_slice(&found.values);
+        values.extend(found.crisis.iter().flat_map(|[a, b]| [0.5 * (a + b), 0.5 * (a - b).abs()]));
         values.push(settled.periods.unwrap_or(0) as f64);
         values.extend(settled.events.iter().map(|(_, count)| *count));
         values.push(settled.accumulations);

@@ -2,7 +2,7 @@
 
 use super::berth::{Berth, Next, Outcome};
 use super::{Fleet, FleetObserver};
-use crate::core::flow::{LANES, Sign};
+use crate::core::flow::{LANES, Reached, Sign, Step};
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
@@ -130,7 +130,7 @@ impl<S: HybridSystem> Fleet<'_, S> {
     ) -> Outcome {
         let (system, most) = (self.worker.system, self.worker.settings.flow.max_steps);
         let Some(abreast) = &self.abreast else { return self.go(number, Next::Alone, observer) };
-        let Berth { course, signs, .. } = &mut self.berths[number];
+        let Berth { course, .. } = &mut self.berths[number];
         course.statistics.evaluations += abreast.cost();
         let steps = course.statistics.accepted + course.statistics.rejected;
         if error.is_nan() || error > 1.0 {
@@ -142,17 +142,18 @@ impl<S: HybridSystem> Fleet<'_, S> {
                 self.go(number, Next::Alone, observer)
             };
         }
-        self.loud.clear();
-        for ((guard, sign), outlook) in
-            self.worker.watched[mode].iter().zip(&mut *signs).zip(&self.outlooks)
-        {
-            if outlook.is_quiet(lane, *sign) {
-                *sign = Sign::Positive;
-            } else {
-                self.loud.push(*guard);
+        let landing = if course.aims() {
+            let reached = course.reached(&self.outlooks, lane);
+            let Some(reached) = reached else { return Ok(ControlFlow::Continue(())) };
+            self.reach(mode, (lane, number), reached)
+        } else {
+            self.listen(lane, number);
+            let only = if let [watched] = self.loud[..] { Some(watched) } else { None };
+            if only.is_some_and(|watched| self.aim(watched, lane, number)) {
+                return Ok(ControlFlow::Continue(()));
             }
-        }
-        let landing = if self.loud.is_empty() { None } else { self.look_at(mode, lane, number) };
+            if self.loud.is_empty() { None } else { self.look_at(mode, (lane, number)) }
+        };
         let Some(abreast) = &self.abreast else { return self.go(number, Next::Alone, observer) };
         let Berth { course, p, state, statistics, end, .. } = &mut self.berths[number];
         abreast.accept(lane, error, course);
@@ -177,8 +178,33 @@ impl<S: HybridSystem> Fleet<'_, S> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Looks at the step of one lane for where its leg ends.
-    fn look_at(&mut self, mode: usize, lane: usize, number: usize) -> Option<Landing<f64>> {
+    /// Finds the guards, by their positions in their mode, that may vanish in the step of a lane.
+    fn listen(&mut self, lane: usize, number: usize) {
+        let Fleet { outlooks, loud, berths, .. } = self;
+        loud.clear();
+        let signs = &mut berths[number].signs;
+        for (watched, (sign, outlook)) in signs.iter_mut().zip(outlooks).enumerate() {
+            if outlook.is_quiet(lane, *sign) {
+                *sign = Sign::Positive;
+            } else {
+                loud.push(watched);
+            }
+        }
+    }
+
+    /// Lets the next step of a lane go to where a guard vanishes, if it does so once.
+    fn aim(&mut self, watched: usize, lane: usize, number: usize) -> bool {
+        let Berth { course, .. } = &mut self.berths[number];
+        course.aim(watched, &self.outlooks[watched], lane).is_some()
+    }
+
+    /// Lets a worker look for the end of a leg in the step of one lane.
+    fn look<R>(
+        &mut self,
+        mode: usize,
+        (lane, number): (usize, usize),
+        find: impl FnOnce(&mut Lookout<S, f64>, &mut Step<InMode<S>, f64>) -> Option<R>,
+    ) -> Option<R> {
         let Fleet { worker, abreast, loud, berths, .. } = self;
         let Berth { state, p, end, course, signs, pace, .. } = &mut berths[number];
         let HybridFlow { system, flow, roots, event, watched, .. } = worker;
@@ -189,11 +215,29 @@ impl<S: HybridSystem> Fleet<'_, S> {
         event.before.clone_from(&state.x);
         let leg = (state.time, *end - state.time);
         let mut lookout = Lookout { system, watched: loud, roots, event, pace, p, leg };
-        let (mut landing, abreast) = (None, abreast.as_ref()?);
+        let (mut found, abreast) = (None, abreast.as_ref()?);
         flow.show_lane(&InMode { system, mode }, p, (abreast, lane, course), |step| {
-            landing = lookout.landing(step);
+            found = find(&mut lookout, step);
         });
         watched[mode].iter().zip(signs).for_each(|(guard, sign)| *sign = roots[*guard].sign());
-        landing
+        found
+    }
+
+    /// Looks at the step of one lane for where its leg ends.
+    fn look_at(&mut self, mode: usize, of: (usize, usize)) -> Option<Landing<f64>> {
+        let guards = &self.worker.watched[mode];
+        self.loud.iter_mut().for_each(|watched| *watched = guards[*watched]);
+        self.look(mode, of, |lookout, step| lookout.landing(step))
+    }
+
+    /// Ends the leg of one lane at the root that its step went to.
+    fn reach(
+        &mut self,
+        mode: usize,
+        of: (usize, usize),
+        Reached { watched, fraction, whole }: Reached,
+    ) -> Option<Landing<f64>> {
+        let guard = self.worker.watched[mode][watched];
+        self.look(mode, of, |lookout, step| lookout.reach(step, (guard, fraction), whole))
     }
 }

@@ -1,10 +1,9 @@
 //! Motion beyond a surface, as if the surface were not there.
 
-use super::birth::rate;
+use super::leg::{GuardOf, InMode, along, rate};
+use super::system::HybridSystem;
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
-use crate::core::hybrid::{HybridSystem, InMode};
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
 use num_dual::Dual;
 use std::ops::ControlFlow;
 
@@ -20,7 +19,7 @@ const TOLERANCE: f64 = 1e-13;
 /// turn within a time.
 ///
 /// ```
-/// use tangency::core::orbit::virtual_point;
+/// use tangency::core::hybrid::virtual_point;
 /// use tangency::problems::classic::ImpactOscillator;
 /// // Without forcing and damping, x = sin t: from the wall at x = 0.8 the motion would go on to x = 1.
 /// let p = [0.0, 1.0, 0.8, 0.0, 0.8];
@@ -52,18 +51,6 @@ pub fn virtual_point<H: HybridSystem, T: Scalar>(
     (step.real().abs() <= SETTLED * within).then_some((t, x))
 }
 
-/// A guard along a motion.
-struct Guarding<'a, H> {
-    system: &'a H,
-    guard: usize,
-}
-
-impl<H: HybridSystem> Watch for Guarding<'_, H> {
-    fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
-        self.system.guard(self.guard, t, x, p)
-    }
-}
-
 /// After what time a guard that falls stops falling; none if it rises already.
 fn first_turn<H: HybridSystem, T: Scalar>(
     system: &H,
@@ -76,7 +63,7 @@ fn first_turn<H: HybridSystem, T: Scalar>(
         return Some(0.0);
     }
     let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
-    let (mut x, p, watch) = (real(x), real(p), Guarding { system, guard });
+    let (mut x, p, watch) = (real(x), real(p), GuardOf { system, guard });
     let (mut flow, mut extrema, mut turn) = (Flow::<f64>::default(), Extrema::default(), None);
     let outcome = flow.observe(&InMode { system, mode }, t.real(), within, &mut x, &p, |step| {
         extrema.search(&watch, step, |extremum| {
@@ -97,9 +84,5 @@ fn turning<H: HybridSystem, T: Scalar>(
     x: &[T],
     p: &[T],
 ) -> Dual<T> {
-    let mut f = vec![T::zero(); x.len()];
-    system.field(mode, t, x, p, &mut f);
-    let x: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
-    let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
-    rate(system, (guard, mode), Dual::new(t, T::one()), &x, &p)
+    along(system, mode, t, x, p, |t, x, p| rate(system, (guard, mode), t, x, p))
 }
