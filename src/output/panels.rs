@@ -110,8 +110,11 @@ fn together(
         Err(error) => return Err(error),
     };
     figure.title.clone_from(title);
-    // Behind the branches.
-    figure.series.splice(0..0, scattered);
+    // Specks behind the branches, single dots before them.
+    let (behind, before): (Vec<Series>, Vec<Series>) =
+        scattered.into_iter().partition(|series| series.style == Style::Specks);
+    figure.series.splice(0..0, behind);
+    figure.series.extend(before);
     clip(&mut figure, [x, y].map(|column| plot.range(column)));
     Ok(figure)
 }

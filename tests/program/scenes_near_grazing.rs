@@ -107,6 +107,47 @@ fn curves_of_maps_begin_at_points_of_codimension_two() {
     }
 }
 
+/// Beside the curves of folds and doublings that begin at the degenerate point: their Taylor series with the coefficients
+/// that X. Zhao (2004) prints in section 5.3, on the sides where there are such orbits.
+#[test]
+fn series_lie_beside_their_curves() {
+    let document = traced(&built_in("mita-local-curves"));
+    let ([frequency, voltage], slope) = ([0.487808700, 0.171066689], 0.224982);
+    for (name, of, second, change) in [
+        ("SN of P(1,1), series at I/II", "SN of P(1,1)", 17.7774, 4e-4),
+        ("PD of P(1,1), series at I/II", "PD of P(1,1)", 1557.35, -1e-4),
+    ] {
+        let [series, curve] = [name, of].map(|name| {
+            between(document.branch(name).unwrap(), "frequency", "voltage", frequency + change)
+        });
+        close(series, voltage + slope * change + second * change * change, 2e-9);
+        // The next term is of the third power.
+        assert!((series - curve).abs() < 0.15 * (curve - voltage - slope * change).abs(), "{name}");
+        let depths = column(&document, name, Kind::EP, "depth");
+        assert!(depths.iter().any(|depth| depth.abs() < 1e-9) && depths.iter().all(|d| *d > -1e-9));
+    }
+}
+
+/// What motion settles on, as the penetration of its virtual points: the orbits with an impact of the branch, and those
+/// of the map.
+#[test]
+fn attractors_lie_on_branches() {
+    let scene = with("mita-near-grazing-1", &[("count", "3"), ("order", "3")]);
+    let document = traced(&scene);
+    let sweeps = sweep(&scene, "few", Part::WHOLE, None, &mut ()).unwrap();
+    for (table, branch) in sweeps.sweeps.iter().zip(["P(1,1)", "P(1,1) by the local map"]) {
+        let penetration =
+            table.point_columns.iter().position(|name| name == "penetration").unwrap();
+        // V = 0.1715, from a start in motion.
+        let row = &table.rows[&4];
+        let exact = between(document.branch(branch).unwrap(), "voltage", "penetration", 0.1715);
+        assert!(exact > 1e-5);
+        close(row.points[penetration], exact, 1e-9);
+        // V = 0.1705, from rest: it does not reach the stopper.
+        assert!(table.rows[&0].points[penetration] < -1e-3, "{:?}", table.rows[&0]);
+    }
+}
+
 /// Periodic points: doubled ones from the doubling, and those that impact in every second period, both to 2e-8 of the
 /// flow's in fourth order; they end in the same grazing.
 #[test]

@@ -8,8 +8,8 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 use tangency::core::continuation::Kind;
 use tangency::core::sweep::{Order, Part};
-use tangency::output::{MergeError, Sweeps, merge};
-use tangency::scene::{BUILT_IN, Grid, sweep as swept};
+use tangency::output::{MergeError, Sweeps, figures, merge};
+use tangency::scene::{BUILT_IN, Grid, Scene, sweep as swept};
 
 fn tangency(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
@@ -211,14 +211,48 @@ fn the_diagram_shows_its_events() {
 }
 
 /// Every built-in sweep runs, coarsely, and is drawn.
+/// Crises at two frequencies, where bisection at one of them has V = 0.2353 (`tests/hybrid/attractors.rs`), as dots; where
+/// there is none, a run says so.
+#[test]
+fn crises_are_found_by_sweeps() {
+    let text = "Scene(title: \"Crises\", problem: Mita(), plot: (x: \"frequency\", y: \"voltage\"), sweeps: [
+        (name: \"crisis\", over: [(name: \"frequency\", low: 0.45, high: 0.455, count: 2)],
+         starts: [[(\"displacement\", 0.1), (\"velocity\", -0.2)]], settling: (transient: 600, recorded: 50, exponent: 0),
+         crisis: (name: \"voltage\", from: 0.25, to: 0.22, steps: 6, tolerance: 2e-4)),
+        (name: \"none\", over: [(name: \"frequency\", low: 0.45, high: 0.45, count: 1)],
+         settling: (transient: 100, recorded: 50, exponent: 0),
+         crisis: (name: \"voltage\", from: 0.1, to: 0.05, steps: 2, tolerance: 1e-3)),
+    ])";
+    let scene = Scene::parse(text).unwrap();
+    let sweeps = swept(&scene, "crises", Part::WHOLE, None, &mut ()).unwrap();
+    let [crisis, none] = &sweeps.sweeps[..] else { panic!("{}", sweeps.sweeps.len()) };
+    assert_eq!(crisis.crisis(), Some("voltage"));
+    let column = |name: &str| crisis.run_columns.iter().position(|known| known == name).unwrap();
+    let [at, error] = ["voltage", "crisis_error"].map(column);
+    for (run, voltage) in [(0, 0.2353), (1, 0.2256)] {
+        close(crisis.rows[&run].values[at], voltage, 5e-4);
+        assert!(crisis.rows[&run].values[error] <= 1e-4);
+    }
+    let failure = none.rows[&0].failure.as_deref().unwrap();
+    assert!(failure.contains("no crisis in 2 steps from 0.1 to 0.05"), "{failure}");
+    let drawn = figures(&[], std::slice::from_ref(&sweeps), None, None).unwrap();
+    assert!(drawn[0].series.iter().any(|series| series.points.len() == 2));
+    let unknown = text.replace("(name: \"voltage\", from", "(name: \"voltages\", from");
+    let refused = swept(&Scene::parse(&unknown).unwrap(), "a", Part::WHOLE, None, &mut ());
+    assert!(refused.unwrap_err().to_string().contains("did you mean `voltage`"));
+}
+
 #[test]
 fn built_in_sweeps_run_and_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     for scene in BUILT_IN.iter().filter(|scene| scene.text.contains("sweeps: [")) {
         let mut arguments = vec!["sweep", scene.name];
-        for setting in ["count=5", "transient=30", "recorded=20", "exponent=40"] {
-            arguments.extend(["--set", setting]);
-        }
+        // A crisis is none if motion is not given the time to leave.
+        let few = match scene.text.contains("crisis: (") {
+            true => ["count=2", "transient=400", "recorded=20", "exponent=0"],
+            false => ["count=5", "transient=30", "recorded=20", "exponent=40"],
+        };
+        few.iter().for_each(|setting| arguments.extend(["--set", setting]));
         let output = tangency(folder.path(), &arguments);
         assert!(output.status.success(), "{}: {output:?}", scene.name);
         let text = std::str::from_utf8(&output.stdout).unwrap();

@@ -102,7 +102,8 @@ fn names(figure: &Figure) -> Vec<Entry<'_>> {
         return Vec::new();
     }
     let of = |name: &str| figure.series.iter().find(|s| s.name == name).map(|s| s.style);
-    let style = |name: &str| match figure.styles.is_empty() || of(name) == Some(Style::Specks) {
+    let points = |name: &str| matches!(of(name), Some(Style::Specks | Style::Dots));
+    let style = |name: &str| match figure.styles.is_empty() || points(name) {
         true => of(name).unwrap_or(Style::Solid),
         // The styles have entries of their own, and a curve may have several.
         false => Style::Solid,

@@ -71,6 +71,9 @@ impl SweepTable {
 /// attractor is a series of its own: they show the basins.
 pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Series> {
     let (Some(from), Some(to)) = (sweep.source(x), sweep.source(y)) else { return Vec::new() };
+    // One crisis in each run.
+    let crises = sweep.crisis().is_some_and(|crisis| [x, y].contains(&crisis));
+    let style = if crises { Style::Dots } else { Style::Specks };
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
     let mut series: Vec<Series> = Vec::new();
     for row in sweep.rows.values() {
@@ -79,7 +82,7 @@ pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Se
         let finite = points.into_iter().filter(|at| at.iter().all(|value| value.is_finite()));
         match series.iter_mut().find(|series| series.name == name) {
             Some(series) => series.points.extend(finite),
-            None => series.push(Series::new(name, Style::Specks, finite)),
+            None => series.push(Series::new(name, style, finite)),
         }
     }
     series

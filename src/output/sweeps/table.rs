@@ -61,6 +61,9 @@ pub struct SweepTable {
     pub rows: BTreeMap<usize, Row>,
 }
 
+/// The column with half the width of the interval in which a crisis is, behind that of its middle.
+const CRISIS_ERROR: &str = "crisis_error";
+
 fn all_states(modes: &[Mode]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for name in modes.iter().flat_map(|mode| &mode.states) {
@@ -85,7 +88,7 @@ impl SweepTable {
         let longest = modes.iter().map(|mode| mode.states.len()).max().unwrap_or(0);
         let mut run_columns = own(&["run", "start"]);
         run_columns.extend_from_slice(axes);
-        run_columns.extend(crisis.into_iter().flat_map(|name| own(&[name, "crisis_error"])));
+        run_columns.extend(crisis.into_iter().flat_map(|name| own(&[name, CRISIS_ERROR])));
         run_columns.push("periods".into());
         run_columns.extend_from_slice(events);
         run_columns.extend(own(&[
@@ -108,6 +111,12 @@ impl SweepTable {
             point_columns,
             rows: BTreeMap::new(),
         }
+    }
+
+    /// The parameter in which each run seeks a crisis, if it does.
+    pub fn crisis(&self) -> Option<&str> {
+        let error = self.run_columns.iter().position(|name| name == CRISIS_ERROR)?;
+        self.run_columns.get(error.checked_sub(1)?).map(String::as_str)
     }
 
     /// Whether all runs are done.
