@@ -1,7 +1,10 @@
 //! Why a command failed.
 
 use std::path::PathBuf;
-use tangency::output::{FigureError, FileError, MergeError, UnknownName, UnknownPoint};
+use tangency::chart::ChartError;
+use tangency::output::{
+    ChartFileError, FigureError, FileError, MergeError, UnknownName, UnknownPoint,
+};
 use tangency::scene::SceneError;
 
 /// Why a command failed.
@@ -57,6 +60,15 @@ pub enum CommandError {
     /// Parts that do not make a whole.
     #[error(transparent)]
     Merge(#[from] MergeError),
+    /// There is no such chart.
+    #[error("{0}; `tangency chart` lists all")]
+    UnknownChart(UnknownName),
+    /// A chart is not measured.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// A chart is not saved.
+    #[error(transparent)]
+    ChartFile(#[from] ChartFileError),
     /// Ctrl-C.
     #[error("interrupted; what was done until then is kept")]
     Interrupted,

@@ -1,5 +1,6 @@
 //! Arguments, exit codes and messages; no mathematics.
 
+mod chart;
 mod error;
 mod plot;
 mod points;
@@ -24,6 +25,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Scenes(scenes::Scenes),
+    Chart(chart::Chart),
     Trace(trace::Trace),
     Points(points::Points),
     Plot(plot::Plot),
@@ -38,6 +40,7 @@ pub fn main() -> ExitCode {
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
         Command::Scenes(scenes) => scenes.run(&mut out),
+        Command::Chart(chart) => chart.run(&mut out),
         Command::Trace(trace) => trace.run(&mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),

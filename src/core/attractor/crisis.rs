@@ -20,8 +20,8 @@ pub struct Crisis {
 ///
 /// ```
 /// use tangency::core::attractor::CrisisSearch;
-/// let search = CrisisSearch { steps: 20, ..CrisisSearch::of(0, [0.29, 0.16], 1e-5) };
-/// assert_eq!(search.value(10), 0.225);
+/// let search = CrisisSearch { steps: 4, ..CrisisSearch::of(0, [0.5, 0.25], 1e-5) };
+/// assert_eq!(search.value(2), 0.375);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrisisSearch {

@@ -69,11 +69,17 @@ impl Metric {
             .filter(|(scale, slope)| usable(**scale) && slope.abs() > VERTICAL * steep)
             .map(|(scale, slope)| scale / slope.abs())
             .next();
+        // Near a fold the tangent says too much of all groups alike.
+        let known = |reach: f64| {
+            let parts = sizes.iter().zip(&slopes).map(|(size, slope)| size / (reach * slope));
+            parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
+        };
+        let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
         let groups: Vec<f64> = sizes
             .iter()
             .zip(&slopes)
             .map(|(&size, slope)| match reach.map(|reach| reach * slope) {
-                Some(reach) if usable(reach) && size <= ZERO * reach => reach,
+                Some(reach) if usable(reach) && size <= zero * reach => reach,
                 _ if size > NOTHING => size,
                 _ => 1.0,
             })
@@ -141,6 +147,10 @@ impl Metric {
 /// A group of unknowns this small, compared with what the tangent makes of the parameter's range, is
 /// zero but for rounding.
 const ZERO: f64 = 1e-9;
+
+/// One that is so much smaller than others are, likewise compared, is zero but for the error with which the start is
+/// known: where a curve is born, that of its discretisation.
+const SMALL: f64 = 1e-5;
 
 /// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a level set of
 /// a parameter or an unknown but for rounding.

@@ -42,7 +42,7 @@ impl<'a> Continuation<'a> {
         self.tangent = tangent;
         self.at_branch_point |= leaving == Leaving::BranchPoint;
         if leaving == Leaving::Switched {
-            self.switched = false;
+            (self.switched, self.born) = (false, true);
             return Ok(Leaving::Along);
         }
         Ok(leaving)
@@ -374,7 +374,7 @@ impl<'a> Continuation<'a> {
         if how != Leaving::Along {
             stepper.forget_stability_at(&mut start);
         }
-        let slopes = stepper.forget_levels_at(&mut start).map_err(evaluation)?;
+        let slopes = stepper.forget_levels_at(&mut start, self.born).map_err(evaluation)?;
         if correct {
             stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
         }

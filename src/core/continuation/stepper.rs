@@ -41,6 +41,9 @@ const BEYOND: f64 = 1e-9;
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
 pub(super) const AT_START: f64 = 1e-6;
 
+/// A level nearer than this to where a curve is born, in scaled arclength, is where it is born.
+const AT_BIRTH: f64 = 1e-2;
+
 /// Whether the matrix factored last is, nearly, that of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Matrix {
@@ -218,12 +221,19 @@ impl Stepper<'_> {
 
     /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
     /// how fast each level's test function grows along the curve at the start.
-    pub fn forget_levels_at(&mut self, start: &mut Place) -> Result<Vec<f64>, EvaluationError> {
+    ///
+    /// A curve that is born on a level misses it by as much as the discretisation errs.
+    pub fn forget_levels_at(
+        &mut self,
+        start: &mut Place,
+        born: bool,
+    ) -> Result<Vec<f64>, EvaluationError> {
+        let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
             let Test::Level(quantity, level) = self.events[i].test else { continue };
             slopes[i] = self.slope_of(quantity, start);
-            let rounding = AT_START * f64::abs(slopes[i]) + 1e-12 * level.abs();
+            let rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
             if start.tests[i].abs() <= rounding {
                 start.tests[i] = 0.0;
             }

@@ -46,6 +46,8 @@ pub struct Continuation<'a> {
     pub(super) solution: Option<Solution>,
     /// The start is a branch point of a branch of solutions.
     pub(super) at_branch_point: bool,
+    /// Whether the curve is born where it starts, at a level that defines its birth.
+    pub(super) born: bool,
     /// What the curve one restarts from is made of: its direction means nothing on another curve.
     pub(super) restarted_on: Option<Kind>,
     /// The kind of the special point one restarts from.
@@ -78,6 +80,7 @@ impl<'a> Continuation<'a> {
             settings: Settings::default(),
             solution: None,
             at_branch_point: false,
+            born: false,
             restarted_on: None,
             restarted_at: None,
             switched: false,

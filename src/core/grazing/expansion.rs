@@ -46,10 +46,11 @@ pub struct Expansion {
 /// let expansion = Expansion { kind: Kind::LP, parameter: vec![2.0, 3.0], depth: vec![1.0] };
 /// let names = ["voltage", "frequency"].map(String::from);
 /// let curve = ExpansionCurve { expansion, origin: [1.0, 5.0], names };
-/// let branch = Continuation::of(&mut Dense::new(curve)).at("frequency", 5.0).vary("frequency", 5.0, 5.5).trace()?;
+/// let mut system = Dense::new(curve);
+/// let branch = Continuation::of(&mut system).at("frequency", 5.0).along("frequency", 5.0..=5.5).trace()?;
 /// let last = branch.points.last().expect("a point");
 /// assert!((last.monitors[0] - 2.75).abs() < 1e-12 && (last.monitors[1] - 0.5).abs() < 1e-12);
-/// # Ok::<(), tangency::core::continuation::TraceFailure>(())
+/// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpansionCurve {

@@ -1,0 +1,316 @@
+//! Charts of what methods cost and what they buy: measurements as data, as a table, and as a figure.
+
+use super::error::{FigureError, FileError};
+use super::figure::{Figure, Mark, Series, Style, Symbol};
+use super::write::write_atomically;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use std::path::Path;
+
+/// The format of charts.
+pub const CHART: &str = "tangency-chart/1";
+
+/// Where and when was measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Circumstances {
+    /// The processor.
+    pub processor: String,
+    /// The compiler, and what it was told.
+    pub compiler: String,
+    /// The date.
+    pub date: String,
+    /// How many runs a time is the median of.
+    pub runs: usize,
+}
+
+/// One method with one setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measurement {
+    /// The setting.
+    pub setting: String,
+    /// What was done, as a number: evaluations, unknowns.
+    pub work: f64,
+    /// CPU time, in seconds.
+    pub seconds: f64,
+    /// How far the result is from the reference; NaN if there is none.
+    pub error: f64,
+    /// Why there is no result.
+    #[serde(default)]
+    pub failure: Option<String>,
+}
+
+/// One method with growing effort.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// The method.
+    pub name: String,
+    /// What was measured.
+    pub points: Vec<Measurement>,
+}
+
+/// What several methods cost to solve one problem, and what they buy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measured {
+    /// What is solved.
+    pub title: String,
+    /// What the error is of, and in which units.
+    pub error: String,
+    /// What the work counts.
+    pub work: String,
+    /// What results are compared with.
+    pub reference: String,
+    /// The methods.
+    pub lines: Vec<Line>,
+    /// Whether errors are drawn against the work instead of the time.
+    #[serde(default)]
+    pub against_work: bool,
+    /// The method and setting that is recommended, and the default of scenes.
+    pub recommended: Option<(String, String)>,
+}
+
+/// Measurements of one subject.
+///
+/// ```
+/// use tangency::output::{Chart, Line, Measured, Measurement};
+/// let point = |setting: &str, seconds, error| Measurement {
+///     setting: setting.into(), work: 1.0, seconds, error, failure: None,
+/// };
+/// let lines = vec![
+///     Line { name: "cheap".into(), points: vec![point("1", 1e-3, 1e-2), point("2", 1e-1, 1e-4)] },
+///     Line { name: "good".into(), points: vec![point("3", 1e-2, 1e-8)] },
+/// ];
+/// let measured = Measured { lines, ..Measured::of("a problem") };
+/// // The second setting of the cheap method is slower than the good one, and worse.
+/// assert_eq!(measured.front(), [("cheap", "1"), ("good", "3")]);
+/// let chart = Chart { name: "example".into(), panels: vec![measured], ..Chart::default() };
+/// assert_eq!(Chart::parse(&chart.to_ron()?)?, chart);
+/// assert!(chart.to_markdown().contains("| good | 3 | 1 | 10 | 1.0e-8 |"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chart {
+    /// The format, [`CHART`].
+    pub format: String,
+    /// The name.
+    pub name: String,
+    /// The problems that are solved.
+    pub panels: Vec<Measured>,
+    /// Where and when.
+    pub circumstances: Circumstances,
+}
+
+impl Default for Chart {
+    fn default() -> Self {
+        let (name, panels, circumstances) = Default::default();
+        Chart { format: CHART.into(), name, panels, circumstances }
+    }
+}
+
+impl Measured {
+    /// A problem of which nothing is measured yet.
+    pub fn of(title: impl Into<String>) -> Self {
+        let (error, work, reference, lines, against_work, recommended) = Default::default();
+        Measured { title: title.into(), error, work, reference, lines, against_work, recommended }
+    }
+
+    /// All measurements, with the methods that they belong to.
+    fn all(&self) -> impl Iterator<Item = (&str, &Measurement)> {
+        self.lines
+            .iter()
+            .flat_map(|line| line.points.iter().map(|point| (line.name.as_str(), point)))
+    }
+
+    /// The measurements that none other beats in both time and error (the Pareto front): methods with their settings,
+    /// in the order of time.
+    pub fn front(&self) -> Vec<(&str, &str)> {
+        let mut sorted: Vec<(&str, &Measurement)> =
+            self.all().filter(|(_, point)| point.error.is_finite()).collect();
+        sorted.sort_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds));
+        let mut least = f64::INFINITY;
+        sorted.retain(|(_, point)| {
+            let better = point.error < least;
+            least = least.min(point.error);
+            better
+        });
+        sorted.iter().map(|(name, point)| (*name, point.setting.as_str())).collect()
+    }
+
+    /// The measurement of a method with a setting.
+    pub fn point(&self, name: &str, setting: &str) -> Option<&Measurement> {
+        let known = self.all().find(|(known, point)| *known == name && point.setting == setting);
+        known.map(|(_, point)| point)
+    }
+
+    /// The first failure of each method that fails.
+    pub fn failures(&self) -> Vec<(&str, &str)> {
+        let mut failures = Vec::new();
+        for line in &self.lines {
+            let first = line.points.iter().find_map(|point| point.failure.as_deref());
+            failures.extend(first.map(|failure| (line.name.as_str(), failure)));
+        }
+        failures
+    }
+
+    /// Errors below this are rounding, and stand here in the figure.
+    const LEAST: f64 = 1e-16;
+
+    fn figure(&self) -> Figure {
+        let cost = match self.against_work {
+            true => format!("log₁₀ of {}", self.work),
+            false => "log₁₀ of CPU time in seconds".into(),
+        };
+        let mut figure = Figure::new(&self.title, cost, format!("log₁₀ of {}", self.error));
+        let at = |point: &Measurement| {
+            let cost = if self.against_work { point.work } else { point.seconds.max(1e-9) };
+            [cost.log10(), point.error.max(Self::LEAST).log10()]
+        };
+        for line in &self.lines {
+            let points = line.points.iter().filter(|point| point.error.is_finite()).map(at);
+            figure = figure.with(Series::new(&line.name, Style::DottedLine, points));
+        }
+        if let Some((name, setting)) = &self.recommended
+            && let Some(point) = self.point(name, setting)
+        {
+            let meaning = "recommended".into();
+            figure.marks.push(Mark {
+                at: at(point),
+                label: setting.clone(),
+                meaning,
+                symbol: Symbol::Star,
+            });
+        }
+        figure
+    }
+
+    /// A table of all measurements, or of those on the front and the recommended one.
+    fn table(&self, text: &mut String, all: bool) -> std::fmt::Result {
+        writeln!(text, "### {}\n\n{}\n", self.title, self.reference)?;
+        writeln!(text, "| method | setting | {} | time in ms | {} |", self.work, self.error)?;
+        writeln!(text, "|---|---|---|---|---|")?;
+        let front = self.front();
+        let is_recommended = |name: &str, setting: &str| {
+            self.recommended
+                .as_ref()
+                .is_some_and(|(a, b)| (a.as_str(), b.as_str()) == (name, setting))
+        };
+        for (name, Measurement { setting, work, seconds, error, failure }) in self.all() {
+            let chosen = is_recommended(name, setting);
+            if !(all || chosen || self.against_work || front.contains(&(name, setting))) {
+                continue;
+            }
+            let bold = chosen && !setting.is_empty();
+            let setting = if bold { format!("**{setting}**") } else { setting.clone() };
+            let name = if chosen && !bold { format!("**{name}**") } else { name.to_string() };
+            let milliseconds = 1e3 * seconds;
+            write!(text, "| {name} | {setting} | ")?;
+            match failure {
+                None => writeln!(text, "{work} | {milliseconds:.3} | {error:.1e} |")?,
+                Some(_) => writeln!(text, "| | fails |")?,
+            }
+        }
+        for (name, failure) in self.failures() {
+            writeln!(text, "\n{name} fails: {}.", failure.trim_end_matches('.'))?;
+        }
+        writeln!(text)
+    }
+}
+
+/// Numbers of three digits, without zeros behind them.
+fn brief(table: &str) -> String {
+    table.replace(".000 |", " |")
+}
+
+impl Chart {
+    /// A panel for each problem: error against time.
+    pub fn figures(&self) -> Vec<Figure> {
+        self.panels.iter().map(Measured::figure).collect()
+    }
+
+    /// All measurements as tables in Markdown, with the circumstances below; what is recommended is bold.
+    pub fn to_markdown(&self) -> String {
+        self.tables(true)
+    }
+
+    /// The same of measurements that none other beats in time and error, and of what is recommended.
+    pub fn summary(&self) -> String {
+        self.tables(false)
+    }
+
+    fn tables(&self, all: bool) -> String {
+        let mut text = String::new();
+        let Circumstances { processor, compiler, date, runs } = &self.circumstances;
+        for panel in &self.panels {
+            // Writing into a string does not fail.
+            let _ = panel.table(&mut text, all);
+        }
+        let text = brief(&text);
+        format!("{text}{processor}, one thread, median of {runs} runs; {compiler}; {date}.\n")
+    }
+
+    /// A page with the summaries of charts, each between `<!-- NAME -->` and `<!-- end -->`, put in anew.
+    ///
+    /// ```
+    /// use tangency::output::{Chart, Measured};
+    /// let chart = Chart { name: "chart-a".into(), panels: vec![Measured::of("New")], ..Chart::default() };
+    /// let page = chart.put_into("# Page\n\n<!-- chart-a -->\nold\n<!-- end -->\n\nText.\n");
+    /// assert!(page.starts_with("# Page\n\n<!-- chart-a -->\n\n### New\n") && page.ends_with("<!-- end -->\n\nText.\n"));
+    /// assert!(!page.contains("old"));
+    /// ```
+    pub fn put_into(&self, page: &str) -> String {
+        let begin = format!("<!-- {} -->\n", self.name);
+        let place = page.split_once(&begin).and_then(|(before, rest)| {
+            let end = rest.find("<!-- end -->")?;
+            Some((before, &rest[end..]))
+        });
+        match place {
+            Some((before, after)) => format!("{before}{begin}\n{}\n{after}", self.summary()),
+            None => page.into(),
+        }
+    }
+
+    /// The chart in RON.
+    ///
+    /// # Errors
+    /// [`ron::Error`] if it cannot be written.
+    pub fn to_ron(&self) -> Result<String, ron::Error> {
+        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default())
+    }
+
+    /// Reads a chart from RON.
+    ///
+    /// # Errors
+    /// [`ron::error::SpannedError`] says where it is none.
+    pub fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
+        ron::from_str(text)
+    }
+
+    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder.
+    ///
+    /// # Errors
+    /// [`ChartFileError`] if a file cannot be written, or there is nothing to draw.
+    pub fn save(&self, folder: &Path) -> Result<(), ChartFileError> {
+        let at = |ending: &str| folder.join(format!("{}.{ending}", self.name));
+        write_atomically(at("ron"), self.to_ron()?)?;
+        write_atomically(at("md"), self.to_markdown())?;
+        Ok(write_atomically(at("svg"), super::draw(&self.figures())?)?)
+    }
+}
+
+/// Why a chart is not saved.
+#[derive(Debug, thiserror::Error)]
+pub enum ChartFileError {
+    /// It cannot be written in RON.
+    #[error(transparent)]
+    Format(#[from] ron::Error),
+    /// A file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The figure.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+}

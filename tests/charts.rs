@@ -1,0 +1,207 @@
+//! Promise: charts say what methods cost and buy. Their accuracy halves are asserted here, orders of convergence included;
+//! the page of charts is what the command has printed, and what it prints now.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::LazyLock;
+use tangency::chart::{Answer, CHARTS, ChartError, Effort, Method, Plan, measure};
+use tangency::output::{Chart, Measured};
+
+/// All charts, each method run once.
+static QUICK: LazyLock<Vec<Chart>> =
+    LazyLock::new(|| CHARTS.iter().map(|entry| measure(entry, Effort::Quick).unwrap()).collect());
+
+fn panel(chart: &str, panel: usize) -> &'static Measured {
+    let name = format!("chart-{chart}");
+    &QUICK.iter().find(|chart| chart.name == name).expect("a chart").panels[panel]
+}
+
+fn errors(panel: &Measured, line: &str) -> Vec<f64> {
+    let line = panel.lines.iter().find(|known| known.name == line).expect("a line");
+    line.points.iter().map(|point| point.error).collect()
+}
+
+#[track_caller]
+fn error(panel: &Measured, line: &str, setting: &str) -> f64 {
+    panel.point(line, setting).unwrap_or_else(|| panic!("{line}, {setting}")).error
+}
+
+/// Exponents with which errors fall where the setting falls by a factor.
+fn rates(errors: &[f64], factor: f64) -> Vec<f64> {
+    errors.windows(2).map(|pair| (pair[0] / pair[1]).ln() / factor.ln()).collect()
+}
+
+#[track_caller]
+fn within_ten_percent(rates: &[f64], order: f64) {
+    assert!(rates.len() >= 2 && rates.iter().all(|r| (r / order - 1.0).abs() < 0.1), "{rates:?}");
+}
+
+#[test]
+fn plates_need_polynomials_for_digits_and_no_work_repairs_linear_theory() {
+    let models = panel("plate-models", 0);
+    assert!(error(models, "full model", "6 and 8") < 3e-6);
+    assert!(error(models, "full model", "11 and 15") < 1e-9);
+    for modes in ["4 modes", "8 modes", "15 modes"] {
+        for kind in ["sine", "modal"] {
+            let [direct, multiplied] = ["direct", "multiplied"]
+                .map(|projection| error(models, &format!("{kind}, {projection}"), modes));
+            assert!(direct < 0.1 * multiplied, "{kind}, {modes}: {direct:.1e} {multiplied:.1e}");
+        }
+    }
+    let linear = errors(models, "linear theory");
+    assert!(linear.iter().all(|error| (error - linear[2]).abs() < 0.02 && *error > 0.6));
+    // Few functions in the plane bound what any number across can do.
+    let orders = panel("plate-orders", 0);
+    let bound = errors(orders, "3 in the plane");
+    assert!(bound[3..].iter().all(|error| *error > 1e-5), "{bound:?}");
+    assert!(error(orders, "11 in the plane", "8 and 11") < 1e-7);
+}
+
+#[test]
+fn integrators_keep_their_tolerances_and_say_where_they_fail() {
+    for k in [0, 1] {
+        let motion = panel("flow", k);
+        for line in &motion.lines {
+            for (tolerance, point) in
+                [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13].iter().zip(&line.points)
+            {
+                assert!(
+                    point.error < 60.0 * tolerance,
+                    "{}, {}: {point:?}",
+                    motion.title,
+                    line.name
+                );
+            }
+        }
+    }
+    let stiff = panel("flow", 2);
+    assert!(error(stiff, "Rodas5P, order 5", "1e-9") < 1e-8);
+    let failures = stiff.failures();
+    assert_eq!(failures.iter().map(|(line, _)| *line).collect::<Vec<_>>(), ["order 8", "order 5"]);
+    assert!(failures.iter().all(|(_, cause)| cause.contains("use the implicit method")));
+    // Derivatives change the motion by rounding only.
+    let duals = panel("flow", 3);
+    for (a, b) in errors(duals, "f64").iter().zip(errors(duals, "second derivatives")) {
+        assert!((a - b).abs() < 1e-14, "{a:.3e} {b:.3e}");
+    }
+}
+
+#[test]
+fn finite_differences_have_their_orders_and_never_reach_dual_numbers() {
+    for k in [0, 1] {
+        let derivatives = panel("derivatives", k);
+        within_ten_percent(&rates(&errors(derivatives, "one-sided differences")[..4], 10.0), 1.0);
+        within_ten_percent(&rates(&errors(derivatives, "central differences")[..3], 10.0), 2.0);
+        let exact = error(derivatives, "dual numbers", "");
+        for line in ["one-sided differences", "central differences"] {
+            assert!(errors(derivatives, line).iter().all(|error| *error > 3.0 * exact), "{line}");
+        }
+    }
+}
+
+#[test]
+fn grazings_are_true_maxima() {
+    let events = panel("events", 0);
+    assert!(error(events, "defining system on a branch", "1e-12") < 1e-11);
+    assert!(error(events, "secant method", "1e-11") < 1e-11);
+    let mesh = errors(events, "secant method, largest value on a mesh");
+    assert!(mesh[0] > 1e-4 && mesh.iter().all(|error| *error > 1e-10), "{mesh:?}");
+}
+
+/// Behind the order of the map is one more, since folds lie one order higher than what is left out.
+#[test]
+fn local_maps_gain_an_order_each() {
+    let maps = panel("local-map", 0);
+    let [two, three] = ["order 2", "order 3"].map(|line| errors(maps, line));
+    assert!(two.iter().zip(&three).all(|(two, three)| three < two));
+    let towards = |errors: &[f64]| errors.iter().rev().copied().collect::<Vec<_>>();
+    within_ten_percent(&rates(&towards(&two[..3]), 2.0), 3.0);
+    within_ten_percent(&rates(&towards(&three[..4]), 2.0), 4.0);
+}
+
+#[test]
+fn orbits_by_shooting_and_collocation_agree() {
+    for k in 0..3 {
+        let orbit = panel("orbit", k);
+        assert!(error(orbit, "shooting, order 8", "1e-12") < 1e-10, "{}", orbit.title);
+        for segments in [2, 4] {
+            let line = format!("shooting, order 8, {segments} segments");
+            assert!(error(orbit, &line, "1e-12") < 1e-10, "{}, {line}", orbit.title);
+        }
+        assert!(error(orbit, "collocation, 7 points", "40 intervals") < 1e-9, "{}", orbit.title);
+    }
+}
+
+/// On the machine where the page was made, recommended settings are on the front of at least five charts' panels.
+#[test]
+fn the_page_is_what_the_command_has_printed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let page = std::fs::read_to_string(folder.join("speed-and-accuracy.md")).unwrap();
+    let mut recommended = 0;
+    for (entry, now) in CHARTS.iter().zip(&*QUICK) {
+        let path = folder.join("charts").join(format!("chart-{}.ron", entry.name));
+        let then = Chart::parse(&std::fs::read_to_string(path).unwrap()).unwrap();
+        assert!(page.contains(&then.summary()), "{}: the page has another table", entry.name);
+        for (then, now) in then.panels.iter().zip(&now.panels) {
+            let front = then.front();
+            let chosen = then.recommended.as_ref();
+            recommended +=
+                usize::from(chosen.is_some_and(|(line, setting)| front.contains(&(line, setting))));
+            for (line, point) in
+                then.lines.iter().flat_map(|l| l.points.iter().map(move |p| (l, p)))
+            {
+                let again = now.point(&line.name, &point.setting).expect("the same methods");
+                assert_eq!(again.failure.is_some(), point.failure.is_some());
+                let rounding = 1e-11;
+                let same = (point.error / again.error).ln().abs() < 0.7;
+                let both_small = point.error < rounding && again.error < rounding;
+                assert!(
+                    same || both_small || point.failure.is_some(),
+                    "{}, {}, {}: {:.1e} then, {:.1e} now",
+                    then.title,
+                    line.name,
+                    point.setting,
+                    point.error,
+                    again.error
+                );
+            }
+        }
+    }
+    assert!(recommended >= 5, "{recommended} recommended settings are on their fronts");
+}
+
+#[test]
+fn a_failing_reference_is_an_error_and_a_failing_method_a_measurement() {
+    let fails = || Method::new("hope", "none", || Err("there is none".to_string()));
+    let works = || Method::new("work", "1", || Ok(Answer { numbers: vec![1.0], work: 1.0 }));
+    let refused = Plan::of("a", fails()).measure(Effort::Quick).unwrap_err();
+    assert!(matches!(refused, ChartError::Reference { .. }));
+    assert_eq!(refused.to_string(), "the reference fails, hope, none: there is none");
+    let measured = Plan::of("a", works()).with([fails(), works()]).measure(Effort::Full).unwrap();
+    assert_eq!(measured.failures(), [("hope", "there is none")]);
+    assert_eq!(measured.front(), [("work", "1")]);
+}
+
+#[test]
+fn the_command_saves_charts_and_explains_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let tangency = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
+        command.current_dir(folder.path()).args(arguments).output().unwrap()
+    };
+    let listed = tangency(&["chart"]);
+    let names = String::from_utf8(listed.stdout).unwrap();
+    assert!(CHARTS.iter().all(|entry| names.contains(entry.name)), "{names}");
+    let page = folder.path().join("page.md");
+    std::fs::write(&page, "Before.\n<!-- chart-events -->\n<!-- end -->\nAfter.\n").unwrap();
+    let done = tangency(&["chart", "events", "--quick", "--out", "here", "--page", "page.md"]);
+    assert!(done.status.success(), "{done:?}");
+    let written: Vec<PathBuf> =
+        ["svg", "md", "ron"].map(|e| folder.path().join(format!("here/chart-events.{e}"))).into();
+    assert!(written.iter().all(|path| path.exists()));
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("### Voltage of a grazing") && page.ends_with("<!-- end -->\nAfter.\n"));
+    let unknown = tangency(&["chart", "event"]);
+    let message = String::from_utf8(unknown.stderr).unwrap();
+    assert!(message.contains("did you mean `events`?") && message.contains("`tangency chart`"));
+}
