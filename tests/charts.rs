@@ -100,6 +100,21 @@ fn finite_differences_have_their_orders_and_never_reach_dual_numbers() {
 }
 
 #[test]
+fn more_unknowns_are_more_digits() {
+    let plate = errors(panel("scaling", 0), "full model");
+    assert!(plate.windows(2).all(|pair| pair[1] < pair[0]) && plate[4] < 1e-8, "{plate:?}");
+    let unknowns = |line: &str| -> Vec<f64> {
+        let line = panel("scaling", 1).lines.iter().find(|known| known.name == line).unwrap();
+        line.points.iter().map(|point| point.work).collect()
+    };
+    // Two states at as many points in every interval, and two where it ends.
+    assert_eq!(
+        unknowns("collocation, 5 points"),
+        [10.0, 20.0, 40.0, 80.0, 160.0].map(|n| 10.0 * n + 2.0)
+    );
+}
+
+#[test]
 fn grazings_are_true_maxima() {
     let events = panel("events", 0);
     assert!(error(events, "defining system on a branch", "1e-12") < 1e-11);

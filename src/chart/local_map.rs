@@ -3,6 +3,7 @@
 use super::plan::{Answer, ChartError, Method, Plan};
 use super::scenes::{Sought, found, scene};
 use crate::core::continuation::Kind;
+use crate::output::Drawn;
 
 /// Orbits of the flow and points of the map of the degenerate point.
 const SCENE: &str = r#"Scene(
@@ -64,5 +65,5 @@ pub(super) fn plans() -> Result<Vec<Plan>, ChartError> {
     let flow =
         Method::new("the flow by shooting", "", || Ok(Answer { numbers: vec![0.0], work: 0.0 }));
     let plan = Plan::of("Voltage of a fold by the local map of the degenerate point", flow);
-    Ok(vec![plan.counting("distance in frequency").against_work().with(methods)])
+    Ok(vec![plan.counting("distance in frequency").drawing(Drawn::ErrorAgainstWork).with(methods)])
 }

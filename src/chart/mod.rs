@@ -13,6 +13,7 @@ mod orbit;
 mod period;
 mod plan;
 mod plates;
+mod scaling;
 mod scenes;
 
 pub use plan::{Answer, ChartError, Effort, Method, Plan};
@@ -65,6 +66,11 @@ pub const CHARTS: &[Entry] = &[
         name: "local-map",
         shows: "the local map near a grazing against the flow, by its order",
         plans: local_map::plans,
+    },
+    Entry {
+        name: "scaling",
+        shows: "time against unknowns, intervals and segments",
+        plans: scaling::plans,
     },
 ];
 

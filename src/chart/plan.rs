@@ -1,6 +1,6 @@
 //! What is measured, and how.
 
-use crate::output::{Line, Measured, Measurement};
+use crate::output::{Drawn, Line, Measured, Measurement};
 use cpu_time::ProcessTime;
 
 /// How much is spent on a chart.
@@ -112,9 +112,9 @@ impl Plan {
         self
     }
 
-    /// Errors are drawn against the work instead of the time.
-    pub fn against_work(mut self) -> Self {
-        self.measured.against_work = true;
+    /// What is drawn.
+    pub fn drawing(mut self, drawn: Drawn) -> Self {
+        self.measured.drawn = drawn;
         self
     }
 

@@ -51,6 +51,18 @@ pub struct Line {
     pub points: Vec<Measurement>,
 }
 
+/// What a figure draws of measurements, in logarithms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Drawn {
+    /// What work buys.
+    #[default]
+    ErrorAgainstTime,
+    /// Where the work is no cost, but a size.
+    ErrorAgainstWork,
+    /// How time grows with the size of a problem.
+    TimeAgainstWork,
+}
+
 /// What several methods cost to solve one problem, and what they buy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -65,9 +77,9 @@ pub struct Measured {
     pub reference: String,
     /// The methods.
     pub lines: Vec<Line>,
-    /// Whether errors are drawn against the work instead of the time.
+    /// What is drawn.
     #[serde(default)]
-    pub against_work: bool,
+    pub drawn: Drawn,
     /// The method and setting that is recommended, and the default of scenes.
     pub recommended: Option<(String, String)>,
 }
@@ -114,8 +126,8 @@ impl Default for Chart {
 impl Measured {
     /// A problem of which nothing is measured yet.
     pub fn of(title: impl Into<String>) -> Self {
-        let (error, work, reference, lines, against_work, recommended) = Default::default();
-        Measured { title: title.into(), error, work, reference, lines, against_work, recommended }
+        let (error, work, reference, lines, drawn, recommended) = Default::default();
+        Measured { title: title.into(), error, work, reference, lines, drawn, recommended }
     }
 
     /// All measurements, with the methods that they belong to.
@@ -160,14 +172,22 @@ impl Measured {
     const LEAST: f64 = 1e-16;
 
     fn figure(&self) -> Figure {
-        let cost = match self.against_work {
-            true => format!("log₁₀ of {}", self.work),
-            false => "log₁₀ of CPU time in seconds".into(),
+        let labels = |what: &str| format!("log₁₀ of {what}");
+        let [time, work, error] = ["CPU time in seconds", &self.work, &self.error].map(labels);
+        let (x, y) = match self.drawn {
+            Drawn::ErrorAgainstTime => (time, error),
+            Drawn::ErrorAgainstWork => (work, error),
+            Drawn::TimeAgainstWork => (work, time),
         };
-        let mut figure = Figure::new(&self.title, cost, format!("log₁₀ of {}", self.error));
+        let mut figure = Figure::new(&self.title, x, y);
         let at = |point: &Measurement| {
-            let cost = if self.against_work { point.work } else { point.seconds.max(1e-9) };
-            [cost.log10(), point.error.max(Self::LEAST).log10()]
+            let [time, error] = [point.seconds.max(1e-9), point.error.max(Self::LEAST)];
+            let at = match self.drawn {
+                Drawn::ErrorAgainstTime => [time, error],
+                Drawn::ErrorAgainstWork => [point.work, error],
+                Drawn::TimeAgainstWork => [point.work, time],
+            };
+            at.map(f64::log10)
         };
         for line in &self.lines {
             let points = line.points.iter().filter(|point| point.error.is_finite()).map(at);
@@ -200,7 +220,8 @@ impl Measured {
         };
         for (name, Measurement { setting, work, seconds, error, failure }) in self.all() {
             let chosen = is_recommended(name, setting);
-            if !(all || chosen || self.against_work || front.contains(&(name, setting))) {
+            let sized = self.drawn != Drawn::ErrorAgainstTime;
+            if !(all || chosen || sized || front.contains(&(name, setting))) {
                 continue;
             }
             let bold = chosen && !setting.is_empty();

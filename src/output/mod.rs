@@ -29,7 +29,7 @@ mod sweeps;
 mod table;
 mod write;
 
-pub use chart::{CHART, Chart, ChartFileError, Circumstances, Line, Measured, Measurement};
+pub use chart::{CHART, Chart, ChartFileError, Circumstances, Drawn, Line, Measured, Measurement};
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, FORMAT, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};

@@ -4,9 +4,7 @@ use super::control::Control;
 use super::integrate::Statistics;
 use super::outlook::Outlook;
 use super::settings::Settings;
-
-/// The end of a shorter step that is no farther from a root than this is moved there.
-pub(super) use super::step::CLOSE;
+use super::step::CLOSE;
 
 /// So many shorter steps are taken towards a root; what takes more is looked at alone.
 const TRIES: usize = 4;
