@@ -2,25 +2,13 @@
 
 use super::period::Period;
 use super::plan::{Answer, ChartError, Method, Plan};
-use super::scenes::{Counted, Sought, tracing};
+use super::scenes::{Counted, GRAZING, PASSING, tracing};
 use crate::core::flow::work;
-use crate::core::kind::Kind;
 
 /// The clearance of the stopper.
 const CLEARANCE: f64 = 0.5;
 /// The grazing is between these voltages.
 const BRACKET: [f64; 2] = [0.2, 0.24];
-
-/// Orbits without impacts to their grazing.
-const ORBITS: &str = r#"Scene(
-    title: "Orbits without impacts",
-    problem: Mita(method: shooting),
-    parameters: [("voltage", 0.2), ("frequency", 0.5)],
-    settings: (accuracy: 0.0),
-    runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
-)"#;
-
-const GRAZING: &[Sought] = &[Sought { branch: "P(0,1)", kind: Kind::G, column: "voltage" }];
 
 /// How far the orbit without impacts stays from the stopper; orbits are found one after the other.
 struct Distance {
@@ -93,7 +81,7 @@ fn repeated(line: &'static str, finder: Finder, tolerance: f64, mesh: Option<usi
 pub(super) fn plans() -> Result<Vec<Plan>, ChartError> {
     let defining = |tolerance: &str, line: &str| {
         let settings = [("flow_tolerance", tolerance)];
-        tracing((line, tolerance.into()), ORBITS, &settings, GRAZING, Counted::Evaluations)
+        tracing((line, tolerance.into()), PASSING, &settings, GRAZING, Counted::Evaluations)
     };
     let mut methods = Vec::new();
     for tolerance in [1e-3, 1e-5, 1e-7, 1e-9, 1e-11] {

@@ -60,16 +60,25 @@ fn all(method: impl Fn(Settings) -> Box<dyn FnMut() -> Result<Answer, String>>) 
     SCHEMES.iter().flat_map(of).collect()
 }
 
+/// The motion with an error below all others.
+fn exact<R>(motion: impl Fn(Settings) -> R) -> Method
+where
+    R: FnMut() -> Result<Answer, String> + 'static,
+{
+    let settings = Settings::new(Scheme::DormandPrince8, 1e-15);
+    Method::new("order 8", "at a tolerance of 1e-15", motion(settings))
+}
+
+/// The stick over a period, on some numbers.
+fn stuck<T: Scalar>(settings: Settings) -> impl FnMut() -> Result<Answer, String> + 'static {
+    let field = InMode { system: &Actuator, mode: Actuator::STICK };
+    over(field, settings, ([0.1, -0.2].map(T::constant).to_vec(), PERIOD), parameters(0.2))
+}
+
 /// The stick over a period.
 fn stick() -> Plan {
-    let motion = |settings| {
-        let field = InMode { system: &Actuator, mode: Actuator::STICK };
-        over(field, settings, (vec![0.1, -0.2], PERIOD), parameters(0.2))
-    };
-    let exact = Settings::new(Scheme::DormandPrince8, 1e-15);
-    let reference = Method::new("order 8", "at a tolerance of 1e-15", motion(exact));
-    Plan::of("Mita's actuator sticking, one period", reference)
-        .with(all(|settings| Box::new(motion(settings))))
+    Plan::of("Mita's actuator sticking, one period", exact(stuck::<f64>))
+        .with(all(|settings| Box::new(stuck::<f64>(settings))))
         .recommending("order 8", "1e-9")
 }
 
@@ -86,9 +95,7 @@ fn impacting() -> Plan {
             Ok(Answer { numbers: state.x, work: statistics.flow.evaluations as f64 })
         }
     };
-    let exact = Settings::new(Scheme::DormandPrince8, 1e-15);
-    let reference = Method::new("order 8", "at a tolerance of 1e-15", motion(exact));
-    Plan::of("Mita's actuator, one period with impacts", reference)
+    Plan::of("Mita's actuator, one period with impacts", exact(motion))
         .with(all(|settings| Box::new(motion(settings))))
         .recommending("order 8", "1e-9")
 }
@@ -109,22 +116,13 @@ fn duals() -> Plan {
     fn methods<T: Scalar>(line: &'static str) -> impl Iterator<Item = Method> {
         [1e-5, 1e-7, 1e-9, 1e-11, 1e-13].into_iter().map(move |tolerance| {
             let settings = Settings::new(Scheme::DormandPrince8, tolerance);
-            let x = [0.1, -0.2].map(T::constant).to_vec();
-            let field = InMode { system: &Actuator, mode: Actuator::STICK };
-            let motion = over(field, settings, (x, PERIOD), parameters(0.2));
-            Method::new(line, format!("{tolerance:.0e}"), motion)
+            Method::new(line, format!("{tolerance:.0e}"), stuck::<T>(settings))
         })
     }
-    let field = InMode { system: &Actuator, mode: Actuator::STICK };
-    let exact = Settings::new(Scheme::DormandPrince8, 1e-15);
-    let motion = over(field, exact, (vec![0.1, -0.2], PERIOD), parameters(0.2));
-    Plan::of(
-        "What derivatives cost: the stick on dual numbers",
-        Method::new("order 8", "at a tolerance of 1e-15", motion),
-    )
-    .with(methods::<f64>("f64"))
-    .with(methods::<Dual64>("first derivatives"))
-    .with(methods::<HyperDual64>("second derivatives"))
+    Plan::of("What derivatives cost: the stick on dual numbers", exact(stuck::<f64>))
+        .with(methods::<f64>("f64"))
+        .with(methods::<Dual64>("first derivatives"))
+        .with(methods::<HyperDual64>("second derivatives"))
 }
 
 /// Four panels.

@@ -5,7 +5,7 @@ use super::scenes::{Counted, Sought, tracing};
 use crate::core::continuation::Kind;
 
 /// A supported square plate with twice its thickness as gap, through pull-in; special points are not refined.
-const PLATE: &str = r#"Scene(
+pub(super) const PLATE: &str = r#"Scene(
     title: "A supported plate",
     problem: Plate(supports: "SSSS", in_plane: slide),
     parameters: [("gap_ratio", 2.0), ("aspect", 1.0), ("nu", 0.3)],
@@ -14,7 +14,7 @@ const PLATE: &str = r#"Scene(
 )"#;
 
 /// The pull-in load.
-const PULL_IN: &[Sought] = &[Sought { branch: "plate", kind: Kind::LP, column: "load" }];
+pub(super) const PULL_IN: &[Sought] = &[Sought { branch: "plate", kind: Kind::LP, column: "load" }];
 
 fn plate(line: &str, setting: String, settings: &[(&str, &str)]) -> Result<Method, ChartError> {
     tracing((line, setting), PLATE, settings, PULL_IN, Counted::Unknowns)

@@ -1,31 +1,9 @@
 //! How time grows with unknowns, intervals and segments.
 
 use super::plan::{ChartError, Method, Plan};
-use super::scenes::{Counted, Sought, tracing};
-use crate::core::continuation::Kind;
+use super::plates::{PLATE, PULL_IN};
+use super::scenes::{Counted, GRAZING, PASSING, tracing};
 use crate::output::Drawn;
-
-/// A clamped plate through pull-in.
-const PLATE: &str = r#"Scene(
-    title: "A clamped plate",
-    problem: Plate(supports: "CCCC"),
-    parameters: [("gap_ratio", 1.0), ("aspect", 1.0), ("nu", 0.3)],
-    settings: (max_step: 0.05, accuracy: 0.0),
-    runs: [(name: "plate", along: [(name: "load", low: 0.0)], bounds: [(name: "max_deflection", high: 0.8)])],
-)"#;
-
-const PULL_IN: &[Sought] = &[Sought { branch: "plate", kind: Kind::LP, column: "load" }];
-
-/// Orbits without impacts to their grazing.
-const ORBITS: &str = r#"Scene(
-    title: "Orbits without impacts",
-    problem: Mita(method: shooting),
-    parameters: [("voltage", 0.2), ("frequency", 0.5)],
-    settings: (accuracy: 0.0),
-    runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
-)"#;
-
-const GRAZING: &[Sought] = &[Sought { branch: "P(0,1)", kind: Kind::G, column: "voltage" }];
 
 /// Time against the unknowns of a plate.
 fn unknowns() -> Result<Plan, ChartError> {
@@ -34,7 +12,13 @@ fn unknowns() -> Result<Plan, ChartError> {
         let orders =
             format!("(transverse: ({order}, {order}), in_plane: ({in_plane}, {in_plane}))");
         let setting = format!("{order} and {in_plane}");
-        tracing((line, setting), PLATE, &[("orders", &orders)], PULL_IN, Counted::Unknowns)
+        let settings = [
+            ("supports", "CCCC"),
+            ("in_plane", "immovable"),
+            ("gap_ratio", "1"),
+            ("orders", &*orders),
+        ];
+        tracing((line, setting), PLATE, &settings, PULL_IN, Counted::Unknowns)
     };
     let methods = [3, 4, 6, 8, 10].map(|order| plate("full model", order));
     let methods = methods.into_iter().collect::<Result<Vec<Method>, _>>()?;
@@ -53,7 +37,7 @@ fn pieces() -> Result<Plan, ChartError> {
             _ => pieces_of.to_string(),
         };
         let setting = format!("{pieces} {setting}");
-        tracing((line.as_str(), setting), ORBITS, &settings, GRAZING, Counted::Unknowns)
+        tracing((line.as_str(), setting), PASSING, &settings, GRAZING, Counted::Unknowns)
     };
     let mut methods = Vec::new();
     for degree in ["3", "5", "7"] {

@@ -13,6 +13,19 @@ pub(super) struct Sought {
     pub column: &'static str,
 }
 
+/// Orbits without impacts to their grazing.
+pub(super) const PASSING: &str = r#"Scene(
+    title: "Orbits without impacts",
+    problem: Mita(method: shooting),
+    parameters: [("voltage", 0.2), ("frequency", 0.5)],
+    settings: (accuracy: 0.0),
+    runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],
+)"#;
+
+/// Where they graze.
+pub(super) const GRAZING: &[Sought] =
+    &[Sought { branch: "P(0,1)", kind: Kind::G, column: "voltage" }];
+
 /// What the work of a scene is.
 #[derive(Clone, Copy)]
 pub(super) enum Counted {

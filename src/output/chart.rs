@@ -100,7 +100,7 @@ pub struct Measured {
 /// assert_eq!(measured.front(), [("cheap", "1"), ("good", "3")]);
 /// let chart = Chart { name: "example".into(), panels: vec![measured], ..Chart::default() };
 /// assert_eq!(Chart::parse(&chart.to_ron()?)?, chart);
-/// assert!(chart.to_markdown().contains("| good | 3 | 1 | 10 | 1.0e-8 |"));
+/// assert!(chart.to_markdown().contains("| good | 3 | 1 | 10.000 | 1.0e-8 |"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -241,11 +241,6 @@ impl Measured {
     }
 }
 
-/// Numbers of three digits, without zeros behind them.
-fn brief(table: &str) -> String {
-    table.replace(".000 |", " |")
-}
-
 impl Chart {
     /// A panel for each problem: error against time.
     pub fn figures(&self) -> Vec<Figure> {
@@ -269,7 +264,6 @@ impl Chart {
             // Writing into a string does not fail.
             let _ = panel.table(&mut text, all);
         }
-        let text = brief(&text);
         format!("{text}{processor}, one thread, median of {runs} runs; {compiler}; {date}.\n")
     }
 

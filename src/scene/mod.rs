@@ -32,7 +32,7 @@ pub use error::SceneError;
 pub use execute::{Outcome, SceneObserver, StartPoint, execute};
 pub use local::Local;
 pub use problem::Problem;
-pub use sweep::{Grid, Sweep, SweepWatch, sweep};
+pub use sweep::{Grid, SoughtCrisis, Sweep, SweepWatch, sweep};
 
 use crate::core::continuation::{Kind, Settings};
 use crate::output::Plot;

@@ -47,7 +47,7 @@ pub struct Sweep {
     pub settling: Settling,
     /// Where each run seeks the crisis in which its attractor is lost.
     #[serde(default)]
-    pub crisis: Option<Sought>,
+    pub crisis: Option<SoughtCrisis>,
     /// What is measured in every period recorded, by the names of the problem's monitors.
     #[serde(default)]
     pub measures: Vec<String>,
@@ -81,7 +81,7 @@ pub struct Grid {
 /// Where a crisis is sought ([`CrisisSearch`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sought {
+pub struct SoughtCrisis {
     /// The parameter that goes on.
     pub name: String,
     /// From where on.
@@ -95,9 +95,9 @@ pub struct Sought {
     pub tolerance: f64,
 }
 
-impl Sought {
+impl SoughtCrisis {
     fn among(&self, parameters: &[(String, f64)]) -> Result<CrisisSearch, UnknownName> {
-        let &Sought { ref name, from, to, steps, tolerance } = self;
+        let &SoughtCrisis { ref name, from, to, steps, tolerance } = self;
         let parameter = parameters.iter().position(|(known, _)| known == name);
         let known = parameters.iter().map(|(name, _)| name.as_str());
         let parameter =
