@@ -12,10 +12,10 @@ use tangency::scene::{BUILT_IN, Scene, execute};
 fn traces(criterion: &mut Criterion) {
     let text = BUILT_IN.iter().find(|scene| scene.name == "plate-clamped").unwrap().text;
     let mut group = criterion.benchmark_group("plate-clamped");
-    for accuracy in ["1e-8", "0"] {
+    for refinement in ["1e-8", "0"] {
         let mut scene = Scene::parse(text).unwrap();
-        scene.set("accuracy", accuracy).unwrap();
-        group.bench_function(BenchmarkId::new("accuracy", accuracy), |bencher| {
+        scene.set("refinement", refinement).unwrap();
+        group.bench_function(BenchmarkId::new("refinement", refinement), |bencher| {
             bencher.iter(|| execute(black_box(&scene), None, &mut ()));
         });
     }

@@ -20,14 +20,14 @@ const FOLD: f64 = 0.2355654335833884;
 /// are chosen for the 47 points that AUTO-07p takes.
 ///
 /// Of a point no correction above a hundredth of `tolerance` is left, AUTO-07p's `EPSL` and `EPSU` of 1e-7.
-/// Special points are converged to the default `event_tolerance`; with an `accuracy` of 0 they are not
+/// Special points are converged to the default `event_tolerance`; with a `refinement` of 0 they are not
 /// recomputed with a smaller error of the flow or mesh, which AUTO-07p does not do either.
 fn branch(system: &mut dyn System, step: f64, size: f64) -> Result<Branch, Box<dyn Error>> {
     let settings = Settings {
         initial_step: step,
         max_step: step,
         tolerance: 1e-5,
-        accuracy: 0.0,
+        refinement: 0.0,
         ..Settings::default()
     };
     let branch = Continuation::of(system)

@@ -9,7 +9,7 @@ const ORBITS: &str = r#"Scene(
     title: "Orbits with an impact a period",
     problem: Mita(method: shooting),
     parameters: [("voltage", 0.2), ("frequency", 0.5)],
-    settings: (max_step: 0.1, accuracy: 0.0),
+    settings: (max_step: 0.1, refinement: 0.0),
     runs: [
         (name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)]),
         (name: "P(1,1)", start: From(run: "P(0,1)", kind: G, switch: true), along: [(name: "voltage", low: 0.15, high: 0.6)]),

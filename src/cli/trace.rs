@@ -128,6 +128,9 @@ impl Trace {
                 branch.ends[1]
             )?;
         }
+        if let Some(chosen) = &document.chosen {
+            writeln!(out, "{chosen}")?;
+        }
         let work = work();
         if work.evaluations > 0 {
             let evaluations = work.evaluations;

@@ -1,6 +1,7 @@
 //! Documents: branches, what made them and how they are drawn, as RON.
 
 use super::check;
+use super::chosen::Chosen;
 use super::error::{FileError, FormatError, UnknownPoint};
 use super::suggest::UnknownName;
 use super::write::write_atomically;
@@ -24,6 +25,9 @@ pub struct Document {
     /// What made the branches, by unique name: the scene, its terms, the number of its modes.
     #[serde(default)]
     pub settings: Vec<(String, String)>,
+    /// What of the settings was chosen for an accuracy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<Chosen>,
     /// How the branches are drawn by default.
     #[serde(default)]
     pub plot: Plot,
@@ -158,6 +162,7 @@ impl Document {
             format: FORMAT.into(),
             title: title.into(),
             settings: Vec::new(),
+            chosen: None,
             plot: Plot::default(),
             differences: Vec::new(),
             branches,

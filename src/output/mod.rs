@@ -15,6 +15,7 @@
 mod axis;
 mod chart;
 mod check;
+mod chosen;
 mod diagram;
 mod document;
 mod error;
@@ -30,6 +31,7 @@ mod table;
 mod write;
 
 pub use chart::{CHART, Chart, ChartFileError, Circumstances, Drawn, Line, Measured, Measurement};
+pub use chosen::Chosen;
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, FORMAT, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};

@@ -38,6 +38,23 @@ pub enum Discretised {
     Shooting,
 }
 
+/// Gauss points in an interval and intervals, by growing accuracy: each has about a digit more than the one before, at the
+/// lowest cost (the chart `orbit`).
+const MESHES: [(usize, usize); 12] = [
+    (3, 5),
+    (4, 5),
+    (4, 10),
+    (4, 15),
+    (5, 15),
+    (5, 20),
+    (5, 30),
+    (7, 30),
+    (7, 45),
+    (7, 70),
+    (7, 100),
+    (7, 150),
+];
+
 /// How trajectories are discretised.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -103,6 +120,18 @@ impl Discretisation {
             ("order", Box::new(Plain(&mut self.order))),
             ("penetration", Box::new(Plain(&mut self.penetration))),
         ]
+    }
+
+    /// Discretisations of growing accuracy and cost: tolerances of flows, a tenth each, or Gauss points and intervals. None
+    /// for equilibria, which are exact.
+    pub(super) fn ladder(&self) -> Vec<Discretisation> {
+        let shot = |k: i32| Discretisation { flow_tolerance: 10f64.powi(-k), ..self.clone() };
+        let collocated = |(degree, intervals)| Discretisation { degree, intervals, ..self.clone() };
+        match (self.solution, self.method) {
+            (Solution::Equilibrium, _) => Vec::new(),
+            (_, Discretised::Shooting) => (3..=14).map(shot).collect(),
+            (_, Discretised::Collocation) => MESHES.map(collocated).into(),
+        }
     }
 
     /// Checks every range.

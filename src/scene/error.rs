@@ -7,7 +7,7 @@ use crate::core::flow::SettingsError as FlowSettingsError;
 use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{HybridError, RecurrenceError};
 use crate::core::sweep::PlanError;
-use crate::output::UnknownName;
+use crate::output::{Chosen, UnknownName};
 use crate::problems::plate::SettingsError;
 
 /// What is wrong with a scene, or with what was asked of it.
@@ -82,6 +82,12 @@ pub enum SceneError {
          name another folder"
     )]
     OtherScene,
+    /// The accuracy that a scene asks for is not met by the finest discretisation.
+    #[error("{chosen}, which is more: ask for less, or state the discretisation")]
+    Unmet {
+        /// The finest one, and its estimated error.
+        chosen: Box<Chosen>,
+    },
     /// A run starts from a point that an earlier run did not find.
     #[error(
         "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"

@@ -1,5 +1,6 @@
 //! Tracing the runs of a scene, one after the other.
 
+use super::fidelity::traced_to;
 use super::join::{Joined, join};
 use super::local::{points_of, series_of};
 use super::simulate::Simulation;
@@ -49,7 +50,33 @@ pub struct Outcome {
 /// assert!((fold.parameters[0] / 71.252716501 - 1.0).abs() < 1e-9);
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
+///
+/// If the scene states an accuracy, the discretisation is chosen for it; [`Document::chosen`] says which, and what its error is
+/// estimated to be:
+///
+/// ```
+/// # use tangency::scene::{BUILT_IN, Scene, execute};
+/// # let text = BUILT_IN.iter().find(|s| s.name == "impact-oscillator").unwrap().text;
+/// let mut scene = Scene::parse(text)?;
+/// scene.set("accuracy", "1e-6")?;
+/// let chosen = execute(&scene, None, &mut ()).document.chosen.unwrap();
+/// assert_eq!(chosen.settings[0].0, "flow_tolerance");
+/// assert!(chosen.estimate < 1e-6);
+/// # Ok::<(), tangency::scene::SceneError>(())
+/// ```
 pub fn execute(
+    scene: &Scene,
+    start: Option<&StartPoint>,
+    observer: &mut dyn SceneObserver,
+) -> Outcome {
+    match scene.accuracy {
+        Some(accuracy) => traced_to(accuracy, scene, start, observer),
+        None => traced(scene, start, observer),
+    }
+}
+
+/// Traces a scene's runs with the discretisation that it states.
+pub(super) fn traced(
     scene: &Scene,
     start: Option<&StartPoint>,
     observer: &mut dyn SceneObserver,
@@ -356,7 +383,7 @@ fn point_of<'a>(
 
 /// How far each parameter goes from its start in any run of the scene, by ratio: what a discretisation
 /// must be fit for. All runs share it, so that one can start where another ended.
-fn reach(scene: &Scene, runs: &[Run], values: &[f64]) -> Vec<f64> {
+pub(super) fn reach(scene: &Scene, runs: &[Run], values: &[f64]) -> Vec<f64> {
     let names = scene.problem.parameters();
     let mut reach = values.to_vec();
     for ((reach, value), (name, _)) in reach.iter_mut().zip(values).zip(&names) {

@@ -18,6 +18,7 @@ mod builtin;
 mod discretisation;
 mod error;
 mod execute;
+mod fidelity;
 mod join;
 mod local;
 mod problem;
@@ -49,6 +50,10 @@ pub struct Scene {
     /// Values of parameters at the start, where they differ from the problem's defaults.
     #[serde(default)]
     pub parameters: Vec<(String, f64)>,
+    /// The relative error asked of special points: of the parameters that vary along their branch, and of its first
+    /// monitor. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones.
+    #[serde(default)]
+    pub accuracy: Option<f64>,
     /// Settings of the continuation.
     #[serde(default)]
     pub settings: Settings,

@@ -66,6 +66,38 @@ impl Problem {
         slot::assign(self.slots(), name, value)
     }
 
+    /// The same problem by discretisations of growing accuracy and cost, for parameters that begin at `p` and go as far as
+    /// `reach`; none if it has no discretisation.
+    pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
+        let of = |make: fn(Discretisation) -> Problem, settings: &Discretisation| {
+            settings.ladder().into_iter().map(make).collect()
+        };
+        Ok(match self {
+            Problem::Plate(plate) => {
+                plate.ladder(p, reach)?.into_iter().map(Problem::Plate).collect()
+            }
+            Problem::Mita(settings) => of(Problem::Mita, settings),
+            Problem::Block(settings) => of(Problem::Block, settings),
+            Problem::ImpactOscillator(settings) => of(Problem::ImpactOscillator, settings),
+            Problem::Lure(settings) => of(Problem::Lure, settings),
+            Problem::Isothermal(settings) => of(Problem::Isothermal, settings),
+            Problem::Bratu(settings) => of(Problem::Bratu, settings),
+        })
+    }
+
+    /// The same problem with default settings.
+    pub(super) fn with_defaults(&self) -> Problem {
+        match self {
+            Problem::Plate(_) => Problem::Plate(PlateSettings::default()),
+            Problem::Mita(_) => Problem::Mita(Discretisation::default()),
+            Problem::Block(_) => Problem::Block(Discretisation::default()),
+            Problem::ImpactOscillator(_) => Problem::ImpactOscillator(Discretisation::default()),
+            Problem::Lure(_) => Problem::Lure(Discretisation::default()),
+            Problem::Isothermal(_) => Problem::Isothermal(Discretisation::default()),
+            Problem::Bratu(_) => Problem::Bratu(Discretisation::default()),
+        }
+    }
+
     fn slots(&mut self) -> Slots<'_> {
         match self {
             Problem::Plate(plate) => plate_slots(plate),

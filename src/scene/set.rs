@@ -1,6 +1,6 @@
 //! Changing a scene by name, reading it, and checking it.
 
-use super::slot::{Plain, Slots, assign, options, read};
+use super::slot::{Plain, Slots, Usual, assign, options, read};
 use super::{Problem, Run, Scene, SceneError, Simulated, Start, Sweep};
 use crate::core::continuation::{SettingError, Settings};
 use crate::output::UnknownName;
@@ -16,7 +16,7 @@ fn continuation_slots(s: &mut Settings) -> Slots<'_> {
         ("tolerance", Box::new(Plain(&mut s.tolerance))),
         ("event_tolerance", Box::new(Plain(&mut s.event_tolerance))),
         ("max_iterations", Box::new(Plain(&mut s.max_iterations))),
-        ("accuracy", Box::new(Plain(&mut s.accuracy))),
+        ("refinement", Box::new(Plain(&mut s.refinement))),
         ("eigenvalues", Box::new(Plain(&mut s.eigenvalues))),
     ]
 }
@@ -80,7 +80,14 @@ impl Scene {
                 return Err(SceneError::Varied { name, run, value });
             }
         }
-        self.assign(name, value)
+        let mut changed = self.clone();
+        // It is of the whole scene: what runs set goes without it.
+        if !assign(changed.own_slots(), name, value)? {
+            changed.assign(name, value)?;
+        }
+        changed.check_accuracy()?;
+        *self = changed;
+        Ok(())
     }
 
     /// The value of a parameter at the start.
@@ -132,6 +139,11 @@ impl Scene {
         Ok(())
     }
 
+    /// What a scene states for all of its runs.
+    fn own_slots(&mut self) -> Slots<'_> {
+        vec![("accuracy", Box::new(Usual(&mut self.accuracy)))]
+    }
+
     /// Changes how the runs of all sweeps are followed; false if nothing of this name says that.
     fn assign_to_sweeps(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
         let mut known = false;
@@ -169,6 +181,7 @@ impl Scene {
             let (settings, mut own) = (self.problem.settings(), self.settings.clone());
             known.extend(settings.iter().map(|(name, _)| name.to_string()));
             known.extend(continuation_slots(&mut own).iter().map(|(name, _)| name.to_string()));
+            known.push("accuracy".into());
         }
         Err(UnknownName::new(what, name, known).into())
     }
@@ -201,7 +214,8 @@ impl Scene {
         for (index, run) in self.runs.iter().enumerate() {
             self.check_run(run, &self.runs[..index])?;
         }
-        self.sweeps.iter().try_for_each(|sweep| self.check_sweep(sweep))
+        self.sweeps.iter().try_for_each(|sweep| self.check_sweep(sweep))?;
+        self.check_accuracy()
     }
 
     fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {

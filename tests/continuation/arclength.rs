@@ -447,8 +447,8 @@ fn every_setting_has_its_range() {
             "the setting `max_iterations` is 1, but must be at least 2",
         ),
         (
-            Settings { accuracy: 1.5, ..d() },
-            "the setting `accuracy` is 1.5, but must be between 0 and 1",
+            Settings { refinement: 1.5, ..d() },
+            "the setting `refinement` is 1.5, but must be between 0 and 1",
         ),
     ];
     for (settings, message) in wrong {

@@ -249,13 +249,13 @@ impl System for Refinable {
 /// The exact fold of Bratu's problem, 8θ²/cosh²θ with θ tanh θ = 1.
 const BRATU: f64 = 3.513_830_719_125_16;
 
-fn bratu(n: usize, accuracy: f64) -> Branch {
+fn bratu(n: usize, refinement: f64) -> Branch {
     let mut system = Refinable::new(n);
     Continuation::of(&mut system)
         .along("lambda", 0.0..=10.0)
         .bound("middle", 0.0..=3.0)
         .mark("middle", 0.5)
-        .settings(Settings { accuracy, ..Settings::default() })
+        .settings(Settings { refinement, ..Settings::default() })
         .trace()
         .unwrap()
 }
@@ -272,7 +272,7 @@ fn special_points_are_finished_on_finer_grids() {
     let off = (fold.parameters[0] - BRATU).abs();
     assert!(off < 2e-4, "{off:.1e}");
     assert!(off <= fold.error && fold.error < 10.0 * off, "{off:.1e} {:.1e}", fold.error);
-    // An accuracy that a coarser grid reaches stops there.
+    // A refinement that a coarser grid reaches stops there.
     let modest = bratu(7, 1e-2);
     let fold = crate::common::first(&modest, Kind::LP);
     let off = (fold.parameters[0] - BRATU).abs();

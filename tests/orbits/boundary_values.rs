@@ -19,7 +19,7 @@ fn bratu_folds() {
     for intervals in [10, 20] {
         let mut system = collocated(Bratu, 4, intervals);
         let branch = Continuation::of(&mut system)
-            .settings(Settings { accuracy: 1e-12, ..Settings::default() })
+            .settings(Settings { refinement: 1e-12, ..Settings::default() })
             .at("lambda", 0.5)
             .along("lambda", 0.0..=10.0)
             .bound("max_u", 0.0..=5.0)

@@ -216,9 +216,9 @@ fn adaptation_carries_directions() {
 #[test]
 fn a_coarse_mesh_says_so() {
     let mut system = collocated(Bratu, 2, 2);
-    let trace = |system: &mut Collocated<Bratu>, accuracy: f64| {
+    let trace = |system: &mut Collocated<Bratu>, refinement: f64| {
         Continuation::of(system)
-            .settings(Settings { accuracy, ..Settings::default() })
+            .settings(Settings { refinement, ..Settings::default() })
             .at("lambda", 0.5)
             .along("lambda", 0.0..=10.0)
             .bound("max_u", 0.0..=5.0)
@@ -229,14 +229,14 @@ fn a_coarse_mesh_says_so() {
     let fold = branch.of_kind(Kind::LP).next().unwrap();
     let rough = (fold.parameters[0] - FOLD).abs();
     assert!(rough > 1e-3 && fold.monitors[1] > 1e-2);
-    for accuracy in [0.1, 1e-3, 1e-6, 1e-9] {
-        let branch = trace(&mut system, accuracy);
+    for refinement in [0.1, 1e-3, 1e-6, 1e-9] {
+        let branch = trace(&mut system, refinement);
         let fold = branch.of_kind(Kind::LP).next().unwrap();
         assert!(fold.converged && (fold.parameters[0] - FOLD).abs() <= fold.error);
     }
     // The branch can be bounded where the mesh no longer resolves it.
     let branch = Continuation::of(&mut system)
-        .settings(Settings { accuracy: 0.0, ..Settings::default() })
+        .settings(Settings { refinement: 0.0, ..Settings::default() })
         .at("lambda", 0.5)
         .along("lambda", 0.0..=10.0)
         .bound("mesh_error", 0.0..=0.05)

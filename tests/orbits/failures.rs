@@ -155,7 +155,7 @@ fn stiff_fields() {
             .at("rate", 1e5)
             .along("amplitude", 0.5..=2.0)
             .mark("max_x", 1.5)
-            .settings(Settings { accuracy: 0.0, ..Settings::default() })
+            .settings(Settings { refinement: 0.0, ..Settings::default() })
             .trace()
     };
     // The explicit pair refuses by name.

@@ -124,7 +124,7 @@ fn isothermal_cascade() {
 
 /// λ and period at so many period doublings, each found on the branch that the last one gave birth to.
 fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]> {
-    let settings = Settings { accuracy: 1e-11, ..settings() };
+    let settings = Settings { refinement: 1e-11, ..settings() };
     let mut branch = Continuation::of(system)
         .restart(rest, label(rest, Kind::HB))
         .along("lambda", 10.0..=20.0)
@@ -192,7 +192,7 @@ fn vibration(system: &mut dyn System, frequency: f64) -> Branch {
         .along("voltage", 0.01..=0.5)
         .bound("max_displacement", -1.0..=0.6)
         .mark("max_displacement", 0.5)
-        .settings(Settings { accuracy: 1e-12, tolerance: 1e-12, ..settings() })
+        .settings(Settings { refinement: 1e-12, tolerance: 1e-12, ..settings() })
         .trace()
         .unwrap()
 }
@@ -224,7 +224,7 @@ fn mita_cusp_by_both_methods() {
             .along("frequency", 0.4..=0.5)
             .along("voltage", 0.1..=0.4)
             .bound("max_displacement", -1.0..=0.9)
-            .settings(Settings { accuracy: 1e-10, ..settings() })
+            .settings(Settings { refinement: 1e-10, ..settings() })
             .trace()
             .unwrap();
         let cusp = first(&curve, Kind::CP);

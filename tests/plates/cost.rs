@@ -123,7 +123,7 @@ fn least(orders: Option<Orders>, settings: &Settings) -> [Duration; 3] {
 /// of functions.
 #[test]
 fn a_trace_spends_nine_tenths_of_its_time_in_algebra() {
-    let coarse = Settings { accuracy: 0.0, ..Settings::default() };
+    let coarse = Settings { refinement: 0.0, ..Settings::default() };
     for (what, settings) in [("default settings", Settings::default()), ("unrefined", coarse)] {
         let [whole, algebra, rest] = least(None, &settings);
         let share = algebra.as_secs_f64() / (algebra + rest).as_secs_f64();
@@ -131,7 +131,7 @@ fn a_trace_spends_nine_tenths_of_its_time_in_algebra() {
         assert!(share > 0.9, "{what}: {algebra:?} in algebra, {rest:?} elsewhere");
     }
     println!("functions each way, unknowns, time of a trace without refinement:");
-    let settings = Settings { accuracy: 0.0, ..Settings::default() };
+    let settings = Settings { refinement: 0.0, ..Settings::default() };
     let times = [4, 6, 8, 10, 12].map(|count| {
         let orders = Orders { transverse: [count; 2], in_plane: [count + 2; 2] };
         let [whole, algebra, rest] = least(Some(orders), &settings);

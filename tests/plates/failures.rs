@@ -1,7 +1,7 @@
 //! Where methods fail on the plate: what fails, when, and what is said then.
 
 use crate::models::{
-    accuracy, assert_within, at, at_rest, folds_from, plate, pull_in, system, through_pull_in,
+    assert_within, at, at_rest, folds_from, plate, pull_in, refined_to, system, through_pull_in,
     value,
 };
 use std::f64::consts::PI;
@@ -42,7 +42,7 @@ fn corrections(system: &mut dyn System, load: f64) -> Result<usize, String> {
 #[test]
 fn newton_at_a_fixed_load_fails_at_the_fold_that_arclength_passes() {
     let mut system = system(&plate("CCCC", InPlane::Immovable), 1.0);
-    let branch = through_pull_in(&mut *system, &[]).settings(accuracy(0.0)).trace().unwrap();
+    let branch = through_pull_in(&mut *system, &[]).settings(refined_to(0.0)).trace().unwrap();
     let top = pull_in(&branch).parameters[0];
     let counts = [0.9, 0.99, 0.999, 0.9999, 0.99999, 0.999999]
         .map(|share| corrections(&mut *system, share * top));
@@ -141,7 +141,7 @@ fn branches_end_with_a_reason_where_the_load_is_no_longer_integrated() {
         let [branch, reference] = [(&mut coarse, 1e-4), (&mut fine, 1e-6)].map(|(plate, asked)| {
             let open = f64::NEG_INFINITY;
             let mut curve = at_rest(plate, &[])
-                .settings(accuracy(asked))
+                .settings(refined_to(asked))
                 .along("load", 0.0..=f64::INFINITY)
                 .bound("max_deflection", open..=0.99);
             for level in levels {
@@ -213,7 +213,7 @@ fn functions_that_cannot_meet_the_accuracy_say_so() {
     let branch = through_pull_in(&mut plate, &[]).trace().unwrap();
     let fold = pull_in(&branch);
     assert!(fold.converged);
-    let asked = branch.settings.accuracy * fold.parameters[0];
+    let asked = branch.settings.refinement * fold.parameters[0];
     assert!(fold.error > 10.0 * asked, "{:e} where {asked:e} was asked for", fold.error);
     assert!(fold.error < 1e-4 * fold.parameters[0], "{:e}", fold.error);
 }

@@ -2,8 +2,8 @@
 //! of folds, frequencies and deflections as marks, buckling as branch points that are switched at.
 
 use crate::models::{
-    accuracy, assert_close, assert_within, at, at_rest, decimals, folds_from, linear, plate,
-    pull_in, system, through_pull_in, value,
+    assert_close, assert_within, at, at_rest, decimals, folds_from, linear, plate, pull_in,
+    refined_to, system, through_pull_in, value,
 };
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, End, Kind};
@@ -28,7 +28,7 @@ fn table(flat: (f64, f64), rest: [(f64, f64, i32); 3]) -> [Fold; 4] {
 /// The curve of folds from `α₁ = 0` to 2 of a square plate, with marks at ½ and 1.
 fn folds_in_gap_ratio(settings: &PlateSettings) -> Branch {
     let mut system = system(settings, 1.0);
-    let fine = accuracy(1e-10);
+    let fine = refined_to(1e-10);
     let branch =
         through_pull_in(&mut *system, &[("gap_ratio", 0.0)]).settings(fine.clone()).trace();
     let curve = folds_from(&mut *system, &branch.unwrap(), "gap_ratio", 0.0..=2.0);
@@ -240,7 +240,7 @@ fn frequencies_about_deflected_plates() {
         settings.orders = Some(Orders { transverse: [12; 2], in_plane: [16; 2] });
         let mut system = system(&settings, 1.0);
         let branch = through_pull_in(&mut *system, &[("gap_ratio", gap_ratio)])
-            .settings(accuracy(1e-11))
+            .settings(refined_to(1e-11))
             .mark("load", load)
             .trace()
             .unwrap();
@@ -266,7 +266,7 @@ fn the_squared_frequency_falls_with_slope_minus_two_along_the_branch() {
             for gap_ratio in [0.0, 0.5, 1.0, 2.0] {
                 let mut system = system(&plate(supports, in_plane), 1.0);
                 let mut curve = at_rest(&mut *system, &[("gap_ratio", gap_ratio)])
-                    .settings(accuracy(0.0))
+                    .settings(refined_to(0.0))
                     .along("load", -4.0..=4.0);
                 for load in 1..=3 {
                     curve = curve.mark("load", f64::from(load)).mark("load", -f64::from(load));
@@ -347,7 +347,7 @@ fn linear_plates_under_pressure() {
         settings.orders = Some(Orders { transverse: [16; 2], in_plane: [4; 2] });
         let mut system = system(&settings, 1.0);
         let branch = at_rest(&mut *system, &[])
-            .settings(accuracy(1e-13))
+            .settings(refined_to(1e-13))
             .along("pressure", 0.0..=2.0)
             .mark("pressure", 1.0)
             .trace()
@@ -359,7 +359,7 @@ fn linear_plates_under_pressure() {
 
 /// A flat plate under edge forces from none to `120 D/a²`.
 fn compressed(system: &mut dyn System, force: &str, asked: f64) -> Branch {
-    at_rest(system, &[]).settings(accuracy(asked)).along(force, 0.0..=120.0).trace().unwrap()
+    at_rest(system, &[]).settings(refined_to(asked)).along(force, 0.0..=120.0).trace().unwrap()
 }
 
 fn buckling_load(branch: &Branch) -> f64 {
@@ -503,7 +503,7 @@ fn plates_with_other_edges_pull_in_in_order() {
             ..PlateSettings::default()
         };
         let mut system = system(&settings, 1.0);
-        let branch = through_pull_in(&mut *system, &[]).settings(accuracy(1e-6)).trace().unwrap();
+        let branch = through_pull_in(&mut *system, &[]).settings(refined_to(1e-6)).trace().unwrap();
         let fold = pull_in(&branch);
         (fold.parameters[0], fold.error)
     };

@@ -295,7 +295,7 @@ fn a_trace_that_cannot_begin_says_why() {
         (set("gap_ratio=NaN"), vec!["`gap_ratio`", "NaN", "finite"]),
         (set("supports=XXXX"), vec!["XXXX", "four letters"]),
         (set("in_plane=movable"), vec!["`in_plane`", "movable", "slide"]),
-        (set("accuracy=2"), vec!["`accuracy`", "2", "between 0 and 1"]),
+        (set("refinement=2"), vec!["`refinement`", "2", "between 0 and 1"]),
         (clamped(&["--set", "model=modal", "--set", "modes=0"]), vec!["0", "modes"]),
         (clamped(&["--out", "file/below"]), vec!["cannot write file/below", "choose a folder"]),
         (clamped(&["--start", "nothing.ron:1"]), vec!["cannot read nothing.ron"]),

@@ -4,6 +4,7 @@
 mod common;
 
 mod command_line;
+mod fidelity;
 mod itineraries;
 mod output_document;
 mod output_figures;

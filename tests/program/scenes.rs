@@ -71,10 +71,10 @@ fn changes_by_name_lead_to_the_known_loads() {
 /// Settings of the continuation by name are those the branch is made with, and the document records all.
 #[test]
 fn settings_of_the_continuation_are_set_by_name_and_recorded() {
-    let scene = with("plate-supported", &[("max_step", "0.02"), ("accuracy", "0")]);
+    let scene = with("plate-supported", &[("max_step", "0.02"), ("refinement", "0")]);
     let document = traced(&scene);
     let settings = &document.branches[0].settings;
-    assert_eq!((settings.max_step, settings.accuracy), (0.02, 0.0));
+    assert_eq!((settings.max_step, settings.refinement), (0.02, 0.0));
     let usual = traced(&built_in("plate-supported"));
     assert!(document.branches[0].points.len() > 2 * usual.branches[0].points.len());
     let recorded = |name: &str| {
@@ -92,7 +92,7 @@ fn misspelt_names_are_answered_with_a_suggestion() {
         ("gap_ration", "gap_ratio"),
         ("suports", "supports"),
         ("inplane", "in_plane"),
-        ("acuracy", "accuracy"),
+        ("refinment", "refinement"),
         ("Load", "load"),
     ] {
         let error = built_in("plate-clamped").set(misspelt, "1").unwrap_err();
@@ -120,8 +120,8 @@ fn values_out_of_range_are_refused_when_they_are_set() {
         ("modes", "-1"),
         ("modes", "2.5"),
         ("symmetric", "yes"),
-        ("accuracy", "1"),
-        ("accuracy", "NaN"),
+        ("refinement", "1"),
+        ("refinement", "NaN"),
         ("max_step", "-1"),
         ("max_points", "0"),
         ("tolerance", "0.1"),

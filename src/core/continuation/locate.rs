@@ -248,7 +248,7 @@ impl Stepper<'_> {
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         let rungs = if end_of_branch { 1 } else { usize::MAX };
         let mut converged = converged;
-        if converged && self.settings.accuracy > 0.0 {
+        if converged && self.settings.refinement > 0.0 {
             match self.refine(event, &point, &from.point, rungs) {
                 Some((refined, change)) => {
                     error += change;

@@ -13,7 +13,7 @@ impl Stepper<'_> {
     /// it is.
     pub fn refine_start(&mut self, start: &mut SpecialPoint) {
         let Some(&last) = self.equations.released().last() else { return };
-        if self.settings.accuracy == 0.0 {
+        if self.settings.refinement == 0.0 {
             return;
         }
         let level = start.parameters[last];
@@ -62,9 +62,9 @@ impl Stepper<'_> {
                 return found;
             };
             let errors = ladder.climb(settling(&fine, &released).collect());
-            let accuracy = self.settings.accuracy;
+            let asked = self.settings.refinement;
             let settled = errors.iter().zip(&sizes).enumerate().all(|(i, (error, size))| {
-                let tolerance = if i < released.len() { accuracy } else { 100.0 * accuracy };
+                let tolerance = if i < released.len() { asked } else { 100.0 * asked };
                 *error <= tolerance * size
             });
             found = Some((fine, errors[0]));

@@ -39,7 +39,7 @@ pub struct Settings {
     pub max_iterations: usize,
     /// The relative error asked of special points where the problem can be refined; 0 asks for no
     /// refinement, and leaves the discretisation out of their `error` (between 0 and 1).
-    pub accuracy: f64,
+    pub refinement: f64,
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point (at most
     /// 16).
     pub eigenvalues: usize,
@@ -56,7 +56,7 @@ impl Default for Settings {
             tolerance: 1e-10,
             event_tolerance: 1e-12,
             max_iterations: 12,
-            accuracy: 1e-8,
+            refinement: 1e-8,
             eigenvalues: 0,
         }
     }
@@ -97,7 +97,12 @@ impl Settings {
                 "between 1e-15 and 1e-3",
             ),
             ("max_iterations", self.max_iterations as f64, self.max_iterations >= 2, "at least 2"),
-            ("accuracy", self.accuracy, (0.0..1.0).contains(&self.accuracy), "between 0 and 1"),
+            (
+                "refinement",
+                self.refinement,
+                (0.0..1.0).contains(&self.refinement),
+                "between 0 and 1",
+            ),
             ("eigenvalues", self.eigenvalues as f64, self.eigenvalues <= 16, "at most 16"),
         ];
         match rules.into_iter().find(|rule| !(rule.2 && rule.1.is_finite())) {

@@ -43,6 +43,16 @@ impl RitzSettings {
             symmetric: true,
         }
     }
+
+    /// Directions in which only symmetric displacements are considered.
+    fn symmetries(&self) -> [bool; 2] {
+        self.supports.alike().map(|alike| alike && self.symmetric)
+    }
+
+    /// Orders from the coarsest to the finest, where accuracy decides.
+    pub(super) fn ladder(&self) -> Vec<Orders> {
+        Orders::ladder(self.symmetries(), self.aspect)
+    }
 }
 
 /// Mean products of the transverse functions of one direction, `(i, k)` at `i·n + k`.
@@ -106,7 +116,7 @@ pub(super) const LARGEST_DEFLECTION: f64 = 0.96;
 impl Discretisation {
     pub fn new(settings: RitzSettings) -> Result<Discretisation, PlateError> {
         let supports = settings.supports;
-        let symmetric = supports.alike().map(|alike| alike && settings.symmetric);
+        let symmetric = settings.symmetries();
         let orders = settings.orders.unwrap_or_else(|| Orders::usual(symmetric, settings.aspect));
         orders.check()?;
         check_held(supports)?;

@@ -30,12 +30,28 @@ impl Orders {
     /// A long plate needs more functions along its length: the deflection is flat but for layers, a
     /// width long, at the short edges.
     pub fn usual(symmetric: [bool; 2], aspect: f64) -> Orders {
+        Orders::of(6, 8, symmetric, aspect)
+    }
+
+    /// So many functions across and in the plane of a square plate with the symmetry of both directions; and as many as
+    /// they stand for without it, and for a longer plate.
+    fn of(transverse: usize, in_plane: usize, symmetric: [bool; 2], aspect: f64) -> Orders {
         let stretch = [1.0 / aspect, aspect].map(|length| length.clamp(1.0, 8.0).sqrt());
         let count = |base: usize, axis: usize| {
             let even = (base as f64 * stretch[axis]).round() as usize;
             if symmetric[axis] { even } else { 2 * even - 2 }
         };
-        Orders { transverse: [count(6, 0), count(6, 1)], in_plane: [count(8, 0), count(8, 1)] }
+        Orders {
+            transverse: [count(transverse, 0), count(transverse, 1)],
+            in_plane: [count(in_plane, 0), count(in_plane, 1)],
+        }
+    }
+
+    /// Orders from the fewest functions to many, at the ratio that spends work on both displacements alike: each gains
+    /// about a digit of a pull-in load.
+    pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
+        let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
+        (2..=16).map(rung).filter(|orders| orders.check().is_ok()).collect()
     }
 
     /// The next rung of the ladder on which special points are finished. Two rungs up from the usual

@@ -63,6 +63,9 @@ impl Default for PlateSettings {
     }
 }
 
+/// Numbers of modes, each about a third more than the one before.
+const MODES: [usize; 11] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36];
+
 /// A plate that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
@@ -100,20 +103,8 @@ impl PlateSettings {
     /// # Ok::<(), tangency::problems::plate::SettingsError>(())
     /// ```
     pub fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SettingsError> {
-        let supports: Supports = self.supports.parse()?;
-        let [parameters, farthest] = [p, reach].map(|p| self.units.parameters(p));
-        let compressed = [parameters, farthest]
-            .iter()
-            .any(|plate| [plate.compression_x, plate.compression_y, plate.shear] != [0.0; 3]);
-        let plate = RitzSettings {
-            supports,
-            in_plane: self.in_plane.unwrap_or(supports.usual_in_plane()),
-            theory: self.theory,
-            orders: self.orders,
-            aspect: farthest.aspect,
-            units: self.units,
-            symmetric: self.symmetric.unwrap_or(!compressed),
-        };
+        let plate = self.plate(p, reach)?;
+        let parameters = self.units.parameters(p);
         match self.model {
             Model::Ritz => Ok(Box::new(Ritz::new(plate)?)),
             Model::Modal => {
@@ -122,6 +113,48 @@ impl PlateSettings {
             }
             Model::Sine => self.sine(plate),
         }
+    }
+
+    /// The full model of the plate.
+    fn plate(&self, p: &[f64], reach: &[f64]) -> Result<RitzSettings, SettingsError> {
+        let supports: Supports = self.supports.parse()?;
+        let [parameters, farthest] = [p, reach].map(|p| self.units.parameters(p));
+        let compressed = [parameters, farthest]
+            .iter()
+            .any(|plate| [plate.compression_x, plate.compression_y, plate.shear] != [0.0; 3]);
+        Ok(RitzSettings {
+            supports,
+            in_plane: self.in_plane.unwrap_or(supports.usual_in_plane()),
+            theory: self.theory,
+            orders: self.orders,
+            aspect: farthest.aspect,
+            units: self.units,
+            symmetric: self.symmetric.unwrap_or(!compressed),
+        })
+    }
+
+    /// The same plate by discretisations of growing accuracy and cost, for parameters as in [`system`](Self::system):
+    /// orders of the full model, numbers of modes of the others.
+    ///
+    /// # Errors
+    /// [`SettingsError`] if the supports cannot be read.
+    ///
+    /// ```
+    /// use tangency::problems::plate::{Orders, PlateSettings, Units};
+    /// let p = Units::Dimensionless.defaults();
+    /// let ladder = PlateSettings::default().ladder(p, p)?;
+    /// assert_eq!(ladder[0].orders, Some(Orders { transverse: [2, 2], in_plane: [3, 3] }));
+    /// // The fifth rung is what branches are traced on by default.
+    /// assert_eq!(ladder[4].orders, Some(Orders::usual([true, true], 1.0)));
+    /// # Ok::<(), tangency::problems::plate::SettingsError>(())
+    /// ```
+    pub fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<PlateSettings>, SettingsError> {
+        let with_modes = |modes| PlateSettings { modes, ..self.clone() };
+        let with_orders = |orders| PlateSettings { orders: Some(orders), ..self.clone() };
+        Ok(match self.model {
+            Model::Ritz => self.plate(p, reach)?.ladder().into_iter().map(with_orders).collect(),
+            Model::Modal | Model::Sine => MODES.map(with_modes).into(),
+        })
     }
 
     fn modal(&self, plate: RitzSettings, nu: f64) -> Result<Box<dyn System>, SettingsError> {

@@ -43,9 +43,9 @@ pub fn system(settings: &PlateSettings, aspect: f64) -> Box<dyn System> {
     settings.system(Units::Dimensionless.defaults(), &reach).expect("a plate")
 }
 
-/// Settings with another accuracy.
-pub fn accuracy(accuracy: f64) -> Settings {
-    Settings { accuracy, ..Settings::default() }
+/// Settings with another refinement.
+pub fn refined_to(refinement: f64) -> Settings {
+    Settings { refinement, ..Settings::default() }
 }
 
 /// A curve that starts at rest, with the usual parameters but for these.

@@ -1,0 +1,42 @@
+//! What was chosen for an accuracy.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The setting of a discretisation that was chosen for an accuracy, and what it is estimated to give.
+///
+/// ```
+/// let chosen = tangency::output::Chosen {
+///     accuracy: 1e-6,
+///     settings: vec![("flow_tolerance".into(), "1e-7".into())],
+///     estimate: 2.5e-7,
+///     of: "fold of `P(1,1)`".into(),
+/// };
+/// let text = "for an accuracy of 1e-6: flow_tolerance = 1e-7, error 2.5e-7 (fold of `P(1,1)`)";
+/// assert_eq!(chosen.to_string(), text);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chosen {
+    /// The relative error asked for.
+    pub accuracy: f64,
+    /// What was chosen, by name.
+    pub settings: Vec<(String, String)>,
+    /// The largest relative error of special points, estimated.
+    pub estimate: f64,
+    /// Where it is.
+    pub of: String,
+}
+
+impl fmt::Display for Chosen {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let settings: Vec<String> =
+            self.settings.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let Chosen { accuracy, estimate, of, .. } = self;
+        write!(
+            f,
+            "for an accuracy of {accuracy:e}: {}, error {estimate:.1e} ({of})",
+            settings.join(", ")
+        )
+    }
+}
