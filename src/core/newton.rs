@@ -83,6 +83,15 @@ pub enum NewtonError {
         /// The largest allowed.
         largest: f64,
     },
+    /// A step would have gone straight on where the curve turns away from another one.
+    #[error(
+        "the step goes over to another branch, {gap:.1e} beside this one where they come near each other: \
+         lower `min_step`, or the parameter that keeps them apart"
+    )]
+    Beside {
+        /// How far the branches are from each other, in scaled arclength.
+        gap: f64,
+    },
     /// A condition does not apply at this point.
     #[error("{reason}")]
     NotApplicable {

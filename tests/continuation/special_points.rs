@@ -1,8 +1,8 @@
 //! Promise: a special point is good to about 1e-10, and its error estimate and bracket are honest.
 
-use crate::common::{CuspForm, close, values};
+use crate::common::{CuspForm, close, first, values};
 use proptest::prelude::*;
-use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
+use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
@@ -280,4 +280,43 @@ fn special_points_are_finished_on_finer_grids() {
     // The state stays on the branch's own grid, from which it can be restarted.
     assert_eq!(fold.state.len(), 7);
     close(crate::common::first(&fine, Kind::UZ).monitors[0], 0.5, 1e-10);
+}
+
+/// `x² = μ² + ε²`: two branches that come near each other at `μ = 0` and turn away. The branch point between them is on neither.
+struct Hyperbola;
+
+impl ZeroProblem for Hyperbola {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["mu", "epsilon"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        r[0] = x[0] * x[0] - p[0] * p[0] - p[1] * p[1];
+    }
+}
+
+#[test]
+fn steps_do_not_go_over_to_a_branch_beside() {
+    let trace = |epsilon: f64, settings: Settings| {
+        let mut system = Dense::new(Hyperbola);
+        Continuation::of(&mut system)
+            .from(&[1.0_f64.hypot(epsilon)])
+            .at("mu", -1.0)
+            .at("epsilon", epsilon)
+            .along("mu", -1.0..=1.0)
+            .settings(settings)
+            .trace()
+            .unwrap()
+    };
+    for epsilon in [0.1, 0.01, 0.001] {
+        let branch = trace(epsilon, Settings::default());
+        assert_eq!(branch.of_kind(Kind::BP).count(), 0, "{epsilon}: {:?}", branch.special);
+        close(branch.special.last().unwrap().state[0], 1.0_f64.hypot(epsilon), 1e-12);
+    }
+    // Steps that may not be shortened end with the reason.
+    let fixed = Settings { initial_step: 0.1, min_step: 0.1, max_step: 0.1, ..Settings::default() };
+    let End::StepTooSmall { cause, .. } = &trace(0.001, fixed).ends[1] else { panic!() };
+    assert!(cause.contains("over to another branch"), "{cause}");
+    // Where branches cross, there is a branch point.
+    let crossing = trace(0.0, Settings::default());
+    close(first(&crossing, Kind::BP).parameters[0], 0.0, 1e-12);
 }

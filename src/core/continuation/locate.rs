@@ -162,7 +162,11 @@ impl Stepper<'_> {
 
     /// Newton on the defining system from a guess: the point, and the estimated error of the
     /// continued parameter.
-    fn finish(&mut self, event: &Event, guess: Vec<f64>) -> Result<(Vec<f64>, f64), NewtonError> {
+    pub fn finish(
+        &mut self,
+        event: &Event,
+        guess: Vec<f64>,
+    ) -> Result<(Vec<f64>, f64), NewtonError> {
         let curve = self.equations.suspend();
         let (n, end) = (self.equations.dimension(), self.equations.length());
         let own: usize = curve.iter().map(|condition| condition.unknowns()).sum();

@@ -1,5 +1,6 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
+mod beside;
 mod branch;
 mod error;
 mod event;

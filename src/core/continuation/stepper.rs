@@ -272,7 +272,8 @@ impl Stepper<'_> {
         let row = self.covector(&from.tangent);
         let mut length = length;
         loop {
-            let failure = match self.try_step(before, from, &row, length) {
+            let tried = self.try_step(before, from, &row, length);
+            let failure = match tried.and_then(|step| self.stays(from, &step).map(|()| step)) {
                 Ok(step) => return Ok(step),
                 Err(failure) => failure,
             };
