@@ -84,6 +84,7 @@
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
 //! | [`chart`] | what methods cost and what they buy: error against time, measured |
+//! | [`stability`] | where methods fail, and what they say then: maps, computed |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and the binary adds the command
 //! line. How the core is put together, with pictures, is told in `docs/core.md`, and what periodic orbits and
@@ -94,6 +95,7 @@ pub mod core;
 pub mod output;
 pub mod problems;
 pub mod scene;
+pub mod stability;
 
 /// The README's code, as documentation tests.
 #[cfg(doctest)]

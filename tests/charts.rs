@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 use tangency::chart::{Answer, CHARTS, ChartError, Effort, Method, Plan, measure};
-use tangency::output::{Chart, Measured};
+use tangency::output::{Chart, Measured, Report};
 
 /// All charts, each method run once.
 static QUICK: LazyLock<Vec<Chart>> =

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use tangency::chart::ChartError;
 use tangency::output::{
-    ChartFileError, FigureError, FileError, MergeError, UnknownName, UnknownPoint,
+    FigureError, FileError, MergeError, ReportError, UnknownName, UnknownPoint,
 };
 use tangency::scene::SceneError;
+use tangency::stability::MapError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -60,15 +61,23 @@ pub enum CommandError {
     /// Parts that do not make a whole.
     #[error(transparent)]
     Merge(#[from] MergeError),
-    /// There is no such chart.
-    #[error("{0}; `tangency chart` lists all")]
-    UnknownChart(UnknownName),
+    /// There is no such chart or map.
+    #[error("{name}; `tangency {command}` lists all")]
+    UnknownReport {
+        /// What was asked for, and what there is.
+        name: UnknownName,
+        /// The command that lists all.
+        command: &'static str,
+    },
     /// A chart is not measured.
     #[error(transparent)]
     Chart(#[from] ChartError),
-    /// A chart is not saved.
+    /// There is no map.
     #[error(transparent)]
-    ChartFile(#[from] ChartFileError),
+    Map(#[from] MapError),
+    /// A chart or a map is not saved.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// Ctrl-C.
     #[error("interrupted; what was done until then is kept")]
     Interrupted,

@@ -4,7 +4,9 @@ mod chart;
 mod error;
 mod plot;
 mod points;
+mod report;
 mod scenes;
+mod stability;
 mod sweep;
 mod trace;
 mod watch;
@@ -26,6 +28,7 @@ struct Arguments {
 enum Command {
     Scenes(scenes::Scenes),
     Chart(chart::Chart),
+    Stability(stability::Stability),
     Trace(trace::Trace),
     Points(points::Points),
     Plot(plot::Plot),
@@ -41,6 +44,7 @@ pub fn main() -> ExitCode {
     let result = match &arguments.command {
         Command::Scenes(scenes) => scenes.run(&mut out),
         Command::Chart(chart) => chart.run(&mut out),
+        Command::Stability(stability) => stability.run(&mut out),
         Command::Trace(trace) => trace.run(&mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),

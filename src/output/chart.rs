@@ -1,11 +1,9 @@
 //! Charts of what methods cost and what they buy: measurements as data, as a table, and as a figure.
 
-use super::error::{FigureError, FileError};
 use super::figure::{Figure, Mark, Series, Style, Symbol};
-use super::write::write_atomically;
+use super::report::Report;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
-use std::path::Path;
 
 /// The format of charts.
 pub const CHART: &str = "tangency-chart/1";
@@ -87,7 +85,7 @@ pub struct Measured {
 /// Measurements of one subject.
 ///
 /// ```
-/// use tangency::output::{Chart, Line, Measured, Measurement};
+/// use tangency::output::{Chart, Line, Measured, Measurement, Report};
 /// let point = |setting: &str, seconds, error| Measurement {
 ///     setting: setting.into(), work: 1.0, seconds, error, failure: None,
 /// };
@@ -242,21 +240,6 @@ impl Measured {
 }
 
 impl Chart {
-    /// A panel for each problem: error against time.
-    pub fn figures(&self) -> Vec<Figure> {
-        self.panels.iter().map(Measured::figure).collect()
-    }
-
-    /// All measurements as tables in Markdown, with the circumstances below; what is recommended is bold.
-    pub fn to_markdown(&self) -> String {
-        self.tables(true)
-    }
-
-    /// The same of measurements that none other beats in time and error, and of what is recommended.
-    pub fn summary(&self) -> String {
-        self.tables(false)
-    }
-
     fn tables(&self, all: bool) -> String {
         let mut text = String::new();
         let Circumstances { processor, compiler, date, runs } = &self.circumstances;
@@ -266,66 +249,25 @@ impl Chart {
         }
         format!("{text}{processor}, one thread, median of {runs} runs; {compiler}; {date}.\n")
     }
-
-    /// A page with the summaries of charts, each between `<!-- NAME -->` and `<!-- end -->`, put in anew.
-    ///
-    /// ```
-    /// use tangency::output::{Chart, Measured};
-    /// let chart = Chart { name: "chart-a".into(), panels: vec![Measured::of("New")], ..Chart::default() };
-    /// let page = chart.put_into("# Page\n\n<!-- chart-a -->\nold\n<!-- end -->\n\nText.\n");
-    /// assert!(page.starts_with("# Page\n\n<!-- chart-a -->\n\n### New\n") && page.ends_with("<!-- end -->\n\nText.\n"));
-    /// assert!(!page.contains("old"));
-    /// ```
-    pub fn put_into(&self, page: &str) -> String {
-        let begin = format!("<!-- {} -->\n", self.name);
-        let place = page.split_once(&begin).and_then(|(before, rest)| {
-            let end = rest.find("<!-- end -->")?;
-            Some((before, &rest[end..]))
-        });
-        match place {
-            Some((before, after)) => format!("{before}{begin}\n{}\n{after}", self.summary()),
-            None => page.into(),
-        }
-    }
-
-    /// The chart in RON.
-    ///
-    /// # Errors
-    /// [`ron::Error`] if it cannot be written.
-    pub fn to_ron(&self) -> Result<String, ron::Error> {
-        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default())
-    }
-
-    /// Reads a chart from RON.
-    ///
-    /// # Errors
-    /// [`ron::error::SpannedError`] says where it is none.
-    pub fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
-        ron::from_str(text)
-    }
-
-    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder.
-    ///
-    /// # Errors
-    /// [`ChartFileError`] if a file cannot be written, or there is nothing to draw.
-    pub fn save(&self, folder: &Path) -> Result<(), ChartFileError> {
-        let at = |ending: &str| folder.join(format!("{}.{ending}", self.name));
-        write_atomically(at("ron"), self.to_ron()?)?;
-        write_atomically(at("md"), self.to_markdown())?;
-        Ok(write_atomically(at("svg"), super::draw(&self.figures())?)?)
-    }
 }
 
-/// Why a chart is not saved.
-#[derive(Debug, thiserror::Error)]
-pub enum ChartFileError {
-    /// It cannot be written in RON.
-    #[error(transparent)]
-    Format(#[from] ron::Error),
-    /// A file.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The figure.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
+impl Report for Chart {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// A panel for each problem: error against time.
+    fn figures(&self) -> Vec<Figure> {
+        self.panels.iter().map(Measured::figure).collect()
+    }
+
+    /// All measurements as tables in Markdown, with the circumstances below; what is recommended is bold.
+    fn to_markdown(&self) -> String {
+        self.tables(true)
+    }
+
+    /// The same of measurements that none other beats in time and error, and of what is recommended.
+    fn summary(&self) -> String {
+        self.tables(false)
+    }
 }

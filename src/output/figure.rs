@@ -31,6 +31,45 @@ pub struct Figure {
     pub marks: Vec<Mark>,
     /// What the styles of lines mean, if they mean something: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
+    /// Coloured rectangles behind all curves.
+    pub tiles: Vec<Tile>,
+    /// What stands at 0, 1, 2, … of the vertical axis instead of numbers; empty for numbers.
+    pub y_names: Vec<String>,
+}
+
+/// A coloured rectangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// Its middle, in the units of the axes.
+    pub at: [f64; 2],
+    /// Its width and height.
+    pub size: [f64; 2],
+    /// Its colour.
+    pub hue: Hue,
+    /// Its shade, counted from 0: of one hue, several can be told apart.
+    pub shade: usize,
+    /// What it means, in words, for the legend.
+    pub meaning: String,
+}
+
+/// A family of colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Hue {
+    /// Bluish green.
+    Green,
+    /// Blue.
+    Blue,
+    /// Yellow to orange.
+    Yellow,
+    /// Dark red to purple.
+    Red,
+}
+
+impl Tile {
+    /// Two opposite corners.
+    pub(super) fn corners(&self) -> [[f64; 2]; 2] {
+        [-0.5, 0.5].map(|part| [0, 1].map(|k| self.at[k] + part * self.size[k]))
+    }
 }
 
 /// A curve, or a piece of one.
@@ -151,7 +190,9 @@ impl Figure {
         });
         let marks = self.marks.iter().enumerate().map(|(i, mark)| (&*mark.label, i, mark.at));
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        for (name, index, at) in series.chain(marks) {
+        let tiles = self.tiles.iter().enumerate();
+        let tiles = tiles.flat_map(|(i, tile)| tile.corners().map(|at| (&*tile.meaning, i, at)));
+        for (name, index, at) in series.chain(marks).chain(tiles) {
             if !at.iter().all(|value| value.is_finite()) {
                 return Err(FigureError::NotFinite { series: name.into(), index, at });
             }

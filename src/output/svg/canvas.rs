@@ -105,6 +105,15 @@ impl Canvas<'_> {
         self.area.draw(&PathElement::new(path, stroke(outline, 1.0))).map_err(failed)
     }
 
+    /// A rectangle between two opposite corners.
+    pub(super) fn rectangle(
+        &self,
+        corners: [[f64; 2]; 2],
+        fill: RGBColor,
+    ) -> Result<(), FigureError> {
+        self.area.draw(&Rectangle::new(corners.map(fine), fill.filled())).map_err(failed)
+    }
+
     /// A filled disc with an outline.
     pub(super) fn disc(
         &self,

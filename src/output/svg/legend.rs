@@ -1,7 +1,7 @@
 //! The legend below a figure: names of curves, meanings of line styles, kinds of marks.
 
 use super::canvas::{Anchor, Canvas, INK, text_width};
-use super::panel::{colour, curve, mark};
+use super::panel::{colour, curve, mark, tint};
 use crate::output::error::FigureError;
 use crate::output::figure::{Figure, Mark, Style};
 use plotters::style::RGBColor;
@@ -33,6 +33,7 @@ struct Entry<'a> {
 enum Sample<'a> {
     None,
     Curve(Style, RGBColor),
+    Tile(RGBColor),
     Mark(&'a Mark),
 }
 
@@ -49,6 +50,12 @@ impl<'a> Legend<'a> {
             let text = format!("{}\u{2002}{}", mark.label, mark.meaning);
             if !meanings.iter().any(|entry| entry.text == text) {
                 meanings.push(Entry { sample: Sample::Mark(mark), text });
+            }
+        }
+        for tile in &figure.tiles {
+            if !meanings.iter().any(|entry| entry.text == tile.meaning) {
+                let sample = Sample::Tile(tint(tile.hue, tile.shade));
+                meanings.push(Entry { sample, text: tile.meaning.clone() });
             }
         }
         let mut legend = Legend { entries: Vec::new(), height: 0.0 };
@@ -126,7 +133,7 @@ fn names(figure: &Figure) -> Vec<Entry<'_>> {
 impl Entry<'_> {
     fn sample_width(&self) -> f64 {
         match self.sample {
-            Sample::Mark(_) => 14.0,
+            Sample::Mark(_) | Sample::Tile(_) => 14.0,
             Sample::None | Sample::Curve(..) => SAMPLE,
         }
     }
@@ -149,6 +156,9 @@ impl Entry<'_> {
                     Style::Solid | Style::Dashed | Style::Thin => vec![[x, y], [x + SAMPLE, y]],
                 };
                 curve(canvas, style, &points, colour)?;
+            }
+            Sample::Tile(colour) => {
+                canvas.rectangle([[x, y - 6.0], [x + 14.0, y + 6.0]], colour)?
             }
             Sample::Mark(sample) => mark(canvas, sample.symbol, [x + 7.0, y])?,
         }

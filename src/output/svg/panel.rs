@@ -6,7 +6,7 @@ use super::labels::{place, sampled};
 use super::legend::Legend;
 use super::ticks::Ticks;
 use crate::output::error::FigureError;
-use crate::output::figure::{Figure, Style, Symbol};
+use crate::output::figure::{Figure, Hue, Style, Symbol};
 use plotters::style::{RGBColor, WHITE};
 
 const TITLE: f64 = 16.0;
@@ -36,6 +36,19 @@ pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
 
+/// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as well. The lightest
+/// shades begin again after the darkest.
+pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
+    let shades = match hue {
+        Hue::Green => [(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
+        Hue::Blue => [(133, 180, 226), (66, 133, 196), (33, 91, 158), (8, 48, 107)],
+        Hue::Yellow => [(255, 237, 160), (254, 204, 92), (240, 160, 40), (196, 118, 10)],
+        Hue::Red => [(206, 60, 100), (158, 1, 66), (100, 0, 86), (50, 0, 30)],
+    };
+    let (r, g, b) = shades[shade % shades.len()];
+    RGBColor(r, g, b)
+}
+
 /// A figure laid out, with the origin in the upper left corner of the panel.
 pub(super) struct Panel<'a> {
     figure: &'a Figure,
@@ -50,7 +63,10 @@ impl<'a> Panel<'a> {
     /// Lays a figure out.
     pub(super) fn new(figure: &'a Figure) -> Result<Self, FigureError> {
         let [x, y] = figure.extent()?;
-        let y = Ticks::new(y, 7.0)?;
+        let y = match figure.y_names.is_empty() {
+            true => Ticks::new(y, 7.0)?,
+            false => Ticks::named(y, &figure.y_names),
+        };
         let widest = |ticks: &Ticks| {
             ticks.ticks.iter().map(|(_, label)| text_width(label, TEXT)).fold(0.0, f64::max)
         };
@@ -79,6 +95,10 @@ impl<'a> Panel<'a> {
         let [dx, dy] = corner;
         let [left, top, right, bottom] = self.frame;
         let frame = [left + dx, top + dy, right + dx, bottom + dy];
+        for tile in &self.figure.tiles {
+            let corners = tile.corners().map(|corner| self.pixel(frame, corner));
+            canvas.rectangle(corners, tint(tile.hue, tile.shade))?;
+        }
         self.axes(canvas, frame)?;
         let middle = dx + WIDTH / 2.0;
         let title = &self.figure.title;

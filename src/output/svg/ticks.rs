@@ -38,6 +38,12 @@ impl Ticks {
         });
         Ok(Ticks { range, ticks: ticks.collect(), factor: power_of_ten(exponent) })
     }
+
+    /// Names at 0, 1, 2, …, for data between two values.
+    pub(super) fn named([low, high]: [f64; 2], names: &[String]) -> Self {
+        let ticks = names.iter().enumerate().map(|(k, name)| (k as f64, name.clone()));
+        Ticks { range: widened(low, high), ticks: ticks.collect(), factor: String::new() }
+    }
 }
 
 /// The range of the data and a margin of 4 %; values that are all the same get a range as well, and so

@@ -1,0 +1,70 @@
+//! What the commands share whose results are reports: listing, choosing by name, saving, putting into a page.
+
+use super::CommandError;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+use tangency::output::{FileError, Report, UnknownName, write_atomically};
+
+/// Which reports are made, and where they go.
+#[derive(Debug, Args)]
+pub struct Wanted {
+    /// Which one, or `all`; without a name, all are listed
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+    /// The folder for SVG, Markdown and RON
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// A Markdown page into which tables are put anew, each between `<!-- KIND-NAME -->` and `<!-- end -->`
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+}
+
+/// The reports of a command: `chart`s or maps of `stability`.
+pub struct Reports<'a, E> {
+    /// The command.
+    pub command: &'static str,
+    /// What it makes: `chart`, `map`.
+    pub kind: &'static str,
+    /// What there is.
+    pub entries: &'a [E],
+    /// Name, and what is shown, in a line.
+    pub title: fn(&E) -> (&'static str, &'static str),
+}
+
+impl<E> Reports<'_, E> {
+    /// Makes those wanted, saves them, and prints the tables; lists all if none is named.
+    pub fn run<R: Report>(
+        &self,
+        wanted: &Wanted,
+        out: &mut impl Write,
+        make: impl Fn(&E) -> Result<R, CommandError>,
+    ) -> Result<(), CommandError> {
+        let Some(name) = &wanted.name else {
+            for (name, shows) in self.entries.iter().map(self.title) {
+                writeln!(out, "{name:<16} {shows}")?;
+            }
+            return Ok(());
+        };
+        let known = |entry: &E| (self.title)(entry).0;
+        let chosen: Vec<&E> =
+            self.entries.iter().filter(|entry| name == "all" || known(entry) == name).collect();
+        if chosen.is_empty() {
+            let known = self.entries.iter().map(known).chain(["all"]);
+            let name = UnknownName::new(self.kind, name.as_str(), known);
+            return Err(CommandError::UnknownReport { name, command: self.command });
+        }
+        for entry in chosen {
+            let report = make(entry)?;
+            report.save(&wanted.out)?;
+            writeln!(out, "{}", report.summary())?;
+            if let Some(path) = &wanted.page {
+                let read = |source| FileError::Read { path: path.clone(), source };
+                let page = std::fs::read_to_string(path).map_err(read)?;
+                write_atomically(path, report.put_into(&page))?;
+            }
+            writeln!(out, "{}", wanted.out.join(format!("{}.svg", report.name())).display())?;
+        }
+        Ok(())
+    }
+}
