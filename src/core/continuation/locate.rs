@@ -335,7 +335,25 @@ pub(super) fn converge(
     if left > rounding {
         // It is not made, so that what is assembled for it belongs to the point.
         equations.assemble(unknowns).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        left = newton.correction_again(equations, unknowns, None)?[parameter].abs();
+        let second = newton.correction_again(equations, unknowns, None)?;
+        let (before, mut at) = (left, subtracted(unknowns, second));
+        left = second[parameter].abs();
+        // Corrections that do not shrink are rounding, multiplied: one of them may be small by chance.
+        if left > 100.0 * rounding && left > 0.1 * before {
+            for _ in 0..SAMPLES {
+                let sample = newton.correction_again(equations, &at, None)?;
+                left = left.max(sample[parameter].abs());
+                at = subtracted(&at, sample);
+            }
+            newton.correction_again(equations, unknowns, None)?;
+        }
     }
     Ok(4.0 * left + rounding)
+}
+
+/// How many more corrections tell how large rounding is.
+const SAMPLES: usize = 5;
+
+fn subtracted(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
