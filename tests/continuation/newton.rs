@@ -1,6 +1,6 @@
-//! Promise: where Newton's iteration fails it says why, with the numbers that decide.
+//! Promise: Newton's iteration converges quadratically, and where it fails it says why, with the numbers that decide.
 
-use crate::common::{ParallelPlate, close, first};
+use crate::common::{ParallelPlate, close, falls_with_order, first};
 use tangency::core::continuation::{Continuation, End, Kind, TraceError};
 use tangency::core::dense::Dense;
 use tangency::core::extended::Extended;
@@ -69,6 +69,26 @@ fn converges_to_its_tolerance() {
     // What the next correction would be is below a hundredth of the tolerance.
     close(x, 2.0_f64.ln(), 1e-14);
     assert!(report.iterations <= 5 && report.correction <= 1e-6, "{report:?}");
+}
+
+/// An error is the square of the one before, times a constant: `log eₖ₊₁` against `log eₖ` has the slope 2.
+#[test]
+fn convergence_is_quadratic() {
+    let error = |iterations: usize| {
+        let mut system = Dense::new(Equation::Exponential);
+        let mut unknowns = [1.0];
+        let mut equations = Extended::new(&mut system, &[1.0, 2.0], vec![]);
+        // Nothing is below this tolerance: so many full steps are taken.
+        let tolerances = Tolerances { tolerance: 0.0, max_iterations: iterations };
+        let stopped =
+            Newton::default().solve(&mut equations, &mut unknowns, None, &[1.0], tolerances);
+        assert!(matches!(stopped, Err(NewtonError::IterationLimit { .. })), "{stopped:?}");
+        (unknowns[0] - 2.0_f64.ln()).abs()
+    };
+    let start = 1.0 - 2.0_f64.ln();
+    let errors = [start, error(1), error(2), error(3), error(4)];
+    let pairs: Vec<(f64, f64)> = errors.windows(2).map(|pair| (pair[0], pair[1])).collect();
+    falls_with_order("Newton's method", &pairs, 2.0);
 }
 
 /// From x = 3 undamped Newton on atan x diverges: the first corrections have to be damped.
