@@ -16,8 +16,8 @@ use cpu_time::ProcessTime;
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt::Write;
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::process::Command;
 use std::time::Instant;
 use tangency::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
 use tangency::core::flow::{Scheme, Settings};
@@ -179,8 +179,8 @@ fn report(
     abreast(members, 1, tolerance)
 }
 
-/// A sweep over 32 voltages, on as many threads as rayon has.
-fn sweep() -> Result<(), Box<dyn Error>> {
+/// How long a sweep over 32 voltages takes on so many threads, in seconds.
+fn sweep_on(threads: NonZeroUsize) -> Result<f64, Box<dyn Error>> {
     let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0; 2] };
     let axis = Axis { quantity: Quantity::Parameter(0), low: 0.55, high: 0.85, count: 32 };
     let settling = Settling { transient: 200, ..Settling::default() };
@@ -195,21 +195,17 @@ fn sweep() -> Result<(), Box<dyn Error>> {
     let make = || -> Result<Box<dyn Strobed>, StrobeError> {
         Ok(Box::new(Stroboscope::of(&Actuator, settings(1e-9), &[])?))
     };
-    let (begin, mut found) = (Instant::now(), 0);
-    execute(&plan, Part::WHOLE, &Actuator::DEFAULTS, &make, &|_| None, &mut |_: Found| {
+    let (part, begin) = (Part { threads: Some(threads), ..Part::WHOLE }, Instant::now());
+    let mut found = 0;
+    execute(&plan, part, &Actuator::DEFAULTS, &make, &|_| None, &mut |_: Found| {
         found += 1;
         ControlFlow::Continue(())
     })?;
-    println!("{found} {}", begin.elapsed().as_secs_f64());
-    Ok(())
-}
-
-/// How long it takes on so many threads, in seconds.
-fn sweep_on(threads: usize) -> Result<f64, Box<dyn Error>> {
-    let mut command = Command::new(std::env::current_exe()?);
-    let done = command.arg("sweep").env("RAYON_NUM_THREADS", threads.to_string()).output()?;
-    let text = String::from_utf8(done.stdout)?;
-    Ok(text.trim().strip_prefix("32 ").ok_or("runs are missing")?.parse()?)
+    if found == plan.runs() {
+        Ok(begin.elapsed().as_secs_f64())
+    } else {
+        Err("runs are missing".into())
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -224,9 +220,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         std::fs::write(images, lines(&found)?)?;
         return Ok(());
     }
-    if arguments == ["sweep"] {
-        return sweep();
-    }
     println!("| method | V | tolerance | error | periods a second |");
     println!("|---|---|---|---|---|");
     for voltage in [0.52, 0.65] {
@@ -235,8 +228,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Alternately, and the least of three: other work on the machine only makes times longer.
     let mut least = [f64::INFINITY; 2];
     for _ in 0..3 {
-        for threads in [1, 2] {
-            least[threads - 1] = sweep_on(threads)?.min(least[threads - 1]);
+        for (threads, least) in [1, 2].into_iter().filter_map(NonZeroUsize::new).zip(&mut least) {
+            *least = sweep_on(threads)?.min(*least);
         }
     }
     let [one, two] = least;

@@ -6,6 +6,7 @@ use super::watch::{Watch, interrupted};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -28,7 +29,7 @@ pub struct Sweep {
     part: Option<Share>,
     /// How many threads work [default: as many as there are cores]
     #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    threads: Option<NonZeroUsize>,
     /// After how many seconds what is done is saved
     #[arg(long, value_name = "SECONDS", default_value_t = 5.0)]
     save_every: f64,
@@ -58,7 +59,7 @@ impl FromStr for Share {
     fn from_str(text: &str) -> Result<Self, String> {
         let part = text.split_once('/').and_then(|(number, of)| {
             let (number, of) = (number.parse().ok()?, of.parse().ok()?);
-            (number >= 1 && number <= of).then_some(Part { number, of })
+            (number >= 1 && number <= of).then_some(Part { number, of, ..Part::WHOLE })
         });
         part.map(Share).ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
     }
@@ -71,13 +72,9 @@ impl Sweep {
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: name });
         }
-        if let Some(threads) = self.threads {
-            // Fails only where threads are at work already.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        }
         let path = self.scene.out.join(match self.part {
             None => format!("{name}.npz"),
-            Some(Share(Part { number, of })) => format!("{name}.part-{number}-of-{of}.npz"),
+            Some(Share(Part { number, of, .. })) => format!("{name}.part-{number}-of-{of}.npz"),
         });
         let known = match path.exists() && !self.afresh {
             true => Some(Sweeps::load(&path)?),
@@ -85,6 +82,7 @@ impl Sweep {
         };
         let document = self.trace(&name, &scene, out)?;
         let part = self.part.map_or(Part::WHOLE, |share| share.0);
+        let part = Part { threads: self.threads, ..part };
         let mut keeper = Keeper::new(&path, self.save_every);
         let swept = sweep(&scene, &name, part, known, &mut keeper);
         keeper.bar.finish_and_clear();

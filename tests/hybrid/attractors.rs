@@ -5,6 +5,7 @@ use crate::systems::bouncing_ball::BouncingBall;
 use crate::systems::impact_oscillator::ClosedForm;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use tangency::core::attractor::{
     CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
@@ -257,7 +258,8 @@ proptest! {
         prop_assert_eq!(&swept(&plan, Part::WHOLE, &begun, usize::MAX), &whole);
         let mut merged = BTreeMap::new();
         for number in 1..=parts {
-            merged.append(&mut swept(&plan, Part { number, of: parts }, &nothing, usize::MAX));
+            let part = Part { number, of: parts, threads: NonZeroUsize::new(number) };
+            merged.append(&mut swept(&plan, part, &nothing, usize::MAX));
         }
         prop_assert_eq!(&merged, &whole);
     }

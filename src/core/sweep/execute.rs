@@ -36,7 +36,7 @@ pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed>, StrobeError> + Sync + '
 
 /// Does all runs of a part of a plan but those that are done already: `done` gives the state in which a run ended
 /// (`None` inside if it failed). `make` makes the motion, once for each strand; `p` are the parameters
-/// that do not vary. As many threads work as rayon has.
+/// that do not vary.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -61,7 +61,7 @@ pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed>, StrobeError> + Sync + '
 /// ```
 ///
 /// # Errors
-/// [`PlanError`] if the plan or the part has no meaning. Runs that fail are found like others.
+/// [`PlanError`] if the plan or the part has no meaning, or threads are refused. Runs that fail are found like others.
 pub fn execute(
     plan: &Plan,
     part: Part,
@@ -71,12 +71,13 @@ pub fn execute(
     visit: &mut Visit,
 ) -> Result<(), PlanError> {
     plan.check()?;
-    let Part { number, of } = part;
+    let Part { number, of, .. } = part;
     if number == 0 || number > of {
         return Err(PlanError::Part { number, of });
     }
     let mine = plan.strand_list().into_iter().enumerate().filter(|(k, _)| k % of == number - 1);
     let strands: Vec<Vec<usize>> = mine.map(|(_, strand)| strand).collect();
+    let pool = part.pool()?;
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
     std::thread::scope(|scope| {
@@ -86,7 +87,11 @@ pub fn execute(
                 Strand { plan, p, make, done, stop }.follow(strand, sender);
             };
             // Each strand is a task of its own: some take much longer than others.
-            strands.par_iter().with_max_len(1).for_each_with(sender, follow);
+            let work = || strands.par_iter().with_max_len(1).for_each_with(sender, follow);
+            match pool {
+                Some(pool) => pool.install(work),
+                None => work(),
+            }
         });
         for found in receiver {
             if !stop.load(Ordering::Relaxed) && visit(found).is_break() {

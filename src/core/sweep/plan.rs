@@ -2,7 +2,9 @@
 
 use crate::core::attractor::{CrisisSearch, Settling};
 use crate::core::hybrid::HybridState;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 
 /// What varies along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,18 +53,29 @@ pub enum Order {
     Down,
 }
 
-/// Part `number` (from 1 on) of a sweep that is split into `of` parts.
+/// What one process does of a sweep: part `number` (from 1 on) of `of` parts, on so many threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Its number, from 1 on.
     pub number: usize,
     /// How many parts there are.
     pub of: usize,
+    /// How many threads work; by default as many as rayon has, which are as many as there are cores.
+    pub threads: Option<NonZeroUsize>,
 }
 
 impl Part {
     /// The whole.
-    pub const WHOLE: Part = Part { number: 1, of: 1 };
+    pub const WHOLE: Part = Part { number: 1, of: 1, threads: None };
+
+    /// Threads of its own, if it says how many.
+    pub(super) fn pool(self) -> Result<Option<ThreadPool>, PlanError> {
+        let pool = |threads: NonZeroUsize| {
+            let built = ThreadPoolBuilder::new().num_threads(threads.get()).build();
+            built.map_err(|cause| PlanError::Threads { threads, cause: cause.to_string() })
+        };
+        self.threads.map(pool).transpose()
+    }
 }
 
 /// Runs over a grid, from one or several starts.
@@ -129,6 +142,14 @@ pub enum PlanError {
         number: usize,
         /// How many parts there are.
         of: usize,
+    },
+    /// So many threads cannot be had.
+    #[error("{threads} threads cannot be started: {cause}")]
+    Threads {
+        /// How many.
+        threads: NonZeroUsize,
+        /// Why.
+        cause: String,
     },
 }
 
