@@ -1,7 +1,7 @@
 //! How the solutions of a field or of a boundary-value problem are discretised.
 
 use super::simulate::initial;
-use super::slot::{Plain, Slots, Words};
+use super::slot::{Plain, Slots, Usual, Words};
 use super::{SceneError, Simulated};
 use crate::core::bvp::{
     Birth, BoundaryProblem, BoundarySystem, Collocation, Mesh, Method, Shooting,
@@ -28,14 +28,21 @@ pub enum Solution {
 }
 
 /// The method that discretises trajectories.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Discretised {
     /// Collocation at Gauss points, on a mesh that follows the solution.
-    #[default]
     Collocation,
     /// Multiple shooting.
     Shooting,
+}
+
+impl Discretised {
+    /// Usual for smooth fields: it does not mind how unstable an orbit is.
+    pub const USUAL: Discretised = Discretised::Collocation;
+    /// Usual for hybrid systems, whose legs are short and smooth: it takes a third of the time or less
+    /// (`tangency chart orbit`).
+    pub const USUAL_HYBRID: Discretised = Discretised::Shooting;
 }
 
 /// Gauss points in an interval and intervals, by growing accuracy: each has about a digit more than the one before, at the
@@ -61,8 +68,8 @@ const MESHES: [(usize, usize); 12] = [
 pub struct Discretisation {
     /// Which solutions of a field are meant.
     pub solution: Solution,
-    /// The method.
-    pub method: Discretised,
+    /// The method; if not given, [`Discretised::USUAL`], or [`Discretised::USUAL_HYBRID`].
+    pub method: Option<Discretised>,
     /// The number of intervals of collocation (1 to 4096).
     pub intervals: usize,
     /// The number of Gauss points in an interval (2 to 7).
@@ -86,7 +93,7 @@ impl Default for Discretisation {
     fn default() -> Self {
         Discretisation {
             solution: Solution::Orbit,
-            method: Discretised::Collocation,
+            method: None,
             intervals: 20,
             degree: 4,
             segments: 1,
@@ -110,7 +117,7 @@ impl Discretisation {
     fn slots(&mut self) -> Slots<'_> {
         vec![
             ("solution", Box::new(Plain(&mut self.solution))),
-            ("method", Box::new(Plain(&mut self.method))),
+            ("method", Box::new(Usual(&mut self.method))),
             ("intervals", Box::new(Plain(&mut self.intervals))),
             ("degree", Box::new(Plain(&mut self.degree))),
             ("segments", Box::new(Plain(&mut self.segments))),
@@ -124,10 +131,10 @@ impl Discretisation {
 
     /// Discretisations of growing accuracy and cost: tolerances of flows, a tenth each, or Gauss points and intervals. None
     /// for equilibria, which are exact.
-    pub(super) fn ladder(&self) -> Vec<Discretisation> {
+    pub(super) fn ladder(&self, usual: Discretised) -> Vec<Discretisation> {
         let shot = |k: i32| Discretisation { flow_tolerance: 10f64.powi(-k), ..self.clone() };
         let collocated = |(degree, intervals)| Discretisation { degree, intervals, ..self.clone() };
-        match (self.solution, self.method) {
+        match (self.solution, self.method.unwrap_or(usual)) {
             (Solution::Equilibrium, _) => Vec::new(),
             (_, Discretised::Shooting) => (3..=14).map(shot).collect(),
             (_, Discretised::Collocation) => MESHES.map(collocated).into(),
@@ -163,7 +170,7 @@ impl Discretisation {
     {
         let parameters = vec![1.0; field.names().parameters.len()];
         match self.solution {
-            Solution::Orbit => self.discretise(Orbit::of(field)),
+            Solution::Orbit => self.discretise(Orbit::of(field), Discretised::USUAL),
             Solution::Equilibrium if field.period(&parameters).is_some() => {
                 Err(self.no_equilibria("a field that is forced in time has none; take `orbit`"))
             }
@@ -177,7 +184,7 @@ impl Discretisation {
         P: BoundaryProblem + Clone + 'static,
     {
         match self.solution {
-            Solution::Orbit => self.discretise(problem),
+            Solution::Orbit => self.discretise(problem, Discretised::USUAL),
             Solution::Equilibrium => {
                 Err(self.no_equilibria("a boundary-value problem has none; leave `solution` out"))
             }
@@ -197,7 +204,7 @@ impl Discretisation {
                 reason: cause.to_string(),
             })?,
         };
-        self.discretise(self.watched(HybridOrbit::of(system, itinerary)))
+        self.discretise(self.watched(HybridOrbit::of(system, itinerary)), Discretised::USUAL_HYBRID)
     }
 
     fn no_equilibria(&self, reason: &str) -> SceneError {
@@ -229,7 +236,8 @@ impl Discretisation {
         let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
         let Birth { problem, starts, extras } =
             HybridOrbit::of_cycle(system.clone(), &cycle).map_err(no_start)?;
-        self.started(self.watched(problem), Some([&starts, &extras, p]))
+        let start = Some([&*starts, &*extras, p]);
+        self.started(self.watched(problem), Discretised::USUAL_HYBRID, start)
     }
 
     /// Orbits with all monitors asked for.
@@ -237,19 +245,24 @@ impl Discretisation {
         if self.penetration { orbit.with_penetration() } else { orbit }
     }
 
-    fn discretise<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>
+    fn discretise<P>(&self, problem: P, usual: Discretised) -> Result<Box<dyn System>, SceneError>
     where
         P: BoundaryProblem + Clone + 'static,
     {
-        self.started(problem, None).map(|(system, _)| system)
+        self.started(problem, usual, None).map(|(system, _)| system)
     }
 
     /// The system of a problem, and a start: flowed from states, extras and parameters, or at rest.
-    fn started<P>(&self, problem: P, start: Option<[&[f64]; 3]>) -> Result<Started, SceneError>
+    fn started<P>(
+        &self,
+        problem: P,
+        usual: Discretised,
+        start: Option<[&[f64]; 3]>,
+    ) -> Result<Started, SceneError>
     where
         P: BoundaryProblem + Clone + 'static,
     {
-        match self.method {
+        match self.method.unwrap_or(usual) {
             Discretised::Collocation => {
                 started(problem, Collocation::new(self.degree)?, self.intervals, start)
             }

@@ -124,7 +124,7 @@ impl Discretisation {
     where
         H: HybridSystem + Clone + 'static,
     {
-        let point = match self.method {
+        let point = match self.method.unwrap_or(Discretised::USUAL_HYBRID) {
             Discretised::Collocation => {
                 let method = Collocation::new(self.degree)
                     .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;

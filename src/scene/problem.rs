@@ -1,6 +1,6 @@
 //! The problems that a scene can name.
 
-use super::discretisation::Discretisation;
+use super::discretisation::{Discretisation, Discretised};
 use super::simulate::{Simulation, simulate};
 use super::slot::{Capitals, Plain, Slots, Usual};
 use super::{Local, SceneError, Simulated, slot};
@@ -69,19 +69,20 @@ impl Problem {
     /// The same problem by discretisations of growing accuracy and cost, for parameters that begin at `p` and go as far as
     /// `reach`; none if it has no discretisation.
     pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
-        let of = |make: fn(Discretisation) -> Problem, settings: &Discretisation| {
-            settings.ladder().into_iter().map(make).collect()
+        let of = |make: fn(Discretisation) -> Problem, settings: &Discretisation, usual| {
+            settings.ladder(usual).into_iter().map(make).collect()
         };
+        let (smooth, hybrid) = (Discretised::USUAL, Discretised::USUAL_HYBRID);
         Ok(match self {
             Problem::Plate(plate) => {
                 plate.ladder(p, reach)?.into_iter().map(Problem::Plate).collect()
             }
-            Problem::Mita(settings) => of(Problem::Mita, settings),
-            Problem::Block(settings) => of(Problem::Block, settings),
-            Problem::ImpactOscillator(settings) => of(Problem::ImpactOscillator, settings),
-            Problem::Lure(settings) => of(Problem::Lure, settings),
-            Problem::Isothermal(settings) => of(Problem::Isothermal, settings),
-            Problem::Bratu(settings) => of(Problem::Bratu, settings),
+            Problem::Mita(settings) => of(Problem::Mita, settings, hybrid),
+            Problem::Block(settings) => of(Problem::Block, settings, smooth),
+            Problem::ImpactOscillator(settings) => of(Problem::ImpactOscillator, settings, hybrid),
+            Problem::Lure(settings) => of(Problem::Lure, settings, smooth),
+            Problem::Isothermal(settings) => of(Problem::Isothermal, settings, smooth),
+            Problem::Bratu(settings) => of(Problem::Bratu, settings, smooth),
         })
     }
 
