@@ -9,6 +9,7 @@ pub(super) fn now(runs: usize) -> Circumstances {
     Circumstances {
         processor: processor(),
         compiler: format!("{}, {}", env!("TANGENCY_COMPILER"), env!("TANGENCY_PROFILE")),
+        cores: std::thread::available_parallelism().map_or(1, usize::from),
         date: date.chars().take_while(|c| *c != 'T').collect(),
         runs,
     }

@@ -1,52 +1,58 @@
-//! Forward dual numbers against finite differences: the derivative of a period with an impact, and its multipliers.
+//! Forward dual numbers against finite differences: the derivative of a period with an impact, its multipliers, and a
+//! fold.
 
-use super::period::Period;
+use super::differences::Differences;
+use super::fold;
+use super::period::{Period, parameters};
 use super::plan::{Answer, ChartError, Method, Plan};
 use crate::core::flow::work;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Matrix2;
+use std::iter;
+use std::ops::RangeInclusive;
 
 /// On the branch with an impact a period.
-const PERIOD: Period = Period { impacts: true, voltage: 0.4, tolerance: 1e-12 };
+pub(super) const IMPACTING: Period = Period { impacts: true, p: parameters(0.4), tolerance: 1e-12 };
 
 /// How a derivative is found.
 #[derive(Clone, Copy)]
-enum By {
+pub(super) enum By {
     Duals,
-    OneSided(f64),
-    Central(f64),
+    Differences(Differences),
 }
 
 impl By {
-    fn matrix(self, x: [f64; 2]) -> Result<Matrix2<f64>, String> {
-        let of = |x: Vector2<f64>| PERIOD.image::<f64>(x.into());
-        let (x, unit) = (Vector2::from(x), [Vector2::x(), Vector2::y()]);
-        let columns = match self {
-            By::Duals => return PERIOD.derivative(x.into()),
-            By::OneSided(step) => {
-                let here = of(x)?;
-                let column = |e: Vector2<f64>| Ok((of(x + e * step)? - here) / step);
-                unit.map(column).into_iter().collect::<Result<Vec<_>, String>>()?
-            }
-            By::Central(step) => {
-                let column =
-                    |e: Vector2<f64>| Ok((of(x + e * step)? - of(x - e * step)?) / (2.0 * step));
-                unit.map(column).into_iter().collect::<Result<Vec<_>, String>>()?
-            }
-        };
-        Ok(Matrix2::from_columns(&columns))
+    /// Dual numbers, and differences of several steps.
+    pub fn all(exponents: RangeInclusive<i32>) -> Vec<By> {
+        let steps = || exponents.clone().map(|k| 10.0_f64.powi(-k));
+        let one_sided = steps().map(Differences::OneSided);
+        let differences = one_sided.chain(steps().map(Differences::Central));
+        iter::once(By::Duals).chain(differences.map(By::Differences)).collect()
     }
 
-    fn method(self, x: [f64; 2], numbers: fn(&Matrix2<f64>) -> Vec<f64>) -> Method {
+    /// The method that finds numbers in this way; what it counts are evaluations of the field.
+    pub fn method(self, find: impl Fn(By) -> Result<Vec<f64>, String> + 'static) -> Method {
         let (line, setting) = match self {
             By::Duals => ("dual numbers", String::new()),
-            By::OneSided(step) => ("one-sided differences", format!("step {step:.0e}")),
-            By::Central(step) => ("central differences", format!("step {step:.0e}")),
+            By::Differences(Differences::OneSided(step)) => {
+                ("one-sided differences", format!("step {step:.0e}"))
+            }
+            By::Differences(Differences::Central(step)) => {
+                ("central differences", format!("step {step:.0e}"))
+            }
         };
         Method::new(line, setting, move || {
             let before = work().evaluations;
-            let numbers = numbers(&self.matrix(x)?);
+            let numbers = find(self)?;
             Ok(Answer { numbers, work: (work().evaluations - before) as f64 })
         })
+    }
+
+    /// The derivative of the image by the state.
+    fn matrix(self, x: [f64; 2]) -> Result<Matrix2<f64>, String> {
+        match self {
+            By::Duals => IMPACTING.derivative(x),
+            By::Differences(rule) => rule.matrix(|x| IMPACTING.image(x.into()), x.into()),
+        }
     }
 }
 
@@ -57,27 +63,26 @@ fn multipliers(matrix: &Matrix2<f64>) -> Vec<f64> {
     sizes
 }
 
-/// The matrix, and its multipliers.
+/// The matrix, its multipliers, and a fold.
 pub(super) fn plans() -> Result<Vec<Plan>, ChartError> {
-    let x = PERIOD.settled().map_err(ChartError::Statement)?;
-    let steps: Vec<f64> = (2..=11).map(|k| 10.0_f64.powi(-k)).collect();
+    let x = IMPACTING.settled().map_err(ChartError::Statement)?;
     let plan = |title: &str, numbers: fn(&Matrix2<f64>) -> Vec<f64>| {
         let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
-            Ok(Answer {
-                numbers: numbers(&Period { tolerance: 1e-15, ..PERIOD }.derivative(x)?),
-                work: 0.0,
-            })
+            let matrix = Period { tolerance: 1e-15, ..IMPACTING }.derivative(x)?;
+            Ok(Answer { numbers: numbers(&matrix), work: 0.0 })
         });
+        let find = move |by: By| Ok(numbers(&by.matrix(x)?));
         Plan::of(title, exact)
             .counting("evaluations of the field")
-            .with([By::Duals.method(x, numbers)])
-            .with(steps.iter().map(|step| By::OneSided(*step).method(x, numbers)))
-            .with(steps.iter().map(|step| By::Central(*step).method(x, numbers)))
+            .with(By::all(2..=11).into_iter().map(|by| by.method(find)))
             .recommending("dual numbers", "")
     };
     let entries = |matrix: &Matrix2<f64>| matrix.iter().copied().collect();
+    let [voltage, state] = fold::plans()?;
     Ok(vec![
         plan("Derivatives of a period with an impact", entries),
         plan("Its multipliers", multipliers),
+        voltage,
+        state,
     ])
 }

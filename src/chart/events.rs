@@ -1,6 +1,6 @@
 //! A grazing by repeated simulation, with the largest displacement on a mesh or inside of steps, and by its defining system.
 
-use super::period::Period;
+use super::period::{Period, parameters};
 use super::plan::{Answer, ChartError, Method, Plan};
 use super::scenes::{Counted, GRAZING, PASSING, tracing};
 use crate::core::flow::work;
@@ -19,7 +19,7 @@ struct Distance {
 
 impl Distance {
     fn at(&mut self, voltage: f64) -> Result<f64, String> {
-        let period = Period { impacts: false, voltage, tolerance: self.tolerance };
+        let period = Period { impacts: false, p: parameters(voltage), tolerance: self.tolerance };
         self.near = period.fixed_point(self.near)?;
         Ok(CLEARANCE - period.largest(self.near, self.mesh)?)
     }

@@ -8,7 +8,7 @@ use crate::output::Drawn;
 /// Orbits of the flow and points of the map of the degenerate point.
 const SCENE: &str = r#"Scene(
     title: "Flow and local map",
-    problem: Mita(method: shooting),
+    problem: Mita(),
     parameters: [("voltage", 0.17), ("frequency", 0.5)],
     settings: (max_step: 0.02),
     runs: [
@@ -48,7 +48,7 @@ fn apart(order: usize, distance: f64) -> Result<Method, ChartError> {
     let (order, frequency) = (order.to_string(), (DEGENERATE + distance).to_string());
     let settings = [("order", &*order), ("frequency", &*frequency)];
     let (scene, line) = (scene(SCENE, &settings)?, format!("order {order}"));
-    Ok(Method::new(line, format!("Δω = {distance:.1e}"), move || {
+    Ok(Method::new(line, format!("Δω = {distance:e}"), move || {
         let numbers = found(&scene, &FOLDS)?.numbers;
         Ok(Answer { numbers: vec![numbers[1] - numbers[0]], work: distance })
     }))
@@ -58,7 +58,7 @@ fn apart(order: usize, distance: f64) -> Result<Method, ChartError> {
 pub(super) fn plans() -> Result<Vec<Plan>, ChartError> {
     let mut methods = Vec::new();
     for order in 2..=5 {
-        for halvings in (0..5).rev() {
+        for halvings in (0..6).rev() {
             methods.push(apart(order, 4e-3 * 0.5_f64.powi(halvings))?);
         }
     }

@@ -6,8 +6,10 @@
 
 mod circumstances;
 mod derivatives;
+mod differences;
 mod events;
 mod flow;
+mod fold;
 mod local_map;
 mod orbit;
 mod period;
@@ -54,7 +56,7 @@ pub const CHARTS: &[Entry] = &[
     },
     Entry {
         name: "derivatives",
-        shows: "dual numbers and finite differences: derivatives of an orbit, and multipliers",
+        shows: "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold",
         plans: derivatives::plans,
     },
     Entry {
@@ -69,7 +71,7 @@ pub const CHARTS: &[Entry] = &[
     },
     Entry {
         name: "scaling",
-        shows: "time against unknowns, intervals and segments",
+        shows: "time against unknowns, intervals and segments, parameters, and threads",
         plans: scaling::plans,
     },
 ];

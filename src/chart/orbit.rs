@@ -7,7 +7,7 @@ use crate::core::continuation::Kind;
 /// Orbits with an impact a period at ω = 0.5, from their grazing by way of the fold to the period doubling.
 const ORBITS: &str = r#"Scene(
     title: "Orbits with an impact a period",
-    problem: Mita(method: shooting),
+    problem: Mita(),
     parameters: [("voltage", 0.2), ("frequency", 0.5)],
     settings: (max_step: 0.1, refinement: 0.0),
     runs: [
@@ -46,6 +46,13 @@ fn collocation(
     let settings = [("method", "collocation"), ("degree", &*points), ("intervals", &*count)];
     let line = (&*format!("collocation, {degree} points"), format!("{intervals} intervals"));
     tracing(line, ORBITS, &settings, sought, Counted::Unknowns)
+}
+
+/// The fold as the branch finds it.
+pub(super) fn fold_on_a_branch() -> Result<Method, ChartError> {
+    let line = ("on the branch of orbits", "1e-12".into());
+    let settings = [("flow_tolerance", "1e-12")];
+    tracing(line, ORBITS, &settings, POINTS[1].1, Counted::Evaluations)
 }
 
 /// A panel for each kind of point.

@@ -6,7 +6,7 @@ use crate::core::scalar::Scalar;
 use crate::core::watch::State;
 use crate::problems::mita::Actuator;
 use nalgebra::{Matrix2, Vector2};
-use num_dual::Dual64;
+use num_dual::Dual;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -19,29 +19,36 @@ const TRANSIENT: usize = 150;
 /// The frame at rest.
 const STICK: InMode<Actuator> = InMode { system: &Actuator, mode: Actuator::STICK };
 
+/// The parameters of the actuator.
+pub(super) type Parameters<T = f64> = [T; Actuator::DEFAULTS.len()];
+
 /// The parameters at a voltage, ω = 0.5.
-pub(super) fn parameters(voltage: f64) -> Vec<f64> {
-    let mut p = Actuator::DEFAULTS.to_vec();
+pub(super) const fn parameters(voltage: f64) -> Parameters {
+    let mut p = Actuator::DEFAULTS;
     p[0] = voltage;
     p
 }
 
 /// A map over a period of the forcing, from displacement and velocity while the frame rests.
 #[derive(Clone, Copy)]
-pub(super) struct Period {
+pub(super) struct Period<T = f64> {
     /// Whether there is a stopper, with impacts and slips.
     pub impacts: bool,
-    pub voltage: f64,
+    pub p: Parameters<T>,
     /// The tolerance of the flow.
     pub tolerance: f64,
 }
 
-impl Period {
+impl<T: Scalar> Period<T> {
+    /// The same with other parameters.
+    pub fn at<U: Scalar>(self, p: Parameters<U>) -> Period<U> {
+        Period { impacts: self.impacts, p, tolerance: self.tolerance }
+    }
+
     /// The state after a period.
-    pub fn image<T: Scalar>(self, x: [T; 2]) -> Result<Vector2<T>, String> {
+    pub fn image(self, x: [T; 2]) -> Result<Vector2<T>, String> {
         let flow = Settings::new(Scheme::DormandPrince8, self.tolerance);
-        let p: Vec<T> = parameters(self.voltage).into_iter().map(T::constant).collect();
-        let (mut x, begin, period) = (x.to_vec(), T::zero(), T::constant(PERIOD));
+        let (mut x, p, begin, period) = (x.to_vec(), self.p, T::zero(), T::constant(PERIOD));
         if self.impacts {
             let settings = HybridSettings { flow, ..HybridSettings::default() };
             let mut flow = HybridFlow::new(&Actuator, settings).map_err(|e| e.to_string())?;
@@ -61,16 +68,19 @@ impl Period {
     }
 
     /// The derivative of the image by the state, by dual numbers.
-    pub fn derivative(self, x: [f64; 2]) -> Result<Matrix2<f64>, String> {
+    pub fn derivative(self, x: [T; 2]) -> Result<Matrix2<T>, String> {
+        let wide = self.at(self.p.map(Dual::from_re));
         let column = |k: usize| {
-            let mut x = x.map(Dual64::from);
+            let mut x = x.map(Dual::from_re);
             x[k] = x[k].derivative();
-            Ok(self.image(x)?.map(|image| image.eps))
+            Ok(wide.image(x)?.map(|image| image.eps))
         };
-        let columns: Result<Vec<Vector2<f64>>, String> = (0..2).map(column).collect();
+        let columns: Result<Vec<Vector2<T>>, String> = (0..2).map(column).collect();
         Ok(Matrix2::from_columns(&columns?))
     }
+}
 
+impl Period {
     /// The state to which motion from rest comes near.
     pub fn settled(self) -> Result<[f64; 2], String> {
         let mut x = Vector2::zeros();
@@ -92,19 +102,17 @@ impl Period {
                 return Ok(x.into());
             }
         }
-        Err(format!("Newton's method finds no orbit at the voltage {}", self.voltage))
+        Err(format!("Newton's method finds no orbit at the voltage {}", self.p[0]))
     }
-}
 
-impl Period {
     /// The largest displacement within the period from a state, as if there were no stopper: the true one, or that on
     /// a mesh of so many parts.
     pub fn largest(self, x: [f64; 2], mesh: Option<usize>) -> Result<f64, String> {
         let settings = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let mut flow = Flow::<f64>::new(settings).map_err(|cause| cause.to_string())?;
         let (mut extrema, mut most) = (Extrema::default(), f64::NEG_INFINITY);
-        let (mut x, p, mut between) = (x.to_vec(), parameters(self.voltage), [0.0; 2]);
-        let flowed = flow.observe(&STICK, 0.0, PERIOD, &mut x, &p, |step| {
+        let (mut x, mut between) = (x.to_vec(), [0.0; 2]);
+        let flowed = flow.observe(&STICK, 0.0, PERIOD, &mut x, &self.p, |step| {
             match mesh {
                 None => extrema.search(&State(0), step, |found| most = most.max(found.value)),
                 Some(parts) => {

@@ -1,7 +1,8 @@
 //! What is measured, and how.
 
-use crate::output::{Drawn, Line, Measured, Measurement};
+use crate::output::{Clock, Drawn, Line, Measured, Measurement};
 use cpu_time::ProcessTime;
+use std::time::Instant;
 
 /// How much is spent on a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,6 +119,12 @@ impl Plan {
         self
     }
 
+    /// What tells time; by default the processor's clock.
+    pub fn by(mut self, clock: Clock) -> Self {
+        self.measured.clock = clock;
+        self
+    }
+
     /// Errors are divided by the reference.
     pub fn relative(mut self) -> Self {
         self.relative = true;
@@ -149,7 +156,7 @@ impl Plan {
         })?;
         let exact = exact.numbers;
         for mut method in self.methods {
-            let (answer, seconds) = timed(&mut method, effort);
+            let (answer, seconds) = timed(&mut method, self.measured.clock, effort);
             let (answer, failure) = match answer {
                 Ok(answer) => (answer, None),
                 Err(cause) => (Answer { numbers: vec![f64::NAN], work: f64::NAN }, Some(cause)),
@@ -183,23 +190,34 @@ fn worse(a: f64, b: f64) -> f64 {
 const SHORTEST: f64 = 5e-3;
 
 /// An answer and the time that it takes: the median of several runs, after a first one.
-fn timed(method: &mut Method, effort: Effort) -> (Result<Answer, String>, f64) {
-    let start = ProcessTime::now();
-    let answer = (method.run)();
-    let first = start.elapsed().as_secs_f64();
+fn timed(method: &mut Method, clock: Clock, effort: Effort) -> (Result<Answer, String>, f64) {
+    let (answer, first) = clocked(clock, &mut method.run);
     if effort == Effort::Quick || answer.is_err() {
         return (answer, first);
     }
     let repeats = (SHORTEST / first.max(1e-9)).clamp(1.0, 1e5) as usize;
-    let mut times = Vec::new();
-    for _ in 0..effort.runs() {
-        let start = ProcessTime::now();
+    let mut repeated = || {
         for _ in 0..repeats {
             // It did not fail before.
             let _ = std::hint::black_box((method.run)());
         }
-        times.push(start.elapsed().as_secs_f64() / repeats as f64);
-    }
+    };
+    let time = |_| clocked(clock, &mut repeated).1 / repeats as f64;
+    let mut times: Vec<f64> = (0..effort.runs()).map(time).collect();
     times.sort_by(f64::total_cmp);
     (answer, times[times.len() / 2])
+}
+
+/// What something gives, and how many seconds it takes.
+fn clocked<R>(clock: Clock, run: impl FnOnce() -> R) -> (R, f64) {
+    match clock {
+        Clock::Processor => {
+            let start = ProcessTime::now();
+            (run(), start.elapsed().as_secs_f64())
+        }
+        Clock::Wall => {
+            let start = Instant::now();
+            (run(), start.elapsed().as_secs_f64())
+        }
+    }
 }

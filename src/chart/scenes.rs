@@ -16,7 +16,7 @@ pub(super) struct Sought {
 /// Orbits without impacts to their grazing.
 pub(super) const PASSING: &str = r#"Scene(
     title: "Orbits without impacts",
-    problem: Mita(method: shooting),
+    problem: Mita(),
     parameters: [("voltage", 0.2), ("frequency", 0.5)],
     settings: (refinement: 0.0),
     runs: [(name: "P(0,1)", along: [(name: "voltage", low: 0.2, high: 0.24)])],

@@ -9,7 +9,7 @@ pub(in crate::core) const CHUNK: usize = 8;
 pub(in crate::core) type Chunk = DualSVec64<CHUNK>;
 
 /// `x` with the unit direction `direction` if that lies in the chunk that begins at `start`.
-pub(in crate::core) fn seeded<T: Scalar, const W: usize>(
+pub(crate) fn seeded<T: Scalar, const W: usize>(
     x: T,
     direction: usize,
     start: usize,
@@ -23,6 +23,6 @@ pub(in crate::core) fn seeded<T: Scalar, const W: usize>(
 }
 
 /// All derivatives of a chunk; a chunk that depends on nothing has none.
-pub(in crate::core) fn parts<T: Scalar, const W: usize>(number: &DualSVec<T, W>) -> [T; W] {
+pub(crate) fn parts<T: Scalar, const W: usize>(number: &DualSVec<T, W>) -> [T; W] {
     number.eps.0.map_or([T::zero(); W], |eps| eps.data.0[0])
 }

@@ -16,6 +16,8 @@ pub struct Circumstances {
     pub processor: String,
     /// The compiler, and what it was told.
     pub compiler: String,
+    /// How many threads it can run at the same time.
+    pub cores: usize,
     /// The date.
     pub date: String,
     /// How many runs a time is the median of.
@@ -30,7 +32,7 @@ pub struct Measurement {
     pub setting: String,
     /// What was done, as a number: evaluations, unknowns.
     pub work: f64,
-    /// CPU time, in seconds.
+    /// The time that it took, by the clock of [`Measured::clock`], in seconds.
     pub seconds: f64,
     /// How far the result is from the reference; NaN if there is none.
     pub error: f64,
@@ -61,6 +63,26 @@ pub enum Drawn {
     TimeAgainstWork,
 }
 
+/// What tells time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Clock {
+    /// The time that all threads together were at work: what else the machine does hardly matters.
+    #[default]
+    Processor,
+    /// The time that went by: what several threads gain.
+    Wall,
+}
+
+impl Clock {
+    /// The time that it tells, in words.
+    pub fn time(self) -> &'static str {
+        match self {
+            Clock::Processor => "CPU time",
+            Clock::Wall => "wall time",
+        }
+    }
+}
+
 /// What several methods cost to solve one problem, and what they buy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -78,6 +100,9 @@ pub struct Measured {
     /// What is drawn.
     #[serde(default)]
     pub drawn: Drawn,
+    /// What tells time.
+    #[serde(default)]
+    pub clock: Clock,
     /// The method and setting that is recommended, and the default of scenes.
     pub recommended: Option<(String, String)>,
 }
@@ -124,8 +149,8 @@ impl Default for Chart {
 impl Measured {
     /// A problem of which nothing is measured yet.
     pub fn of(title: impl Into<String>) -> Self {
-        let (error, work, reference, lines, drawn, recommended) = Default::default();
-        Measured { title: title.into(), error, work, reference, lines, drawn, recommended }
+        let (error, work, reference, lines, drawn, clock, recommended) = Default::default();
+        Measured { title: title.into(), error, work, reference, lines, drawn, clock, recommended }
     }
 
     /// All measurements, with the methods that they belong to.
@@ -171,7 +196,8 @@ impl Measured {
 
     fn figure(&self) -> Figure {
         let labels = |what: &str| format!("log₁₀ of {what}");
-        let [time, work, error] = ["CPU time in seconds", &self.work, &self.error].map(labels);
+        let time = format!("{} in seconds", self.clock.time());
+        let [time, work, error] = [&time, &self.work, &self.error].map(|what| labels(what));
         let (x, y) = match self.drawn {
             Drawn::ErrorAgainstTime => (time, error),
             Drawn::ErrorAgainstWork => (work, error),
@@ -208,7 +234,8 @@ impl Measured {
     /// A table of all measurements, or of those on the front and the recommended one.
     fn table(&self, text: &mut String, all: bool) -> std::fmt::Result {
         writeln!(text, "### {}\n\n{}\n", self.title, self.reference)?;
-        writeln!(text, "| method | setting | {} | time in ms | {} |", self.work, self.error)?;
+        let (work, time, error) = (&self.work, self.clock.time(), &self.error);
+        writeln!(text, "| method | setting | {work} | {time} in ms | {error} |")?;
         writeln!(text, "|---|---|---|---|---|")?;
         let front = self.front();
         let is_recommended = |name: &str, setting: &str| {
@@ -242,12 +269,19 @@ impl Measured {
 impl Chart {
     fn tables(&self, all: bool) -> String {
         let mut text = String::new();
-        let Circumstances { processor, compiler, date, runs } = &self.circumstances;
+        let Circumstances { processor, compiler, cores, date, runs } = &self.circumstances;
+        let of_one = |panel: &Measured| panel.clock == Clock::Processor;
+        let threads = match self.panels.iter().all(of_one) {
+            true => "one thread",
+            false => "one thread where none are counted",
+        };
         for panel in &self.panels {
             // Writing into a string does not fail.
             let _ = panel.table(&mut text, all);
         }
-        format!("{text}{processor}, one thread, median of {runs} runs; {compiler}; {date}.\n")
+        format!(
+            "{text}{processor}, {cores} cores, {threads}, median of {runs} runs; {compiler}; {date}.\n"
+        )
     }
 }
 

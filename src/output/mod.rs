@@ -32,7 +32,7 @@ mod sweeps;
 mod table;
 mod write;
 
-pub use chart::{CHART, Chart, Circumstances, Drawn, Line, Measured, Measurement};
+pub use chart::{CHART, Chart, Circumstances, Clock, Drawn, Line, Measured, Measurement};
 pub use chosen::Chosen;
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, FORMAT, Plot};
