@@ -6,7 +6,7 @@ use crate::core::field::VectorField;
 use crate::core::flow::{Flow, Scheme, Settings};
 use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, InMode};
 use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
+use crate::problems::classic::ProtheroRobinson;
 use crate::problems::mita::Actuator;
 use num_dual::{Dual64, HyperDual64};
 
@@ -17,20 +17,6 @@ const SCHEMES: [(Scheme, &str); 3] = [
 ];
 
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13];
-
-/// `x' = −λ(x − cos t) − sin t`, whose slow motion is `x = cos t` (A. Prothero and A. Robinson, 1974).
-struct Slow;
-
-impl VectorField for Slow {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["rate"])
-    }
-
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let (sin, cos) = t.sin_cos();
-        f[0] = -p[0] * (x[0] - cos) - sin;
-    }
-}
 
 /// The motion of a field over a time, in a scalar type.
 fn over<F: VectorField + 'static, T: Scalar>(
@@ -105,7 +91,7 @@ fn stiff() -> Plan {
     let time = 2.0_f64;
     let exact = move || Ok(Answer { numbers: vec![time.cos()], work: 0.0 });
     let reference = Method::new("the exact solution", "", exact);
-    let motion = move |settings| over(Slow, settings, (vec![1.0], time), vec![1e5]);
+    let motion = move |settings| over(ProtheroRobinson, settings, (vec![1.0], time), vec![1e5]);
     Plan::of("x' = −10⁵ (x − cos t) − sin t", reference)
         .with(all(|settings| Box::new(motion(settings))))
         .recommending("Rodas5P, order 5", "1e-10")

@@ -1,8 +1,10 @@
 //! Problems of the literature that every continuation toolkit is tried on.
 
 mod impact_oscillator;
+mod prothero_robinson;
 
 pub use impact_oscillator::ImpactOscillator;
+pub use prothero_robinson::ProtheroRobinson;
 
 use crate::core::bvp::{BoundaryProblem, Ends, Monitor};
 use crate::core::field::VectorField;

@@ -2,24 +2,9 @@
 
 use super::MapError;
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::field::VectorField;
 use crate::core::flow::{Flow, FlowError, Scheme, Settings};
-use crate::core::scalar::Scalar;
-use crate::core::zero::Names;
 use crate::output::Map;
-
-/// `x' = −λ(x − cos t) − sin t`, whose slow motion is `x = cos t` (A. Prothero and A. Robinson, 1974).
-struct Slow;
-
-impl VectorField for Slow {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["rate"])
-    }
-    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let (sin, cos) = t.sin_cos();
-        f[0] = -p[0] * (x[0] - cos) - sin;
-    }
-}
+use crate::problems::classic::ProtheroRobinson;
 
 /// How long it flows.
 const TIME: f64 = 2.0;
@@ -32,7 +17,7 @@ fn flowed(scheme: Scheme, rate: f64, tolerance: f64) -> Result<(f64, usize), Flo
     let mut flow = Flow::<f64>::default();
     // All tolerances on the map have a meaning.
     let _ = flow.set(Settings::new(scheme, tolerance));
-    let statistics = flow.advance(&Slow, 0.0, TIME, &mut x, &[rate])?;
+    let statistics = flow.advance(&ProtheroRobinson, 0.0, TIME, &mut x, &[rate])?;
     Ok(((x[0] - TIME.cos()).abs(), statistics.evaluations))
 }
 
