@@ -42,11 +42,6 @@ fn ends_in_row(map: &'static Map, panel: usize, method: &str, x: f64, outcome: &
     assert_eq!(found.name, outcome, "{}, {method} at {x}", map.name);
 }
 
-/// Rounding of 1e-16, multiplied by more than 1e12 along a single segment, is not always seen by the last of Newton's corrections.
-fn is_beyond_shooting(map: &Map, tried: &Tried, x: f64) -> bool {
-    map.name == "map-shooting" && tried.name == "shooting" && x > 12.0
-}
-
 #[test]
 fn what_the_library_offers_fails_by_saying_so() {
     let mut said = 0;
@@ -55,12 +50,14 @@ fn what_the_library_offers_fails_by_saying_so() {
             for cell in &tried.cells {
                 let outcome = &map.outcomes[cell.outcome];
                 said += usize::from(outcome.class == Class::SaidSo);
-                let honest =
-                    outcome.class != Class::Unsaid || is_beyond_shooting(map, tried, cell.x);
-                assert!(honest, "{}, {}, {cell:?}: {}", map.name, tried.name, outcome.name);
+                assert!(
+                    outcome.class != Class::Unsaid,
+                    "{}, {}, {cell:?}: {}",
+                    map.name,
+                    tried.name,
+                    outcome.name
+                );
             }
-            let silent = of_class(map, tried, Class::Unsaid);
-            assert!(silent <= 1, "{}, {}: {silent} cells", map.name, tried.name);
             // What is said is kept, once for each way to fail.
             for (k, outcome) in map.outcomes.iter().enumerate() {
                 let mut cells = tried.cells.iter().filter(|cell| cell.outcome == k);
@@ -143,7 +140,7 @@ fn steps_do_not_leave_their_branch() {
 fn segments_and_collocation_go_where_shooting_ends() {
     let shooting = named("shooting");
     ends_in_row(shooting, 0, "shooting", 5.0, "nine digits");
-    ends_in_row(shooting, 0, "shooting", 20.0, "singular matrix");
+    ends_in_row(shooting, 0, "shooting", 20.0, "deviations grow too far");
     for method in ["4 segments", "8 segments", "16 segments", "collocation"] {
         let tried = shooting.panels[0].methods.iter().find(|tried| tried.name == method).unwrap();
         assert_eq!(of_class(shooting, tried, Class::Right), tried.cells.len(), "{method}");

@@ -113,6 +113,12 @@ impl Plan {
         self
     }
 
+    /// The work stands beside every point of the figure.
+    pub fn marked(mut self) -> Self {
+        self.measured.marked = true;
+        self
+    }
+
     /// What is drawn.
     pub fn drawing(mut self, drawn: Drawn) -> Self {
         self.measured.drawn = drawn;

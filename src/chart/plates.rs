@@ -58,7 +58,7 @@ pub(super) fn models() -> Result<Vec<Plan>, ChartError> {
         methods.push(plate("linear theory", order.to_string(), &settings)?);
     }
     let plan = Plan::of("Pull-in load of a supported plate, α₁ = 2", reference()?);
-    let plan = plan.counting("unknowns").relative().with(methods);
+    let plan = plan.counting("unknowns").marked().relative().with(methods);
     Ok(vec![plan.recommending("full model", "6 and 8")])
 }
 

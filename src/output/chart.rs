@@ -100,6 +100,9 @@ pub struct Measured {
     /// What is drawn.
     #[serde(default)]
     pub drawn: Drawn,
+    /// Whether the work stands beside every point of the figure.
+    #[serde(default)]
+    pub marked: bool,
     /// What tells time.
     #[serde(default)]
     pub clock: Clock,
@@ -149,8 +152,10 @@ impl Default for Chart {
 impl Measured {
     /// A problem of which nothing is measured yet.
     pub fn of(title: impl Into<String>) -> Self {
-        let (error, work, reference, lines, drawn, clock, recommended) = Default::default();
-        Measured { title: title.into(), error, work, reference, lines, drawn, clock, recommended }
+        let (error, work, reference, lines, recommended) = Default::default();
+        let (title, drawn, marked, clock) =
+            (title.into(), Drawn::default(), false, Clock::default());
+        Measured { title, error, work, reference, lines, drawn, marked, clock, recommended }
     }
 
     /// All measurements, with the methods that they belong to.
@@ -216,6 +221,15 @@ impl Measured {
         for line in &self.lines {
             let points = line.points.iter().filter(|point| point.error.is_finite()).map(at);
             figure = figure.with(Series::new(&line.name, Style::DottedLine, points));
+        }
+        if self.marked {
+            let points = self.all().filter(|(_, point)| point.error.is_finite());
+            figure.marks.extend(points.map(|(_, point)| Mark {
+                at: at(point),
+                label: point.work.to_string(),
+                meaning: self.work.clone(),
+                symbol: Symbol::Number,
+            }));
         }
         if let Some((name, setting)) = &self.recommended
             && let Some(point) = self.point(name, setting)

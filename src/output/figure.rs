@@ -138,6 +138,8 @@ pub enum Symbol {
     TriangleLeft,
     /// A black diagonal cross.
     Cross,
+    /// Nothing but its label, a number.
+    Number,
 }
 
 impl Figure {

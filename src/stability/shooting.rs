@@ -64,7 +64,7 @@ fn judged<M: Method + Clone + 'static>(
         Err(TraceError::Start { cause, .. }) => match *cause {
             NewtonError::Singular { .. } => Found::said("singular matrix", cause),
             NewtonError::Stagnation { .. } => Found::said("stagnation", cause),
-            NewtonError::LeftDomain { .. } => Found::said("no trajectory", cause),
+            NewtonError::LeftDomain { .. } => Found::said("deviations grow too far", cause),
             _ => Found::said("iteration limit", cause),
         },
         Err(cause) => Found::said("no start", cause),

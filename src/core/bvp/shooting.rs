@@ -115,6 +115,24 @@ fn flow_to<P: BoundaryProblem, T: Scalar>(
     Ok(())
 }
 
+/// A segment over which a deviation grows by more leaves but one or two digits: rounding grows alike.
+const LARGEST_GROWTH: f64 = 1e14;
+
+/// Refuses a linearisation that nothing can be concluded from; by the derivatives of states by themselves, which have no unit.
+fn growth(nodes: &[f64], n: usize) -> Result<(), LeftDomain> {
+    let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
+    let value = own.fold(0.0, f64::max);
+    if value <= LARGEST_GROWTH {
+        return Ok(());
+    }
+    Err(LeftDomain {
+        quantity: "growth of deviations over a segment".into(),
+        value,
+        verdict: "leaves no digit of its end",
+        remedy: "take more segments, or collocation".into(),
+    })
+}
+
 /// The time at which an interval starts, and its length in time.
 fn times<P: BoundaryProblem, T: Scalar>(interval: &Interval<P, T>) -> (T, T) {
     let duration = interval.duration();
@@ -212,7 +230,7 @@ impl Method for Shooting {
         }
         let (all, search) = ((active, 0), &mut self.search);
         let lookout = &mut Lookout { watched, search, visit };
-        match n + active.len() {
+        let flowed = match n + active.len() {
             0..=2 => self.two.linearise(settings, interval, all, block, lookout),
             3 => self.three.linearise(settings, interval, all, block, lookout),
             4 => self.four.linearise(settings, interval, all, block, lookout),
@@ -224,7 +242,8 @@ impl Method for Shooting {
                 }
                 self.eight.linearise(settings, interval, (active, first), block, lookout)
             }),
-        }
+        };
+        flowed.and_then(|()| growth(block.nodes, n))
     }
 
     fn allow(&mut self, error: f64) -> bool {

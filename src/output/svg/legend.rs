@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, INK, text_width};
 use super::panel::{colour, curve, mark, tint};
 use crate::output::error::FigureError;
-use crate::output::figure::{Figure, Mark, Style};
+use crate::output::figure::{Figure, Mark, Style, Symbol};
 use plotters::style::RGBColor;
 
 const SIZE: f64 = 12.0;
@@ -47,9 +47,12 @@ impl<'a> Legend<'a> {
             .map(|(style, text)| Entry { sample: Sample::Curve(*style, INK), text: text.clone() })
             .collect();
         for mark in &figure.marks {
-            let text = format!("{}\u{2002}{}", mark.label, mark.meaning);
+            let (sample, text) = match mark.symbol {
+                Symbol::Number => (Sample::None, format!("numbers: {}", mark.meaning)),
+                _ => (Sample::Mark(mark), format!("{}\u{2002}{}", mark.label, mark.meaning)),
+            };
             if !meanings.iter().any(|entry| entry.text == text) {
-                meanings.push(Entry { sample: Sample::Mark(mark), text });
+                meanings.push(Entry { sample, text });
             }
         }
         for tile in &figure.tiles {

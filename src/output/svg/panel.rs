@@ -238,5 +238,6 @@ pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Result<(), 
             canvas.line(&arm(4.5), INK, 2.2)?;
             canvas.line(&arm(-4.5), INK, 2.2)
         }
+        Symbol::Number => Ok(()),
     }
 }
