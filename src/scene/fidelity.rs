@@ -10,7 +10,7 @@
 //! a first guess downwards; or upwards, where the guess does not suffice.
 
 use super::execute::{Outcome, SceneObserver, StartPoint, reach, traced};
-use super::{Problem, Scene, SceneError};
+use super::{Problem, Run, Scene, SceneError};
 use crate::core::continuation::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint};
 use crate::output::{Chosen, Document};
 use std::ops::{ControlFlow, RangeInclusive};
@@ -164,7 +164,7 @@ impl Scene {
         self.problem.ladder(&values, &reach(self, &self.runs, &values))
     }
 
-    /// The scene on one rung of the ladder.
+    /// The scene on one rung of the ladder, whose special points are not refined any further.
     fn on(&self, problem: &Problem) -> Scene {
         let settings = Settings { refinement: 0.0, ..self.settings.clone() };
         Scene { problem: problem.clone(), settings, accuracy: None, ..self.clone() }
@@ -173,52 +173,50 @@ impl Scene {
     /// Refuses an accuracy that cannot be asked for, or beside what it chooses.
     pub(super) fn check_accuracy(&self) -> Result<(), SceneError> {
         let Some(accuracy) = self.accuracy else { return Ok(()) };
-        let refuse = |found: String, rule: &str| {
-            Err(SceneError::Invalid { place: "`accuracy`".into(), found, rule: rule.into() })
-        };
         if !RANGE.contains(&accuracy) {
-            return refuse(accuracy.to_string(), "must be between 1e-12 and 0.1");
+            return refused(accuracy.to_string(), "must be between 1e-12 and 0.1");
         }
         let ladder = self.ladder()?;
         if ladder.len() <= ABOVE {
             let rule = "has nothing to choose from: this problem has no discretisation of its own";
-            return refuse(accuracy.to_string(), rule);
+            return refused(accuracy.to_string(), rule);
         }
-        let mut names = varied(&ladder);
-        names.push("refinement");
-        let beside = |name: &str| format!("stated beside `{name}`");
-        let rule = "is what decides it: leave one of both out";
+        let names = varied(&ladder);
         let defaults = self.problem.with_defaults().settings();
         let stated = self.problem.settings().into_iter().zip(defaults);
         let mut different = stated.filter(|(own, default)| own != default).map(|(own, _)| own.0);
         if let Some(name) = different.find(|name| names.contains(name)) {
-            return refuse(beside(name), rule);
+            return refused(format!("stated beside `{name}`"), DECIDES);
         }
-        if self.settings.refinement != Settings::default().refinement {
-            return refuse(beside("refinement"), rule);
-        }
-        for run in &self.runs {
-            if let Some((name, _)) = run.set.iter().find(|(name, _)| names.contains(&&**name)) {
-                return refuse(format!("{} by the run `{}`", beside(name), run.name), rule);
-            }
-            let own = varied(&self.as_seen_by(run)?.ladder()?);
-            if let Some(name) = own.iter().find(|name| !names.contains(name)) {
-                let rule = "chooses one discretisation for all runs";
-                return refuse(
-                    format!("stated for the run `{}`, which has `{name}`", run.name),
-                    rule,
-                );
-            }
-            if run.local.is_some() {
-                let found = format!("stated for the run `{}` of a local map", run.name);
-                return refuse(
-                    found,
-                    "is of flows: that of a map is its distance from the grazing",
-                );
-            }
-        }
-        Ok(())
+        self.runs.iter().try_for_each(|run| self.check_accuracy_of(run, &names))
     }
+
+    /// Refuses a run that is discretised otherwise than by the settings chosen.
+    fn check_accuracy_of(&self, run: &Run, names: &[&str]) -> Result<(), SceneError> {
+        let decides = |name: &str| names.contains(&name) || name == "refinement";
+        if let Some((name, _)) = run.set.iter().find(|(name, _)| decides(name)) {
+            return refused(format!("stated beside `{name}` by the run `{}`", run.name), DECIDES);
+        }
+        if run.local.is_some() {
+            let found = format!("stated for the run `{}` of a local map", run.name);
+            return refused(found, "is of flows: that of a map is its distance from the grazing");
+        }
+        let own = varied(&self.as_seen_by(run)?.ladder()?);
+        match own.iter().find(|name| !names.contains(name)) {
+            Some(name) => refused(
+                format!("stated for the run `{}`, which has `{name}`", run.name),
+                "chooses one discretisation for all runs",
+            ),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The rule for what accuracy stands in place of.
+const DECIDES: &str = "is what decides it: leave one of both out";
+
+fn refused(found: String, rule: &str) -> Result<(), SceneError> {
+    Err(SceneError::Invalid { place: "`accuracy`".into(), found, rule: rule.into() })
 }
 
 /// Special points that methods must agree on: all but ends, which may be anywhere.

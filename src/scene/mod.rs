@@ -51,7 +51,8 @@ pub struct Scene {
     #[serde(default)]
     pub parameters: Vec<(String, f64)>,
     /// The relative error asked of special points: of the parameters that vary along their branch, and of its first
-    /// monitor. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones.
+    /// monitor. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
+    /// special points are not refined on others.
     #[serde(default)]
     pub accuracy: Option<f64>,
     /// Settings of the continuation.

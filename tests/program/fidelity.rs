@@ -199,12 +199,12 @@ fn accuracies_without_a_meaning_are_refused() {
     }
     let orders = ("orders", "(transverse: (4, 4), in_plane: (6, 6))".to_string());
     assert!(refused(&with(PLATE, &[orders]), "1e-4").contains("`orders`"));
-    let refined = with(PLATE, &[("refinement", "1e-4".into())]);
-    assert!(refused(&refined, "1e-4").contains("`refinement`"));
     // In either order.
     let mut asked = plate.clone();
     asked.set("accuracy", "1e-4").unwrap();
-    assert!(asked.set("refinement", "1e-4").unwrap_err().to_string().contains("`refinement`"));
+    assert!(asked.set("modes", "3").is_ok());
+    let orders = "(transverse: (4, 4), in_plane: (6, 6))";
+    assert!(asked.set("orders", orders).unwrap_err().to_string().contains("`orders`"));
     let tolerance = with(MITA, &[("flow_tolerance", "1e-8".into())]);
     assert!(refused(&tolerance, "1e-4").contains("`flow_tolerance`"));
     assert!(refused(&built_in("plate-modes"), "1e-4").contains("`modes`"));
@@ -218,6 +218,9 @@ fn accuracies_without_a_meaning_are_refused() {
     let by_a_run =
         PLATE.replace("name: \"plate\",", "name: \"plate\", set: [(\"accuracy\", \"1e-3\")],");
     assert!(matches!(Scene::parse(&by_a_run), Err(SceneError::UnknownName(_))));
+    let refined =
+        PLATE.replace("name: \"plate\",", "name: \"plate\", set: [(\"refinement\", \"1e-9\")],");
+    assert!(refused(&Scene::parse(&refined).unwrap(), "1e-4").contains("`refinement`"));
     // No special point but ends.
     let mut short = Scene::parse(&PLATE.replace("low: 0.0", "low: 0.0, high: 1.0")).unwrap();
     short.set("accuracy", "1e-4").unwrap();
