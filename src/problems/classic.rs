@@ -1,8 +1,10 @@
 //! Problems of the literature that every continuation toolkit is tried on.
 
+mod equilibria;
 mod impact_oscillator;
 mod prothero_robinson;
 
+pub use equilibria::{Hyperbola, ParallelPlate};
 pub use impact_oscillator::ImpactOscillator;
 pub use prothero_robinson::ProtheroRobinson;
 

@@ -6,42 +6,29 @@ use crate::core::continuation::{Continuation, Kind, SpecialPoint};
 use crate::core::dense::Dense;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances};
-use crate::core::scalar::Scalar;
-use crate::core::zero::{LeftDomain, Names, ZeroProblem};
+use crate::core::zero::ZeroProblem;
 use crate::output::Map;
+use crate::problems::classic::ParallelPlate;
 use num_dual::Dual64;
-
-/// `λ/(1 − u)² = u`, the parallel-plate actuator, with its fold at `u = 1/3`, `λ = 4/27`.
-struct ParallelPlate;
 
 /// The load at the fold.
 const PULL_IN: f64 = 4.0 / 27.0;
 
-impl ZeroProblem for ParallelPlate {
-    fn names(&self) -> Names {
-        Names::new(["u"], ["load"])
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
-    }
-    fn domain(&self, u: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
-        if u[0] < 1.0 {
-            return Ok(());
-        }
-        Err(LeftDomain::new("u", u[0], "the plate touches the electrode at u = 1"))
-    }
+/// The residual, with the derivative by the deflection or by the load.
+fn residual(u: Dual64, load: Dual64) -> Dual64 {
+    let mut r = [Dual64::from(0.0)];
+    ParallelPlate.residual(&[u], &[load], &mut r);
+    r[0]
 }
 
 /// The residual and its derivative by the deflection.
-fn residual(u: f64, load: f64) -> Dual64 {
-    let mut r = [Dual64::from(0.0)];
-    ParallelPlate.residual(&[Dual64::from(u).derivative()], &[load.into()], &mut r);
-    r[0]
+fn by_deflection(u: f64, load: f64) -> Dual64 {
+    residual(Dual64::from(u).derivative(), load.into())
 }
 
 /// What a deflection is that the iteration has ended at.
 fn judged(u: f64, load: f64) -> Found {
-    let r = residual(u, load);
+    let r = by_deflection(u, load);
     // Beside the fold the deflection is the root of what the residual can tell.
     let solved = r.re.abs() < 1e-9 * load.max(u.abs());
     match u {
@@ -56,7 +43,7 @@ fn judged(u: f64, load: f64) -> Found {
 fn plain(share: f64, guess: f64) -> Found {
     let (load, mut u) = (share * PULL_IN, guess);
     for _ in 0..LIMITS.max_iterations {
-        let r = residual(u, load);
+        let r = by_deflection(u, load);
         let step = r.re / r.eps;
         u -= step;
         if step.abs() <= LIMITS.tolerance * u.abs() {
@@ -97,7 +84,8 @@ fn extended(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let start = [guess, load];
     // ∂F/∂u and ∂F/∂λ, in units of the deflection 1 and of the load at the fold.
-    let (by_u, by_load) = (residual(guess, load).eps, PULL_IN / (1.0 - guess).powi(2));
+    let by_u = by_deflection(guess, load).eps;
+    let by_load = PULL_IN * residual(guess.into(), Dual64::from(load).derivative()).eps;
     let along = [by_load, -by_u / PULL_IN];
     let mut equations = Extended::new(&mut system, &start, vec![0]);
     let closing = Closing { row: &along, base: &start, length: 0.0 };

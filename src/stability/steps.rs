@@ -4,22 +4,10 @@ use super::MapError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::dense::Dense;
-use crate::core::scalar::Scalar;
-use crate::core::zero::{Names, ZeroProblem};
+use crate::core::zero::ZeroProblem;
 use crate::output::Map;
+use crate::problems::classic::Hyperbola;
 use num_dual::Dual64;
-
-/// `x² = μ² + ε²`: two branches, `2ε` apart at `μ = 0`, where each turns by a right angle with the curvature `1/ε`.
-struct Hyperbola;
-
-impl ZeroProblem for Hyperbola {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["mu", "epsilon"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] * x[0] - p[0] * p[0] - p[1] * p[1];
-    }
-}
 
 /// `F` and its derivatives by `x` and `μ`.
 fn linearised([x, mu]: [f64; 2], epsilon: f64) -> [f64; 3] {

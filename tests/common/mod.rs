@@ -6,7 +6,7 @@ use tangency::core::continuation::{Branch, Kind, SpecialPoint};
 use tangency::core::extended::Extended;
 use tangency::core::newton::{Newton, NewtonError, Tolerances};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, LeftDomain, Names, System, ZeroProblem};
+use tangency::core::zero::{Dynamics, Names, System, ZeroProblem};
 
 /// Asserts that two numbers agree to an absolute tolerance.
 #[track_caller]
@@ -112,25 +112,6 @@ impl ZeroProblem for CuspForm {
     }
     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
         r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
-    }
-}
-
-/// The parallel-plate actuator in a unit of length: pulls in at `u = 1/3`, `load = 4/27`.
-pub struct ParallelPlate;
-
-impl ZeroProblem for ParallelPlate {
-    fn names(&self) -> Names {
-        Names::new(["u"], ["load"])
-    }
-    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-        r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
-    }
-    fn domain(&self, u: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
-        if u[0] < 1.0 {
-            Ok(())
-        } else {
-            Err(LeftDomain::new("u", u[0], "the plate touches at u = 1"))
-        }
     }
 }
 

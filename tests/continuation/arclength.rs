@@ -2,8 +2,7 @@
 //! closes, and can be restarted from any of its labels.
 
 use crate::common::{
-    Bratu, Circle, CuspForm, CuspSlice, Oxidation, ParallelPlate, PredatorPrey, close, first,
-    values,
+    Bratu, Circle, CuspForm, CuspSlice, Oxidation, PredatorPrey, close, first, values,
 };
 use std::ops::ControlFlow;
 use tangency::core::continuation::{
@@ -12,6 +11,7 @@ use tangency::core::continuation::{
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Dynamics, LeftDomain, Names, System, ZeroProblem};
+use tangency::problems::classic::ParallelPlate;
 
 /// The CO problem in other units: unknowns times `unknown`, q₂ times `parameter`, rows times `row`.
 /// Where rows are scaled differently it is no longer the same flow, only the same curve.

@@ -1,12 +1,13 @@
 //! Promise: Newton's iteration converges quadratically, and where it fails it says why, with the numbers that decide.
 
-use crate::common::{ParallelPlate, close, falls_with_order, first};
+use crate::common::{close, falls_with_order, first};
 use tangency::core::continuation::{Continuation, End, Kind, TraceError};
 use tangency::core::dense::Dense;
 use tangency::core::extended::Extended;
 use tangency::core::newton::{Convergence, Newton, NewtonError, Tolerances};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{LeftDomain, Names, ZeroProblem};
+use tangency::problems::classic::ParallelPlate;
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
 

@@ -8,6 +8,7 @@ use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
     Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System, ZeroProblem,
 };
+use tangency::problems::classic::Hyperbola;
 
 /// `load = scale (x − a)(x − b)(x − c)` in units: folds where the cubic's slope vanishes.
 #[derive(Clone, Debug)]
@@ -280,18 +281,6 @@ fn special_points_are_finished_on_finer_grids() {
     // The state stays on the branch's own grid, from which it can be restarted.
     assert_eq!(fold.state.len(), 7);
     close(crate::common::first(&fine, Kind::UZ).monitors[0], 0.5, 1e-10);
-}
-
-/// `x² = μ² + ε²`: two branches that come near each other at `μ = 0` and turn away. The branch point between them is on neither.
-struct Hyperbola;
-
-impl ZeroProblem for Hyperbola {
-    fn names(&self) -> Names {
-        Names::new(["x"], ["mu", "epsilon"])
-    }
-    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-        r[0] = x[0] * x[0] - p[0] * p[0] - p[1] * p[1];
-    }
 }
 
 #[test]
