@@ -15,7 +15,7 @@ use tangency::core::zero::System;
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 use tangency::problems::mita::Actuator;
 
-type Orbits = BoundarySystem<HybridOrbit<Actuator>, Shooting>;
+type Orbits = BoundarySystem<Shooting>;
 type Found<T> = Result<T, Box<dyn Error>>;
 
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=5;
@@ -49,7 +49,7 @@ fn first(branch: &Branch, kind: Kind) -> Found<usize> {
 /// The local map at a grazing that a branch or a curve has found.
 fn map(orbits: &mut Orbits, branch: &Branch, label: usize) -> Found<LocalMap> {
     let grazing = branch.labelled(label).ok_or("no such point")?;
-    let point = GrazingPoint::at(orbits, &grazing.state, &grazing.parameters)?;
+    let point = GrazingPoint::at::<Actuator, _>(orbits, &grazing.state, &grazing.parameters)?;
     let point = point.located(&Actuator, "voltage")?;
     let settings =
         MapSettings { order: *ORDERS.end(), phase: Actuator::PHASE, ..MapSettings::default() };

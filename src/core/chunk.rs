@@ -7,6 +7,8 @@ use num_dual::{DualSVec, DualSVec64};
 pub(in crate::core) const CHUNK: usize = 8;
 /// Numbers with a chunk of derivatives.
 pub(in crate::core) type Chunk = DualSVec64<CHUNK>;
+/// Numbers with half a chunk of derivatives, for small problems.
+pub(in crate::core) type Narrow = DualSVec64<4>;
 
 /// `x` with the unit direction `direction` if that lies in the chunk that begins at `start`.
 pub(crate) fn seeded<T: Scalar, const W: usize>(

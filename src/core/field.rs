@@ -25,7 +25,7 @@ use super::zero::{LeftDomain, Names, ZeroProblem};
 /// Oscillator.field(0.0, &[0.5, 2.0], &[1.0, 0.1], &mut f);
 /// assert_eq!(f, [2.0, 1.0 - 0.5 - 0.2]);
 /// ```
-pub trait VectorField {
+pub trait VectorField: Send + Sync {
     /// The names of the states and of the parameters; their number is the field's size.
     fn names(&self) -> Names;
 

@@ -20,6 +20,7 @@ pub mod newton;
 pub mod orbit;
 pub mod quadrature;
 pub mod scalar;
+pub mod scalar_field;
 pub mod solution;
 pub mod sweep;
 pub mod watch;

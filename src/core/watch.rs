@@ -4,6 +4,7 @@
 //! surface, and where it meets it. Derivatives of `h` along the motion come from dual numbers.
 
 use super::scalar::Scalar;
+use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
 /// A scalar `h(t, x, p)` of a trajectory, stated once, differentiated nowhere.
 ///
@@ -41,5 +42,31 @@ impl Watch for State {
 
     fn state(&self) -> Option<usize> {
         Some(self.0)
+    }
+}
+
+/// A watched scalar in one number type. Every [`Watch`] is one.
+pub trait WatchIn<T> {
+    /// `h(t, x, p)`.
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T;
+}
+
+impl<W: Watch, T: Scalar> WatchIn<T> for W {
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
+        self.value(t, x, p)
+    }
+}
+
+/// A watched scalar as a flow of numbers `T` evaluates it: with slopes and curvatures along the flow.
+pub trait Watchable<T: Scalar>:
+    WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
+{
+    /// The state that is watched, if it is nothing else.
+    fn state_index(&self) -> Option<usize>;
+}
+
+impl<W: Watch, T: Scalar> Watchable<T> for W {
+    fn state_index(&self) -> Option<usize> {
+        self.state()
     }
 }

@@ -6,7 +6,7 @@ use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Method, Shoot
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::field::VectorField;
 use crate::core::newton::NewtonError;
-use crate::core::orbit::{Orbit, by_collocation, by_shooting};
+use crate::core::orbit::{by_collocation, by_shooting};
 use crate::core::scalar::Scalar;
 use crate::core::zero::Names;
 use crate::output::Map;
@@ -40,7 +40,7 @@ const HONEST: f64 = 10.0;
 
 /// The branch over the amplitude, from a guess that is off by some hundredths.
 fn judged<M: Method + Clone + 'static>(
-    system: Result<BoundarySystem<Orbit<Saddle>, M>, BoundaryError>,
+    system: Result<BoundarySystem<M>, BoundaryError>,
     multiplier: f64,
 ) -> Found {
     let mut system = match system {

@@ -10,7 +10,7 @@ use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Border, Slot, System};
 use tangency::problems::classic::Bratu;
 
-type Collocated<P> = BoundarySystem<P, Collocation>;
+type Collocated = BoundarySystem<Collocation>;
 
 /// The exact lower solution of Bratu's problem: `u = 2 ln(cosh(θ/4) / cosh((t − ½)θ/2))` with `θ = √(2λ)
 /// cosh(θ/4)`.
@@ -23,11 +23,7 @@ fn bratu(lambda: f64, t: f64) -> f64 {
 }
 
 /// The largest errors of the first state at breakpoints, at nodes, and anywhere.
-fn errors<P: BoundaryProblem>(
-    system: &mut Collocated<P>,
-    x: &[f64],
-    exact: impl Fn(f64) -> f64,
-) -> [f64; 3] {
+fn errors(system: &mut Collocated, x: &[f64], exact: impl Fn(f64) -> f64) -> [f64; 3] {
     let mesh = system.meshes()[0].points().to_vec();
     let m = (system.sampled(&[], |_, _, _| {}).len() / 2 - 1) / (mesh.len() - 1);
     let places = Collocation::new(m).unwrap().places().to_vec();
@@ -198,7 +194,7 @@ fn adaptation_carries_directions() {
     let mut x = solved(&mut system, &z, &[1.0]).unwrap();
     system.set_reference(&x).unwrap();
     let n = x.len() - 1;
-    let tangent = |system: &mut Collocated<VanDerPol>, x: &[f64]| {
+    let tangent = |system: &mut Collocated, x: &[f64]| {
         let mut unit = vec![0.0; n + 1];
         unit[n] = 1.0;
         let mut t = vec![0.0; n];
@@ -223,7 +219,7 @@ fn adaptation_carries_directions() {
 #[test]
 fn a_coarse_mesh_says_so() {
     let mut system = collocated(Bratu, 2, 2);
-    let trace = |system: &mut Collocated<Bratu>, refinement: f64| {
+    let trace = |system: &mut Collocated, refinement: f64| {
         Continuation::of(system)
             .settings(Settings { refinement, ..Settings::default() })
             .at("lambda", 0.5)

@@ -1,11 +1,11 @@
 //! What happens in one period.
 
-use crate::core::field::VectorField;
 use crate::core::flow::{Extrema, Rises, Step};
 use crate::core::hybrid::{
     Event, GuardOf, HybridObserver, HybridState, HybridSystem, Measure, Mode, Passage,
     virtual_point,
 };
+use crate::core::scalar_field::FieldIn;
 use crate::core::watch::State;
 use std::ops::ControlFlow;
 
@@ -184,7 +184,7 @@ fn widen(range: &mut [f64; 2], value: f64) {
 }
 
 impl<S: HybridSystem> HybridObserver<f64> for Recorder<'_, S> {
-    fn step<F: VectorField>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
+    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         let last = step.place(end);
         for gauge in &mut self.gauges {
             match gauge {

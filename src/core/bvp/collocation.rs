@@ -17,9 +17,11 @@ mod basis;
 
 use super::interpolation::lagrange;
 use super::method::left_domain;
-use super::{Block, BoundaryProblem, Interval, Method, Observable, Watchlist};
+use super::{Block, Interval, Method, Number, Observable, Watchlist};
 use crate::core::chunk::{parts, seeded};
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::WatchIn;
 use crate::core::zero::LeftDomain;
 use basis::Basis;
 use num_dual::{Dual2_64, DualSVec64};
@@ -114,12 +116,7 @@ const ROUNDS: usize = 60;
 
 impl Collocation {
     /// A scalar of the interpolating polynomials, its slope and its curvature at a place of an interval.
-    fn sight<P: BoundaryProblem>(
-        &self,
-        interval: &Interval<P, f64>,
-        observable: Observable,
-        place: f64,
-    ) -> Dual2_64 {
+    fn sight(&self, interval: &Interval<f64>, observable: Observable, place: f64) -> Dual2_64 {
         let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
         let n = interval.nodes.len() / nodes.len();
         let mut x = vec![Dual2_64::from(0.0); n];
@@ -129,14 +126,14 @@ impl Collocation {
         }
         let t = (place * interval.length() + interval.span.start) * interval.duration();
         let q: Vec<Dual2_64> = interval.q.iter().map(|q| Dual2_64::from(*q)).collect();
-        interval.problem.observe(observable, interval.span.segment, t, &x, &q)
+        interval.watching(observable).value_in(t, &x, &q)
     }
 
     /// Visits the ends of an interval and the local extrema of a function of its states: where its slope
     /// changes sign between two of many places.
-    fn extrema_of<P: BoundaryProblem>(
+    fn extrema_of(
         &self,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         k: usize,
         observable: Observable,
         visit: &mut dyn FnMut(usize, f64, f64),
@@ -158,9 +155,9 @@ impl Collocation {
 
     /// Where a scalar or its slope vanishes between two places of which it has the sign of `low` at the first:
     /// Newton's method, kept inside by bisection. `of` takes what is to vanish, and its rate.
-    fn zero<P: BoundaryProblem>(
+    fn zero(
         &self,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         observable: Observable,
         [mut low, mut high]: [f64; 2],
         (sign, of): (f64, fn(Dual2_64) -> [f64; 2]),
@@ -189,13 +186,14 @@ impl Method for Collocation {
         &self.basis.nodes
     }
 
-    fn residual<P: BoundaryProblem, T: Scalar>(
+    fn residual<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         work: &mut CollocationWork<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain> {
-        let Interval { problem, span, nodes, q } = interval;
+        let Interval { span, nodes, q, .. } = interval;
+        let field = interval.field();
         let n = nodes.len() / self.basis.nodes.len();
         let (duration, h) = (interval.duration(), interval.length());
         work.x.resize(n, T::zero());
@@ -208,10 +206,10 @@ impl Method for Collocation {
             combine(self.basis.row(&self.basis.values, c), nodes, &mut work.x);
             real_x.iter_mut().zip(&work.x).for_each(|(real, x)| *real = x.real());
             let t = duration * (span.start + h * self.basis.gauss[c]);
-            problem
-                .domain(span.segment, real_x, real_q)
+            field
+                .domain(real_x, &real_q[..field.p.len()])
                 .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
-            problem.field(span.segment, t, &work.x, q, &mut work.f);
+            field.slope(t, &work.x, field.p, &mut work.f);
             combine(self.basis.row(&self.basis.slopes, c), nodes, r);
             let step = duration * h;
             r.iter_mut().zip(&work.f).for_each(|(r, f)| *r -= step * *f);
@@ -219,9 +217,9 @@ impl Method for Collocation {
         Ok(())
     }
 
-    fn value<P: BoundaryProblem, T: Scalar>(
+    fn value<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         place: f64,
         _work: &mut CollocationWork<T>,
         x: &mut [T],
@@ -235,9 +233,9 @@ impl Method for Collocation {
         Ok(())
     }
 
-    fn linearise<P: BoundaryProblem>(
+    fn linearise(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         active: &[usize],
         block: Block,
     ) -> Result<(), LeftDomain> {
@@ -249,9 +247,9 @@ impl Method for Collocation {
         }
     }
 
-    fn extrema<P: BoundaryProblem>(
+    fn extrema(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
@@ -299,13 +297,16 @@ impl Method for Collocation {
 
 /// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the point, then the
 /// active numbers.
-fn linearise_in<P: BoundaryProblem, const W: usize>(
+fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
-    interval: Interval<P, f64>,
+    interval: Interval<f64>,
     active: &[usize],
     mut block: Block,
-) -> Result<(), LeftDomain> {
+) -> Result<(), LeftDomain>
+where
+    DualSVec64<W>: Number,
+{
     let n = interval.nodes.len() / basis.nodes.len();
     passes.resize(n);
     for start in (0..n + active.len()).step_by(W) {
@@ -324,7 +325,10 @@ fn linearise_in<P: BoundaryProblem, const W: usize>(
     Ok(())
 }
 
-impl<const W: usize> Passes<W> {
+impl<const W: usize> Passes<W>
+where
+    DualSVec64<W>: Number,
+{
     fn resize(&mut self, n: usize) {
         self.real.resize(n, 0.0);
         self.x.resize(n, DualSVec64::from(0.0));
@@ -341,24 +345,26 @@ impl<const W: usize> Passes<W> {
     }
 
     /// `h L f` at a Gauss point.
-    fn evaluate<P: BoundaryProblem>(
+    fn evaluate(
         &mut self,
         basis: &Basis,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         c: usize,
         start: usize,
     ) -> Result<(), LeftDomain> {
         let Interval { problem, span, nodes, q } = *interval;
-        let (duration, h) = (problem.duration(span.segment, &self.q), interval.length());
+        let equations = DualSVec64::<W>::residual(problem);
+        let (duration, h) = (equations.duration_in(span.segment, &self.q), interval.length());
+        let field = equations.on_segment(span.segment, &self.q);
         let t = duration * (span.start + h * basis.gauss[c]);
         combine(basis.row(&basis.values, c), nodes, &mut self.real);
-        problem
-            .domain(span.segment, &self.real, q)
+        field
+            .domain(&self.real, &q[..field.p.len()])
             .map_err(|cause| left_domain(cause, span.segment, t.re))?;
         for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
             *x = seeded(*real, i, start);
         }
-        problem.field(span.segment, t, &self.x, &self.q, &mut self.f);
+        field.slope(t, &self.x, field.p, &mut self.f);
         let step = duration * h;
         self.f.iter_mut().for_each(|f| *f *= step);
         Ok(())

@@ -1,7 +1,9 @@
 //! How the equations of a trajectory are discretised, interval by interval.
 
-use super::problem::{BoundaryProblem, Observable, OnSegment, Watched, Watching};
+use super::erased::{Equations, Number, Watching};
+use super::problem::{Observable, Watched};
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldRef;
 use crate::core::zero::LeftDomain;
 
 /// One interval of the mesh of a segment, in units of the segment's duration.
@@ -16,10 +18,9 @@ pub struct Span {
 }
 
 /// An interval with its data: what its equations are evaluated at.
-#[derive(Debug)]
-pub struct Interval<'a, P, T> {
+pub struct Interval<'a, T> {
     /// The problem.
-    pub problem: &'a P,
+    pub problem: &'a dyn Equations,
     /// The place of the interval.
     pub span: Span,
     /// Values at its nodes, point by point: `n` states at the first node, then at the second.
@@ -28,29 +29,31 @@ pub struct Interval<'a, P, T> {
     pub q: &'a [T],
 }
 
-impl<P, T> Clone for Interval<'_, P, T> {
+impl<T> Clone for Interval<'_, T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<P, T> Copy for Interval<'_, P, T> {}
+impl<T> Copy for Interval<'_, T> {}
 
-impl<'a, P: BoundaryProblem, T: Scalar> Interval<'a, P, T> {
+impl<'a, T: Number> Interval<'a, T> {
     /// The field of its segment.
-    pub fn field(&self) -> OnSegment<'a, P> {
-        OnSegment { problem: self.problem, segment: self.span.segment }
-    }
-
-    /// A scalar along its segment.
-    pub(super) fn watching(&self, observable: Observable) -> Watching<'a, P> {
-        let watched = Watched { segment: self.span.segment, observable };
-        Watching { problem: self.problem, watched }
+    pub fn field(&self) -> FieldRef<'a, T> {
+        T::residual(self.problem).on_segment(self.span.segment, self.q)
     }
 
     /// The duration of its segment.
     pub fn duration(&self) -> T {
-        self.problem.duration(self.span.segment, self.q)
+        T::residual(self.problem).duration_in(self.span.segment, self.q)
+    }
+}
+
+impl<'a, T> Interval<'a, T> {
+    /// A scalar along its segment.
+    pub(super) fn watching(&self, observable: Observable) -> Watching<'a> {
+        let watched = Watched { segment: self.span.segment, observable };
+        Watching { problem: self.problem, watched }
     }
 
     /// Its length, as a part of the segment's duration.
@@ -102,9 +105,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn residual<P: BoundaryProblem, T: Scalar>(
+    fn residual<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         work: &mut Self::Work<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain>;
@@ -113,9 +116,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn value<P: BoundaryProblem, T: Scalar>(
+    fn value<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         place: f64,
         work: &mut Self::Work<T>,
         x: &mut [T],
@@ -126,9 +129,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn trajectory<P: BoundaryProblem>(
+    fn trajectory(
         &self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         count: usize,
         work: &mut Self::Work<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
@@ -146,9 +149,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn linearise<P: BoundaryProblem>(
+    fn linearise(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         active: &[usize],
         block: Block,
     ) -> Result<(), LeftDomain>;
@@ -157,9 +160,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn linearise_watching<P: BoundaryProblem>(
+    fn linearise_watching(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         active: &[usize],
         block: Block,
         watched: Watchlist,
@@ -181,9 +184,9 @@ pub trait Method {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn extrema<P: BoundaryProblem>(
+    fn extrema(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),

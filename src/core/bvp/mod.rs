@@ -12,6 +12,7 @@
 //! like any other.
 
 mod collocation;
+mod erased;
 mod error;
 mod interpolation;
 mod mesh;
@@ -21,11 +22,10 @@ mod shooting;
 mod system;
 
 pub use collocation::{Collocation, CollocationWork, PointsError};
+pub use erased::{EndFunctions, Equations, Number, Residual, WatchNumber, Watches};
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
 pub use method::{Block, Interval, Method, Span, Watchlist};
-pub use problem::{
-    Birth, BoundaryProblem, Ends, Monitor, Observable, OnSegment, Return, Unknown, Watched,
-};
+pub use problem::{Birth, BoundaryProblem, Ends, Monitor, Observable, Return, Unknown, Watched};
 pub use shooting::Shooting;
 pub use system::BoundarySystem;

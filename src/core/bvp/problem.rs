@@ -1,10 +1,10 @@
 //! Boundary-value problems as a user states them.
 
+use super::erased::Equations;
 use crate::core::condition::EvaluationError;
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
-use crate::core::zero::{LeftDomain, Names};
+use crate::core::zero::LeftDomain;
+use std::sync::Arc;
 
 /// States at the two ends of all segments, one segment after the other.
 #[derive(Clone, Copy, Debug)]
@@ -178,7 +178,7 @@ pub enum Unknown {
 /// assert_eq!(string.meshes()[0].intervals(), 10);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub trait BoundaryProblem {
+pub trait BoundaryProblem: Send + Sync {
     /// The names of the states of each segment.
     fn segments(&self) -> Vec<Vec<String>>;
 
@@ -269,20 +269,14 @@ pub trait BoundaryProblem {
     ///
     /// # Errors
     /// [`EvaluationError`] if it has no meaning for this problem.
-    fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError>
-    where
-        Self: Sized,
-    {
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
         Err(EvaluationError::NotApplicable(format!("the problem has no itinerary `{words}`")))
     }
 
     /// The problem whose solutions go through everything twice, segments and their extras one time after the
     /// other (the extras before those of the segments only once); `None` if a solution of two periods is one
     /// on a mesh twice as long.
-    fn doubled(&self) -> Option<Self>
-    where
-        Self: Sized,
-    {
+    fn doubled(&self) -> Option<Arc<dyn Equations>> {
         None
     }
 
@@ -295,10 +289,7 @@ pub trait BoundaryProblem {
         &self,
         _starts: &[f64],
         _q: &[f64],
-    ) -> Result<Option<Birth<Self>>, EvaluationError>
-    where
-        Self: Sized,
-    {
+    ) -> Result<Option<Birth>, EvaluationError> {
         Ok(None)
     }
 
@@ -320,7 +311,7 @@ pub trait BoundaryProblem {
 }
 
 /// Solutions that are born where another one touches a surface: the grazing solution as one of them.
-pub struct Birth<P> {
+pub struct Birth<P = Arc<dyn Equations>> {
     /// The problem that they solve.
     pub problem: P,
     /// The states where segments begin.
@@ -329,46 +320,10 @@ pub struct Birth<P> {
     pub extras: Vec<f64>,
 }
 
-/// A scalar of a boundary-value problem on one segment.
-pub(super) struct Watching<'a, P> {
-    pub problem: &'a P,
-    pub watched: Watched,
-}
-
-impl<P: BoundaryProblem> Watch for Watching<'_, P> {
-    fn value<T: Scalar>(&self, t: T, x: &[T], q: &[T]) -> T {
-        self.problem.observe(self.watched.observable, self.watched.segment, t, x, q)
-    }
-
-    fn state(&self) -> Option<usize> {
-        match self.watched.observable {
-            Observable::State(i) => Some(i),
-            Observable::Function(_) => None,
-        }
-    }
-}
-
-/// The field of one segment of a boundary-value problem.
-pub struct OnSegment<'a, P> {
-    /// The problem.
-    pub problem: &'a P,
-    /// The segment.
-    pub segment: usize,
-}
-
-impl<P: BoundaryProblem> VectorField for OnSegment<'_, P> {
-    fn names(&self) -> Names {
-        let states = self.problem.segments().swap_remove(self.segment);
-        let states: Vec<&str> = states.iter().map(String::as_str).collect();
-        let q = self.problem.parameters().into_iter().chain(self.problem.extras());
-        Names::new(states, q)
-    }
-
-    fn field<T: Scalar>(&self, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        self.problem.field(self.segment, t, x, q, f);
-    }
-
-    fn domain(&self, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
-        self.problem.domain(self.segment, x, q)
+impl<P: Equations> Birth<P> {
+    /// The same with the problem behind its object-safe face.
+    pub fn erased(self) -> Birth {
+        let Birth { problem, starts, extras } = self;
+        Birth { problem: Arc::new(problem), starts, extras }
     }
 }

@@ -3,8 +3,8 @@
 mod lookout;
 mod variation;
 
+use super::erased::Number;
 use super::method::{Block, Interval, Method, Watchlist};
-use super::problem::BoundaryProblem;
 use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -37,10 +37,7 @@ pub struct Shooting {
     settings: Settings,
     /// The error that is allowed on the way to a solution.
     allowed: f64,
-    two: Variation<2>,
-    three: Variation<3>,
     four: Variation<4>,
-    six: Variation<6>,
     eight: Variation<8>,
     plain: Flow<f64>,
     search: Search,
@@ -84,10 +81,7 @@ impl Default for Shooting {
         Shooting {
             settings: Settings::default(),
             allowed: 0.0,
-            two: Variation::default(),
-            three: Variation::default(),
             four: Variation::default(),
-            six: Variation::default(),
             eight: Variation::default(),
             plain: Flow::default(),
             search: Search::default(),
@@ -104,14 +98,15 @@ impl Clone for Shooting {
 }
 
 /// A flow from the start of an interval to a place in it, `x` being the states there.
-fn flow_to<P: BoundaryProblem, T: Scalar>(
+fn flow_to<T: Number>(
     flow: &mut Flow<T>,
-    interval: Interval<P, T>,
+    interval: Interval<T>,
     place: f64,
     x: &mut [T],
 ) -> Result<(), LeftDomain> {
     let (start, length) = times(&interval);
-    flow.advance(&interval.field(), start, length * place, x, interval.q)?;
+    let field = interval.field();
+    flow.advance(&field, start, length * place, x, field.p)?;
     Ok(())
 }
 
@@ -134,7 +129,7 @@ fn growth(nodes: &[f64], n: usize) -> Result<(), LeftDomain> {
 }
 
 /// The time at which an interval starts, and its length in time.
-fn times<P: BoundaryProblem, T: Scalar>(interval: &Interval<P, T>) -> (T, T) {
+fn times<T: Number>(interval: &Interval<T>) -> (T, T) {
     let duration = interval.duration();
     (duration * interval.span.start, duration * interval.length())
 }
@@ -148,9 +143,9 @@ impl Method for Shooting {
 
     const EXTREMA_WITH_RESIDUAL: bool = true;
 
-    fn residual<P: BoundaryProblem, T: Scalar>(
+    fn residual<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         work: &mut Flow<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain> {
@@ -162,9 +157,9 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn value<P: BoundaryProblem, T: Scalar>(
+    fn value<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         place: f64,
         work: &mut Flow<T>,
         x: &mut [T],
@@ -175,9 +170,9 @@ impl Method for Shooting {
     }
 
     /// From the dense output of one flow.
-    fn trajectory<P: BoundaryProblem>(
+    fn trajectory(
         &self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         count: usize,
         work: &mut Flow<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
@@ -188,7 +183,8 @@ impl Method for Shooting {
         let (relative, absolute) = (relative.max(DRAWN), absolute.max(DRAWN));
         work.settings = Settings { relative, absolute, ..self.settings };
         let (start, length) = times(&interval);
-        work.observe(&interval.field(), start, length, &mut x, interval.q, |step| {
+        let field = interval.field();
+        work.observe(&field, start, length, &mut x, field.p, |step| {
             let (start, end) = step.span();
             while next < count && (next as f64) < end * count as f64 {
                 let place = next as f64 / count as f64;
@@ -201,18 +197,18 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn linearise<P: BoundaryProblem>(
+    fn linearise(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         active: &[usize],
         block: Block,
     ) -> Result<(), LeftDomain> {
         self.linearise_watching(interval, active, block, Watchlist::default(), &mut |_, _, _| {})
     }
 
-    fn linearise_watching<P: BoundaryProblem>(
+    fn linearise_watching(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         active: &[usize],
         mut block: Block,
         watched: Watchlist,
@@ -231,10 +227,7 @@ impl Method for Shooting {
         let (all, search) = ((active, 0), &mut self.search);
         let lookout = &mut Lookout { watched, search, visit };
         let flowed = match n + active.len() {
-            0..=2 => self.two.linearise(settings, interval, all, block, lookout),
-            3 => self.three.linearise(settings, interval, all, block, lookout),
-            4 => self.four.linearise(settings, interval, all, block, lookout),
-            5..=6 => self.six.linearise(settings, interval, all, block, lookout),
+            0..=4 => self.four.linearise(settings, interval, all, block, lookout),
             directions => (0..directions).step_by(8).try_for_each(|first| {
                 // Trajectories in further directions are the same one.
                 if first > 0 {
@@ -251,9 +244,9 @@ impl Method for Shooting {
         error > 0.0
     }
 
-    fn extrema<P: BoundaryProblem>(
+    fn extrema(
         &mut self,
-        interval: Interval<P, f64>,
+        interval: Interval<f64>,
         watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
@@ -268,9 +261,8 @@ impl Method for Shooting {
         x.clear();
         x.extend_from_slice(left);
         let (start, length) = times(&interval);
-        plain.observe(&interval.field(), start, length, x, interval.q, |step| {
-            lookout.real(&interval, step)
-        })?;
+        let field = interval.field();
+        plain.observe(&field, start, length, x, field.p, |step| lookout.real(&interval, step))?;
         lookout.end(&interval, 1.0, x);
         if let Some(r) = residual {
             r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
@@ -290,7 +282,7 @@ impl Method for Shooting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::bvp::{Ends, Observable, Span};
+    use crate::core::bvp::{BoundaryProblem, Ends, Observable, Span};
     use num_dual::Dual64;
 
     /// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no effect.

@@ -15,16 +15,18 @@ mod periodic;
 mod profiles;
 mod start;
 
-use super::{BoundaryError, BoundaryProblem, Mesh, Method};
+use super::{BoundaryError, Equations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
-use equations::{Equations, Work};
+use equations::{Discretised, Work};
 use factorisation::{Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
 use local::Passes;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use periodic::Rotating;
+use std::any::Any;
+use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
 const MOST_INTERVALS: usize = 4096;
@@ -80,8 +82,8 @@ const MOST_REFINEMENTS: usize = 5;
 /// assert!((fold.parameters[0] - 3.51383071912516).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct BoundarySystem<P, M: Method> {
-    equations: Equations<P, M>,
+pub struct BoundarySystem<M: Method> {
+    equations: Discretised<M>,
     names: Names,
     linearisation: Linearisation,
     factors: [Factorisation; 2],
@@ -118,16 +120,32 @@ pub struct BoundarySystem<P, M: Method> {
     refinements: usize,
 }
 
-impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+impl<M: Method> BoundarySystem<M> {
     /// The system of a problem on one mesh for each segment.
     ///
     /// # Errors
     /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit together.
-    pub fn new(problem: P, method: M, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
-        let equations = Equations::new(problem, method, meshes)?;
-        let Equations { problem, method, layout, .. } = &equations;
+    pub fn new(
+        problem: impl Equations,
+        method: M,
+        meshes: Vec<Mesh>,
+    ) -> Result<Self, BoundaryError> {
+        BoundarySystem::of(Arc::new(problem), method, meshes)
+    }
+
+    /// The system of a problem that is shared, on one mesh for each segment.
+    ///
+    /// # Errors
+    /// As [`BoundarySystem::new`].
+    pub fn of(
+        problem: Arc<dyn Equations>,
+        method: M,
+        meshes: Vec<Mesh>,
+    ) -> Result<Self, BoundaryError> {
+        let equations = Discretised::new(problem, method, meshes)?;
+        let Discretised { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.numbers()).collect();
-        let names = names_of(problem, method, layout);
+        let names = names_of(&**problem, method, layout);
         Ok(BoundarySystem {
             names,
             linearisation: Linearisation { active, ..Default::default() },
@@ -157,8 +175,13 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     }
 
     /// The problem itself.
-    pub fn problem(&self) -> &P {
+    pub fn problem(&self) -> &Arc<dyn Equations> {
         &self.equations.problem
+    }
+
+    /// The problem as what it was stated as, if it is of this type.
+    pub fn problem_as<P: 'static>(&self) -> Option<&P> {
+        (&*self.equations.problem as &dyn Any).downcast_ref()
     }
 
     /// The mesh of each segment.
@@ -336,7 +359,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
 
 /// Names of unknowns, parameters and monitors. States of several segments that share a name are told
 /// apart by the segment's number.
-fn names_of<P: BoundaryProblem, M: Method>(problem: &P, method: &M, layout: &Layout) -> Names {
+fn names_of<M: Method>(problem: &dyn Equations, method: &M, layout: &Layout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();
     for (s, states) in segments.iter().enumerate() {

@@ -13,7 +13,7 @@ use super::settings::Settings;
 use super::stages::Stages;
 use super::step::{Known, Step};
 use super::tableau::{Row, Tableau};
-use crate::core::field::VectorField;
+use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watch;
 use num_dual::Dual;
 use std::cell::Cell;
@@ -23,7 +23,7 @@ impl Flow<f64> {
     ///
     /// # Errors
     /// [`FlowError`] if the state is outside the domain of the field.
-    pub(in crate::core) fn set_out<F: VectorField>(
+    pub(in crate::core) fn set_out<F: FieldIn<f64>>(
         &mut self,
         field: &F,
         [start, length]: [f64; 2],
@@ -44,7 +44,7 @@ impl Flow<f64> {
     }
 
     /// Shows the step of one lane as if it were of this flow. What is known exactly then is the state at its end.
-    pub(in crate::core) fn show_lane<F: VectorField>(
+    pub(in crate::core) fn show_lane<F: FieldIn<f64>>(
         &mut self,
         field: &F,
         p: &[f64],
@@ -125,7 +125,7 @@ impl Abreast {
     }
 
     /// Tries a step in every lane and returns the errors, in units of the tolerance.
-    pub fn attempt<F: VectorField>(&mut self, field: &F, settings: &Settings) -> [f64; LANES] {
+    pub fn attempt<F: FieldIn<Lanes>>(&mut self, field: &F, settings: &Settings) -> [f64; LANES] {
         let Abreast { tableau, given, x, p, stages, .. } = self;
         let [start, length] = [self.time, self.length].map(Lanes::from);
         let evaluations = &Cell::new(0);

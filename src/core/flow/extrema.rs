@@ -2,9 +2,9 @@
 
 use super::sight::{PARTS, Sample, Sight, crosses_once, keep_clear_of_zero, slopes};
 use super::step::{RealStep, Step};
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
 
 /// A local extremum of a watched function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +75,7 @@ impl<T: Scalar> Extrema<T> {
     }
 
     /// Calls `visit` with every extremum in a step, in their order.
-    pub fn search<F: VectorField, W: Watch>(
+    pub fn search<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
         step: &mut Step<F, T>,
@@ -89,7 +89,7 @@ impl<T: Scalar> Extrema<T> {
 
     /// Whether slopes show that there is no extremum in a step: those at the ends and in the middle, or, of a
     /// state, those of all stages.
-    fn passes<F: VectorField, S: Scalar, W: Watch>(
+    fn passes<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
         step: &Step<F, S>,
@@ -99,7 +99,7 @@ impl<T: Scalar> Extrema<T> {
         if slopes.iter().all(|slope| slope.abs() < FLAT) {
             return true;
         }
-        let steady = || watch.state().is_some_and(|i| step.keeps_direction(i));
+        let steady = || watch.state_index().is_some_and(|i| step.keeps_direction(i));
         let passes = self.slope * slopes[2] >= 0.0 && (keep_clear_of_zero(&slopes) || steady());
         if passes {
             self.slope = slopes[2];
@@ -107,7 +107,7 @@ impl<T: Scalar> Extrema<T> {
         passes
     }
 
-    fn survey<F: VectorField, W: Watch>(
+    fn survey<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
         step: &mut Step<F, T>,
@@ -126,7 +126,7 @@ impl<T: Scalar> Extrema<T> {
 
     /// Goes on from one sample to the next: a slope of the other sign than the last one that was not zero
     /// tells an extremum.
-    fn pass<F: VectorField, W: Watch>(
+    fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
         step: &mut Step<F, T>,
@@ -135,7 +135,8 @@ impl<T: Scalar> Extrema<T> {
     ) {
         if self.slope * right.slope < 0.0 {
             let turn = self.sight.root(step, watch, [left, right], Sample::turning);
-            let enough = T::NDERIV == 0 && watch.state().is_some_and(|i| step.is_dense_enough(i));
+            let enough =
+                T::NDERIV == 0 && watch.state_index().is_some_and(|i| step.is_dense_enough(i));
             let (theta, value) = match enough {
                 true => turn.vertex().map(T::constant).into(),
                 false => improved(&mut self.sight, step, watch, turn.fraction),
@@ -150,7 +151,7 @@ impl<T: Scalar> Extrema<T> {
 
 impl Extrema<f64> {
     /// The same in steps of dual numbers of an explicit method, without derivatives.
-    pub(in crate::core) fn search_real<F: VectorField, T: Scalar, W: Watch>(
+    pub(in crate::core) fn search_real<F: FieldIn<T>, T: Scalar, W: Watchable<f64>>(
         &mut self,
         watch: &W,
         step: &Step<F, T>,
@@ -166,7 +167,7 @@ impl Extrema<f64> {
 
 /// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every round gains the
 /// digits that dense output has, and one order of derivatives. Returns `θ` and the value there.
-pub(super) fn improved<F: VectorField, T: Scalar, W: Watch>(
+pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sight: &mut Sight<T>,
     step: &mut Step<F, T>,
     watch: &W,

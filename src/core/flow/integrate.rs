@@ -9,8 +9,8 @@ use super::stages::{Stages, combine};
 use super::step::{Buffers, Known, Step};
 use super::tableau::Tableau;
 use super::work;
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 use crate::core::zero::LeftDomain;
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -126,7 +126,7 @@ impl<T: Scalar> Flow<T> {
     ///
     /// # Errors
     /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
-    pub fn advance<F: VectorField>(
+    pub fn advance<F: FieldIn<T>>(
         &mut self,
         field: &F,
         t0: T,
@@ -162,7 +162,7 @@ impl<T: Scalar> Flow<T> {
     ///
     /// # Errors
     /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
-    pub fn observe<F: VectorField>(
+    pub fn observe<F: FieldIn<T>>(
         &mut self,
         field: &F,
         t0: T,
@@ -192,7 +192,7 @@ impl<T: Scalar> Flow<T> {
         buffers.partial.resize(x.len());
     }
 
-    fn integrate<F: VectorField>(
+    fn integrate<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
         statistics: &mut Statistics,
@@ -233,7 +233,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// Refuses a state outside the domain of the field, or not finite.
-    pub(super) fn inside<F: VectorField>(
+    pub(super) fn inside<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
         sigma: f64,
@@ -253,7 +253,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// What the first step from `σ` needs: the slope there, or the field linearised.
-    fn begin<F: VectorField>(&mut self, motion: &Motion<F, T>, sigma: f64) {
+    fn begin<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64) {
         let Buffers { x, stages, linear, .. } = &mut self.buffers;
         match self.settings.scheme.tableau() {
             Some(tableau) => {
@@ -265,7 +265,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// The slope at the start, and the first step to try.
-    pub(super) fn first_step<F: VectorField>(
+    pub(super) fn first_step<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
     ) -> Result<f64, FlowError> {
@@ -295,7 +295,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// The step to try, if there may be one.
-    fn permitted<F: VectorField>(
+    fn permitted<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,
         (sigma, h): (f64, f64),
@@ -321,7 +321,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// Tries a step and returns its error, in units of the tolerance.
-    fn attempt<F: VectorField>(&mut self, motion: &Motion<F, T>, (sigma, h): (f64, f64)) -> f64 {
+    fn attempt<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, (sigma, h): (f64, f64)) -> f64 {
         let measure = self.measure();
         let Buffers { x, stages, linear, .. } = &mut self.buffers;
         let Some(tableau) = self.settings.scheme.tableau() else {
@@ -343,7 +343,7 @@ impl<T: Scalar> Flow<T> {
     }
 
     /// Shows an accepted step to the observer.
-    fn show<F: VectorField>(
+    fn show<F: FieldIn<T>>(
         &mut self,
         motion: &Motion<F, T>,
         (sigma, h): (f64, f64),
@@ -360,7 +360,7 @@ impl<T: Scalar> Flow<T> {
     /// How many steps in a row stability has limited: the slopes of the last stage and of the end belong to
     /// the same time, and their difference to that of the arguments is as the fastest rate of the field
     /// (Hairer and Wanner 1996, section IV.2).
-    fn stiffness<F: VectorField>(
+    fn stiffness<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,
         tableau: &Tableau,
@@ -388,10 +388,8 @@ fn distance<T: Scalar>(a: &[T], b: &[T]) -> f64 {
 }
 
 /// A state that is not finite, or the slope of which is not.
-fn not_finite<F: VectorField, T>(motion: &Motion<F, T>, i: usize, value: f64) -> LeftDomain {
-    let names = motion.field.names().unknowns;
-    let mut all = names.iter().flat_map(|group| std::iter::repeat_n(&group.name, group.length));
-    let name = all.nth(i).map_or("?", String::as_str);
+fn not_finite<F: FieldIn<T>, T: Scalar>(motion: &Motion<F, T>, i: usize, value: f64) -> LeftDomain {
+    let name = motion.field.state_name(i);
     LeftDomain::new(
         format!("state {name} or its slope"),
         value,

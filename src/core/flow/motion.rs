@@ -1,7 +1,7 @@
 //! The equation in scaled time.
 
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 use std::cell::Cell;
 
 /// `dx/dσ = g(σ, x) = L f(t₀ + σ L, x, p)`: the field in units of the duration `L`.
@@ -18,7 +18,7 @@ pub(super) struct Motion<'a, F, T> {
     pub evaluations: &'a Cell<usize>,
 }
 
-impl<F: VectorField, T: Scalar> Motion<'_, F, T> {
+impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
     /// The time at `σ`.
     pub fn time(&self, sigma: f64) -> T {
         self.start + self.length * sigma
@@ -39,7 +39,7 @@ impl<F: VectorField, T: Scalar> Motion<'_, F, T> {
     #[inline]
     pub fn slope_at(&self, time: T, x: &[T], slope: &mut [T]) {
         self.count();
-        self.field.field(time, x, self.p, slope);
+        self.field.slope(time, x, self.p, slope);
         slope.iter_mut().for_each(|slope| *slope *= self.length);
     }
 

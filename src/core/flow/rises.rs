@@ -2,9 +2,9 @@
 
 use super::sight::{Sample, Sight};
 use super::step::{RealStep, Step};
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
 
 /// How many times the place of a rise is improved at most.
 const ROUNDS: usize = 12;
@@ -26,7 +26,7 @@ impl Default for Rises {
 
 impl Rises {
     /// Calls `visit` with the place in the flow (from 0 to 1) and the state there, if the function rises in a step.
-    pub fn search<F: VectorField, W: Watch>(
+    pub fn search<F: FieldIn<f64>, W: Watchable<f64>>(
         &mut self,
         watch: &W,
         step: &mut Step<F, f64>,
@@ -38,7 +38,7 @@ impl Rises {
     }
 
     /// The same in steps of dual numbers of an explicit method, without derivatives.
-    pub fn search_real<F: VectorField, T: Scalar, W: Watch>(
+    pub fn search_real<F: FieldIn<T>, T: Scalar, W: Watchable<f64>>(
         &mut self,
         watch: &W,
         step: &Step<F, T>,
@@ -51,7 +51,7 @@ impl Rises {
     }
 
     /// From the root of dense output, Newton's method on shorter steps.
-    fn find<F: VectorField, W: Watch>(
+    fn find<F: FieldIn<f64>, W: Watchable<f64>>(
         &mut self,
         watch: &W,
         step: &mut Step<F, f64>,

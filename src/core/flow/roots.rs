@@ -3,9 +3,9 @@
 use super::extrema::improved;
 use super::sight::{Sample, Sight, crosses_once, keep_clear_of_zero, slopes};
 use super::step::Step;
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
 /// A place where a watched function falls through zero.
@@ -100,7 +100,7 @@ pub struct Roots<T, W> {
     sight: Sight<T>,
 }
 
-impl<T: Scalar, W: Watch> Roots<T, W> {
+impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     /// A search for the roots of a watched function.
     pub fn of(watch: W) -> Self {
         Roots { watch, sign: Sign::Unknown, end: None, far: None, sight: Sight::new() }
@@ -123,7 +123,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
     }
 
     /// Calls `visit` with every root in a step, in their order, until it breaks.
-    pub fn search<F: VectorField>(
+    pub fn search<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
@@ -152,7 +152,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
 
     /// Whether the function is positive and so large that changes many times those of this step and the one before
     /// would not take it to zero: its slopes need not be known.
-    fn stays_far<F: VectorField>(&mut self, step: &Step<F, T>) -> bool {
+    fn stays_far<F: FieldIn<T>>(&mut self, step: &Step<F, T>) -> bool {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
         };
@@ -196,7 +196,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
     }
 
     /// Goes from one sample to the next, by way of the extremum between them if there is one.
-    fn pass<F: VectorField>(
+    fn pass<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
@@ -216,7 +216,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
     }
 
     /// Goes from one sample to another between which the function is monotone.
-    fn fall<F: VectorField>(
+    fn fall<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
@@ -255,7 +255,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
 
     /// The root between a sample where the function is positive and one where it is negative: from that of
     /// dense output, or close to a tangency of the parabola there, by Newton's method within the bracket.
-    fn between<F: VectorField>(
+    fn between<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         [left, right]: [Sample; 2],
@@ -284,7 +284,7 @@ impl<T: Scalar, W: Watch> Roots<T, W> {
     }
 
     /// The root whose real part is known: its derivatives by Newton's method, one order in every round.
-    pub(in crate::core) fn at_once<F: VectorField>(
+    pub(in crate::core) fn at_once<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         fraction: f64,

@@ -13,13 +13,8 @@ use super::motion::Motion;
 use super::rodas::{COUPLING, GAMMA, NODES, ROWS, STAGES, TIME};
 use super::stages::{Stages, combine};
 use crate::core::chunk::{parts, seeded};
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use num_dual::DualSVec;
-
-/// The width of a chunk of directions differentiated in one pass.
-const CHUNK: usize = 4;
-type Chunk<T> = DualSVec<T, CHUNK>;
+use crate::core::scalar_field::{FieldIn, WIDTH, Wide};
 
 /// The field linearised at the start of a step, and the factored matrix of its stages.
 pub(super) struct Linearisation<T: Scalar> {
@@ -28,9 +23,9 @@ pub(super) struct Linearisation<T: Scalar> {
     /// `ġ`.
     time: Vec<T>,
     matrix: Lu<T>,
-    x: Vec<Chunk<T>>,
-    p: Vec<Chunk<T>>,
-    f: Vec<Chunk<T>>,
+    x: Vec<Wide<T>>,
+    p: Vec<Wide<T>>,
+    f: Vec<Wide<T>>,
 }
 
 impl<T: Scalar> Default for Linearisation<T> {
@@ -48,18 +43,18 @@ impl<T: Scalar> Default for Linearisation<T> {
 
 impl<T: Scalar> Linearisation<T> {
     /// Linearises the field at `x` and `σ`: all states, then time, in chunks.
-    pub fn update<F: VectorField>(&mut self, motion: &Motion<F, T>, sigma: f64, x: &[T]) {
+    pub fn update<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64, x: &[T]) {
         let n = x.len();
         self.resize(n);
         self.p.clear();
-        self.p.extend(motion.p.iter().map(|p| Chunk::from_re(*p)));
-        self.f.resize(n, Chunk::from_re(T::zero()));
-        for first in (0..=n).step_by(CHUNK) {
+        self.p.extend(motion.p.iter().map(|p| Wide::from_re(*p)));
+        self.f.resize(n, Wide::from_re(T::zero()));
+        for first in (0..=n).step_by(WIDTH) {
             self.x.clear();
             self.x.extend(x.iter().enumerate().map(|(j, x)| seeded(*x, j, first)));
             let time = seeded(motion.time(sigma), n, first);
             motion.count();
-            motion.field.field(time, &self.x, &self.p, &mut self.f);
+            motion.field.wide_slope(time, &self.x, &self.p, &mut self.f);
             for (i, f) in self.f.iter().enumerate() {
                 for (j, part) in (first..=n).zip(parts(f)) {
                     let part = part * motion.length;
@@ -82,7 +77,7 @@ impl<T: Scalar> Linearisation<T> {
 impl<T: Scalar> Stages<T> {
     /// The stages of a step of length `h` from `x` at `σ`, and the state at its end; `false` if the matrix
     /// of the stages is singular. The field was linearised `fraction` times as slow.
-    pub fn advance_linearised<F: VectorField>(
+    pub fn advance_linearised<F: FieldIn<T>>(
         &mut self,
         linear: &mut Linearisation<T>,
         motion: &Motion<F, T>,

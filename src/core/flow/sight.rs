@@ -5,9 +5,9 @@
 //! the field at its end.
 
 use super::step::Step;
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::{WatchIn, Watchable};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
 /// In how many parts a step is searched for changes of sign of the slope.
@@ -65,7 +65,7 @@ impl<S: Scalar> Arguments<S> {
     }
 
     /// The watched function of states given one by one.
-    fn evaluate<W: Watch, T: Scalar>(
+    fn evaluate<W: WatchIn<S>, T: Scalar>(
         &mut self,
         watch: &W,
         time: S,
@@ -77,7 +77,7 @@ impl<S: Scalar> Arguments<S> {
         self.x.extend(states);
         self.p.clear();
         self.p.extend(p.iter().map(|p| lift(*p)));
-        watch.value(time, &self.x, &self.p)
+        watch.value_in(time, &self.x, &self.p)
     }
 }
 
@@ -104,7 +104,7 @@ impl<T: Scalar> Sight<T> {
 
     /// Values and slopes at both ends of the step, that at the start unless it is known; they cost no evaluation
     /// of the field. Slopes of a Rosenbrock method are not known.
-    pub fn ends<F: VectorField, S: Scalar, W: Watch>(
+    pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
         watch: &W,
@@ -115,7 +115,7 @@ impl<T: Scalar> Sight<T> {
         let mut sample = |fraction: f64, x: &[S], stage: usize| {
             let slopes = stages.slope(stage);
             let state = |i: usize| Dual64::new(x[i].real(), slopes[i].real() * h);
-            let value = match watch.state() {
+            let value = match watch.state_index() {
                 Some(i) => state(i),
                 None => {
                     let rate = motion.length.real() * h;
@@ -131,13 +131,13 @@ impl<T: Scalar> Sight<T> {
     }
 
     /// The value at the end of the step.
-    pub fn end_value<F: VectorField, S: Scalar, W: Watch>(
+    pub fn end_value<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
         watch: &W,
     ) -> f64 {
         let x = &step.buffers.stages.end;
-        match watch.state() {
+        match watch.state_index() {
             Some(i) => x[i].real(),
             None => {
                 let time = step.time(S::one()).real();
@@ -148,14 +148,14 @@ impl<T: Scalar> Sight<T> {
     }
 
     /// The watched function by dense output, which must be prepared, in any scalar type.
-    fn interpolated<F: VectorField, W: Watch, S: Scalar>(
+    fn interpolated<F: FieldIn<T>, W: Watchable<T> + WatchIn<S>, S: Scalar>(
         arguments: &mut Arguments<S>,
         step: &Step<F, T>,
         watch: &W,
         theta: S,
         lift: impl Fn(T) -> S + Copy,
     ) -> S {
-        match watch.state() {
+        match watch.state_index() {
             Some(i) => step.interpolated(i, theta, lift),
             None => {
                 let motion = step.motion;
@@ -167,7 +167,7 @@ impl<T: Scalar> Sight<T> {
     }
 
     /// A sample of dense output.
-    pub fn sample<F: VectorField, W: Watch>(
+    pub fn sample<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
         watch: &W,
@@ -180,7 +180,7 @@ impl<T: Scalar> Sight<T> {
     }
 
     /// The curvature of dense output in full.
-    pub fn curvature<F: VectorField, W: Watch>(
+    pub fn curvature<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
         watch: &W,
@@ -191,7 +191,7 @@ impl<T: Scalar> Sight<T> {
     }
 
     /// Value and slope of a shorter step, to the accuracy of the method.
-    pub fn exact<F: VectorField, W: Watch>(
+    pub fn exact<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
         watch: &W,
@@ -199,7 +199,7 @@ impl<T: Scalar> Sight<T> {
     ) -> (T, T) {
         let (h, time, motion) = (step.h, step.time(theta), step.motion);
         let (x, slopes) = step.exact(theta);
-        if let Some(i) = watch.state() {
+        if let Some(i) = watch.state_index() {
             return (x[i], slopes[i] * h);
         }
         let along = |value: T, rate: T| Dual::new(value, rate * h);
@@ -211,7 +211,7 @@ impl<T: Scalar> Sight<T> {
 
     /// Samples the step so densely that between two of them there is one extremum at most: in equal parts
     /// unless `brief`, and where the slope comes near to zero and turns away.
-    pub fn survey<F: VectorField, W: Watch>(
+    pub fn survey<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
         watch: &W,
@@ -237,7 +237,7 @@ impl<T: Scalar> Sight<T> {
     /// Where a quantity, given with its slope as far as it is known, changes its sign between two samples: by Newton's
     /// method within the bracket, or by false position (of the Illinois kind, which does not stall at one end); the
     /// second sample if it does not.
-    pub fn root<F: VectorField, W: Watch>(
+    pub fn root<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
         watch: &W,

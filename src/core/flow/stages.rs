@@ -2,8 +2,8 @@
 
 use super::motion::Motion;
 use super::tableau::Tableau;
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 
 /// The stages of one step.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl<T: Scalar> Stages<T> {
 
     /// The stages of an explicit step of length `h` from `x` at `σ`, the first of which is known, and the
     /// state at its end.
-    pub fn advance<F: VectorField>(
+    pub fn advance<F: FieldIn<T>>(
         &mut self,
         tableau: &Tableau,
         motion: &Motion<F, T>,
@@ -63,7 +63,7 @@ impl<T: Scalar> Stages<T> {
         }
     }
 
-    fn advance_any<F: VectorField>(
+    fn advance_any<F: FieldIn<T>>(
         &mut self,
         tableau: &Tableau,
         motion: &Motion<F, T>,
@@ -80,7 +80,7 @@ impl<T: Scalar> Stages<T> {
     }
 
     /// The same for `N` states, which stay in registers.
-    fn advance_all<F: VectorField, const N: usize>(
+    fn advance_all<F: FieldIn<T>, const N: usize>(
         &mut self,
         tableau: &Tableau,
         motion: &Motion<F, T>,
@@ -103,7 +103,7 @@ impl<T: Scalar> Stages<T> {
     }
 
     /// The slope at the end of the step.
-    pub fn end_slope<F: VectorField>(&mut self, stage: usize, motion: &Motion<F, T>, sigma: f64) {
+    pub fn end_slope<F: FieldIn<T>>(&mut self, stage: usize, motion: &Motion<F, T>, sigma: f64) {
         let n = self.end.len();
         motion.slope(sigma, &self.end, &mut self.slopes[stage * n..(stage + 1) * n]);
     }

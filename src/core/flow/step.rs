@@ -5,8 +5,8 @@ use super::rodas;
 use super::rosenbrock::Linearisation;
 use super::settings::Scheme;
 use super::stages::{Stages, combine};
-use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 
 /// What a step is computed in.
 pub(super) struct Buffers<T: Scalar> {
@@ -106,7 +106,7 @@ fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -
     })
 }
 
-impl<F: VectorField, T: Scalar> Step<'_, F, T> {
+impl<F: FieldIn<T>, T: Scalar> Step<'_, F, T> {
     /// Where the step begins and ends, as parts of the whole flow.
     pub fn span(&self) -> (f64, f64) {
         (self.sigma, self.sigma + self.h)
@@ -236,7 +236,7 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
     pub(super) fn without_derivatives(
         &self,
         real: &mut RealStep,
-        show: impl FnOnce(&mut Step<F, f64>),
+        show: impl FnOnce(&mut Step<F::Real<'_>, f64>),
     ) {
         let Some(tableau) = self.scheme.tableau() else { return };
         let known = match real.copied {
@@ -246,7 +246,7 @@ impl<F: VectorField, T: Scalar> Step<'_, F, T> {
         let RealStep { buffers, p, copied } = real;
         let Motion { field, evaluations, .. } = *self.motion;
         let (start, length) = (self.motion.start.real(), self.motion.length.real());
-        let motion = &Motion { field, start, length, p, evaluations };
+        let motion = &Motion { field: &field.real(), start, length, p, evaluations };
         let (scheme, tolerance, sigma, h) = (self.scheme, self.tolerance, self.sigma, self.h);
         let mut step = Step { motion, scheme, tolerance, sigma, h, buffers, known };
         show(&mut step);

@@ -3,11 +3,12 @@
 use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::bvp::{
-    Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Mesh, Monitor, Return, Shooting,
-    Watched,
+    Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Mesh, Monitor, Return,
+    Shooting, Watched,
 };
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
+use std::sync::Arc;
 
 /// The periodic points of a [`LocalMap`] that go through the surface, or do not, in a given order:
 ///
@@ -106,7 +107,7 @@ impl LocalOrbit {
     ///
     /// # Errors
     /// [`BoundaryError`] if there is no iterate.
-    pub fn system(self) -> Result<BoundarySystem<Self, Shooting>, BoundaryError> {
+    pub fn system(self) -> Result<BoundarySystem<Shooting>, BoundaryError> {
         let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
         // Any method is exact where nothing moves.
         BoundarySystem::new(self, Shooting::default(), meshes)
@@ -235,7 +236,7 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     fn grazings(&self) -> Vec<usize> {
-        (self.size() + 1..self.monitors().len()).collect()
+        (self.size() + 1..BoundaryProblem::monitors(self).len()).collect()
     }
 
     fn itinerary(&self) -> String {
@@ -243,7 +244,7 @@ impl BoundaryProblem for LocalOrbit {
         self.impacts.iter().map(word).collect::<Vec<_>>().join(" ")
     }
 
-    fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError> {
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
         let impact = |word: &str| match word {
             "impact" => Ok(true),
             "pass" => Ok(false),
@@ -252,19 +253,15 @@ impl BoundaryProblem for LocalOrbit {
             ))),
         };
         let impacts = words.split_whitespace().map(impact).collect::<Result<_, _>>()?;
-        Ok(LocalOrbit { impacts, ..self.clone() })
+        Ok(Arc::new(LocalOrbit { impacts, ..self.clone() }))
     }
 
-    fn doubled(&self) -> Option<Self> {
-        Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() })
+    fn doubled(&self) -> Option<Arc<dyn Equations>> {
+        Some(Arc::new(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }))
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.
-    fn born_at_grazing(
-        &self,
-        starts: &[f64],
-        q: &[f64],
-    ) -> Result<Option<Birth<Self>>, EvaluationError> {
+    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
         let passes = self.points(starts, q).enumerate().filter(|(_, (_, impact, _))| !impact);
         let distances = passes.map(|(k, (_, _, distance))| (distance.abs(), k));
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -273,6 +270,6 @@ impl BoundaryProblem for LocalOrbit {
         problem.impacts[touched] = true;
         let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
         extras[touched] = 0.0;
-        Ok(Some(Birth { problem, starts: starts.to_vec(), extras }))
+        Ok(Some(Birth { problem: Arc::new(problem), starts: starts.to_vec(), extras }))
     }
 }

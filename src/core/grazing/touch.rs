@@ -2,7 +2,7 @@
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
-use crate::core::bvp::{BoundaryProblem, BoundarySystem, Method, OnSegment};
+use crate::core::bvp::{BoundaryProblem, BoundarySystem, Method, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
 use crate::core::hybrid::{HybridSystem, rate};
@@ -19,7 +19,7 @@ struct Orbit<'a, H> {
     q: &'a [f64],
 }
 
-impl<H: HybridSystem + Clone> Orbit<'_, H> {
+impl<H: HybridSystem + Clone + 'static> Orbit<'_, H> {
     fn legs(&self) -> &[Leg] {
         &self.problem.itinerary().legs
     }
@@ -42,9 +42,9 @@ impl<H: HybridSystem + Clone> Orbit<'_, H> {
         let first: usize = sizes(&self.legs()[..leg]);
         let size: usize = sizes(&self.legs()[leg..=leg]);
         let mut x = self.starts[first..first + size].to_vec();
-        let (field, mut flow) =
-            (OnSegment { problem: self.problem, segment: leg }, Flow::<f64>::default());
-        flow.advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
+        let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
+        Flow::<f64>::default()
+            .advance(&field, 0.0, self.times().1[leg], &mut x, field.p)
             .map_err(|cause| EvaluationError::LeftDomain(LeftDomain::from(cause)))?;
         Ok(x)
     }
@@ -75,10 +75,7 @@ impl<H: HybridSystem + Clone> Orbit<'_, H> {
 
     /// The point at which the orbit touches a guard that it does not pass.
     fn touching(&self) -> Result<GrazingPoint, GrazingError> {
-        let birth = self.problem.born_at_grazing(self.starts, self.q)?.ok_or_else(|| {
-            let reason = "the orbit is none at which others with an event are born";
-            EvaluationError::NotApplicable(reason.into())
-        })?;
+        let birth = self.problem.born(self.starts, self.q)?;
         let q = [self.parameters(), &birth.extras].concat();
         let born = Orbit { problem: &birth.problem, starts: &birth.starts, q: &q };
         // The orbit that is born ends with the touch.
@@ -98,7 +95,7 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// [`GrazingError::NotBorn`] if it does neither.
-    pub fn of<H: HybridSystem + Clone>(
+    pub fn of<H: HybridSystem + Clone + 'static>(
         orbit: &HybridOrbit<H>,
         starts: &[f64],
         q: &[f64],
@@ -130,7 +127,7 @@ impl GrazingPoint {
     /// let run = known.fold(run, |run, (name, p)| run.at(name, *p));
     /// let branch = run.along("voltage", 0.01..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
-    /// let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
+    /// let point = GrazingPoint::at::<Actuator, _>(&mut orbits, &grazing.state, &grazing.parameters)?;
     /// let map = LocalMap::of(&Actuator, &point, &["voltage"], MapSettings::default())?;
     /// // At ω = 0.5 the motion jumps.
     /// assert_eq!(map.classified("voltage")?.scenario, Scenario::Jump);
@@ -139,12 +136,15 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn at<H: HybridSystem + Clone, M: Method>(
-        orbits: &mut BoundarySystem<HybridOrbit<H>, M>,
+    pub fn at<H: HybridSystem + Clone + 'static, M: Method>(
+        orbits: &mut BoundarySystem<M>,
         state: &[f64],
         parameters: &[f64],
     ) -> Result<Self, GrazingError> {
-        let problem = orbits.problem().clone();
+        let problem = orbits.problem_as::<HybridOrbit<H>>().cloned().ok_or_else(|| {
+            let reason = "the orbits are those of another hybrid system";
+            EvaluationError::NotApplicable(reason.into())
+        })?;
         let (x, mut starts) = ([state, parameters].concat(), Vec::new());
         for leg in 0..problem.itinerary().legs.len() {
             starts.extend(orbits.states(&x, leg, 0.0).map_err(EvaluationError::LeftDomain)?);

@@ -1,8 +1,8 @@
 //! Events as observers see them, and what observers of a motion are.
 
-use crate::core::field::VectorField;
 use crate::core::flow::Step;
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 use std::ops::ControlFlow;
 
 /// An event: the end of one mode and the beginning of the next.
@@ -44,7 +44,7 @@ impl<T: Scalar> Event<T> {
 /// Watches a hybrid motion. A closure that takes an event watches events only; `()` watches nothing.
 pub trait HybridObserver<T: Scalar> {
     /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an event ended it.
-    fn step<F: VectorField>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
+    fn step<F: FieldIn<T>>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
 
     /// An event; the motion may be ended just after it.
     fn event(&mut self, _event: &Event<T>) -> ControlFlow<()> {
@@ -119,7 +119,7 @@ impl History {
 }
 
 impl HybridObserver<f64> for History {
-    fn step<F: VectorField>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
+    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         if !self.begun {
             let (times, states) = (vec![step.time(0.0)], vec![step.start().to_vec()]);
             self.pieces.push(Piece { mode, times, states });

@@ -88,7 +88,7 @@ impl Guard {
 /// Ball.reset(0, 0, 0.0, &[0.0, -2.0], &[9.81, 0.8], &mut after);
 /// assert_eq!(after, [0.0, 1.6]);
 /// ```
-pub trait HybridSystem {
+pub trait HybridSystem: Send + Sync {
     /// The modes, with the names of their states.
     fn modes(&self) -> Vec<Mode>;
 

@@ -6,7 +6,7 @@
 
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, BoundaryProblem, OnSegment};
+use crate::core::bvp::{Birth, BoundaryProblem, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{Cycle, HybridSystem, rate};
@@ -43,7 +43,7 @@ const NUDGE: f64 = 1e-6;
 /// No more events than this follow at once.
 const MOST_LEGS: usize = 32;
 
-impl<H: HybridSystem + Clone> HybridOrbit<H> {
+impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
     ///
     /// # Errors
@@ -69,7 +69,11 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
     }
 
     /// The orbits that are born where this one touches a guard.
-    pub(super) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, EvaluationError> {
+    pub(in crate::core) fn born(
+        &self,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<Birth<Self>, EvaluationError> {
         let touch = self.touch(starts, q)?;
         let following = self.following(&touch, q)?;
         let legs = self.itinerary().legs.as_slice();
@@ -140,10 +144,10 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
     ) -> Result<Option<Touch>, EvaluationError> {
         let (mut x, leg) = (start.to_vec(), watch.leg);
         let (mut extrema, mut found) = (Extrema::default(), None::<(f64, f64)>);
-        let field = OnSegment { problem: self, segment: leg };
+        let field = Residual::<f64>::on_segment(self, leg, q);
         let duration = self.duration(leg, q);
         let mut flow = Flow::<f64>::default();
-        let outcome = flow.observe(&field, 0.0, duration, &mut x, q, |step| {
+        let outcome = flow.observe(&field, 0.0, duration, &mut x, field.p, |step| {
             extrema.search(watch, step, |extremum| {
                 if found.is_none_or(|(_, value)| extremum.value.abs() < value.abs()) {
                     found = Some((extremum.place, extremum.value));
@@ -154,7 +158,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
         outcome.map_err(crate::core::zero::LeftDomain::from)?;
         let Some((place, value)) = found else { return Ok(None) };
         x.copy_from_slice(start);
-        flow.advance(&field, 0.0, place * duration, &mut x, q)
+        flow.advance(&field, 0.0, place * duration, &mut x, field.p)
             .map_err(crate::core::zero::LeftDomain::from)?;
         let guard = watch.guard;
         Ok(Some(Touch { leg, guard, since: place * duration, value, x }))

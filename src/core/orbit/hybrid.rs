@@ -1,11 +1,12 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, BoundaryProblem, Ends, Monitor, Return, Unknown};
+use crate::core::bvp::{Birth, BoundaryProblem, Ends, Equations, Monitor, Return, Unknown};
 use crate::core::condition::EvaluationError;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
+use std::sync::Arc;
 
 /// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with one segment
 /// for each leg:
@@ -189,7 +190,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 }
 
-impl<H: HybridSystem + Clone> BoundaryProblem for HybridOrbit<H> {
+impl<H: HybridSystem + Clone + 'static> BoundaryProblem for HybridOrbit<H> {
     fn segments(&self) -> Vec<Vec<String>> {
         self.legs().iter().map(|leg| self.modes[leg.mode].states.clone()).collect()
     }
@@ -271,22 +272,19 @@ impl<H: HybridSystem + Clone> BoundaryProblem for HybridOrbit<H> {
         self.itinerary.in_words(&self.modes, &self.guards)
     }
 
-    fn with_itinerary(&self, words: &str) -> Result<Self, EvaluationError> {
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
         let itinerary = Itinerary::read(words, &self.system)
             .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
-        Ok(self.like(itinerary))
+        Ok(Arc::new(self.like(itinerary)))
     }
 
-    fn doubled(&self) -> Option<Self> {
-        (!self.smooth()).then(|| self.like(self.itinerary.repeated(2)))
+    fn doubled(&self) -> Option<Arc<dyn Equations>> {
+        let doubled = || Arc::new(self.like(self.itinerary.repeated(2)));
+        (!self.smooth()).then(|| doubled() as Arc<dyn Equations>)
     }
 
-    fn born_at_grazing(
-        &self,
-        starts: &[f64],
-        q: &[f64],
-    ) -> Result<Option<Birth<Self>>, EvaluationError> {
-        self.born(starts, q).map(Some)
+    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
+        Ok(Some(self.born(starts, q)?.erased()))
     }
 
     fn domain(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {

@@ -19,7 +19,7 @@ const SURE: f64 = 1e-4;
 /// Names of the monitors that are positive on admissible orbits.
 const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
 
-impl<H: HybridSystem + Clone> HybridOrbit<H> {
+impl<H: HybridSystem> HybridOrbit<H> {
     /// All monitors by name. Guards are the functions that are watched.
     pub(super) fn all_monitors(&self) -> Vec<(String, Monitor)> {
         let measures = self.system().measures();

@@ -124,11 +124,11 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
 ///
 /// # Errors
 /// [`BoundaryError`] if the field has no states, or there is no interval.
-pub fn by_collocation<F: VectorField>(
+pub fn by_collocation<F: VectorField + 'static>(
     field: F,
     intervals: usize,
     method: Collocation,
-) -> Result<BoundarySystem<Orbit<F>, Collocation>, BoundaryError> {
+) -> Result<BoundarySystem<Collocation>, BoundaryError> {
     discretised(field, intervals, method)
 }
 
@@ -155,19 +155,19 @@ pub fn by_collocation<F: VectorField>(
 ///
 /// # Errors
 /// [`BoundaryError`] if the field has no states, or there is no segment.
-pub fn by_shooting<F: VectorField>(
+pub fn by_shooting<F: VectorField + 'static>(
     field: F,
     segments: usize,
     method: Shooting,
-) -> Result<BoundarySystem<Orbit<F>, Shooting>, BoundaryError> {
+) -> Result<BoundarySystem<Shooting>, BoundaryError> {
     discretised(field, segments, method)
 }
 
-fn discretised<F: VectorField, M: Method>(
+fn discretised<F: VectorField + 'static, M: Method>(
     field: F,
     intervals: usize,
     method: M,
-) -> Result<BoundarySystem<Orbit<F>, M>, BoundaryError> {
+) -> Result<BoundarySystem<M>, BoundaryError> {
     if intervals == 0 {
         return Err(BoundaryError::NoIntervals { segment: 0 });
     }

@@ -11,10 +11,10 @@
 //! and the time of return is the period. Where a motion does not return to the point itself within
 //! some crossings, a section is laid through the last of them: transients go on dying out meanwhile.
 
-use super::Orbit;
-use crate::core::bvp::{BoundarySystem, Method};
+use crate::core::bvp::{BoundarySystem, Method, Number};
 use crate::core::field::VectorField;
 use crate::core::flow::{Flow, FlowError, Settings, SettingsError, Step};
+use crate::core::scalar_field::FieldIn;
 use std::ops::ControlFlow;
 
 /// How long a simulation may last, and when it has settled.
@@ -131,10 +131,7 @@ impl Simulation {
             return Err(SimulationError::Length { what, found, expected });
         }
         let mut run = Run { field, p, flow: Flow::new(self.flow)?, simulation: self };
-        match field.period(p) {
-            Some(period) => run.strobed(start, period),
-            None => run.returning(start),
-        }
+        run.follow(start, field.period(p))
     }
 }
 
@@ -154,7 +151,18 @@ struct Crossing {
     distance: f64,
 }
 
-impl<F: VectorField> Run<'_, F> {
+impl<F: FieldIn<f64>> Run<'_, F> {
+    fn follow(
+        &mut self,
+        start: &[f64],
+        period: Option<f64>,
+    ) -> Result<PeriodicMotion, SimulationError> {
+        match period {
+            Some(period) => self.strobed(start, period),
+            None => self.returning(start),
+        }
+    }
+
     /// Looks at the trajectory once in every period of the forcing.
     fn strobed(&mut self, start: &[f64], period: f64) -> Result<PeriodicMotion, SimulationError> {
         let Simulation { transient, tolerance, returns, .. } = *self.simulation;
@@ -206,7 +214,7 @@ impl<F: VectorField> Run<'_, F> {
     fn cross(&mut self, base: &[f64], most: usize) -> Result<Crossing, SimulationError> {
         let Simulation { tolerance, longest, .. } = *self.simulation;
         let mut normal = vec![0.0; base.len()];
-        self.field.field(0.0, base, self.p, &mut normal);
+        self.field.slope(0.0, base, self.p, &mut normal);
         let height = |x: &[f64]| -> f64 {
             x.iter().zip(base).zip(&normal).map(|((x, b), n)| (x - b) * n).sum()
         };
@@ -235,7 +243,7 @@ impl<F: VectorField> Run<'_, F> {
 
 /// Where a height, negative at the start of a step and not so at its end, vanishes: time and state. States
 /// are those of shorter steps of the method, so that both have the accuracy of the flow.
-fn crossing_in<F: VectorField>(
+fn crossing_in<F: FieldIn<f64>>(
     step: &mut Step<F, f64>,
     height: &impl Fn(&[f64]) -> f64,
 ) -> (f64, Vec<f64>) {
@@ -267,7 +275,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-impl<F: VectorField, M: Method> BoundarySystem<Orbit<F>, M> {
+impl<M: Method> BoundarySystem<M> {
     /// The unknowns `z` of a stable orbit, found by simulation from a state (at time 0): a start for a
     /// branch.
     ///
@@ -296,9 +304,15 @@ impl<F: VectorField, M: Method> BoundarySystem<Orbit<F>, M> {
         start: &[f64],
         p: &[f64],
     ) -> Result<Vec<f64>, SimulationError> {
-        let field = self.problem().vector_field();
-        let PeriodicMotion { state, period, .. } = simulation.follow(field, start, p)?;
-        let extras: &[f64] = if field.period(p).is_some() { &[] } else { &[period] };
+        let autonomous = self.problem().phase();
+        let q = [p, if autonomous { &[0.0][..] } else { &[] }].concat();
+        let equations = f64::residual(&**self.problem());
+        let (field, forcing) = (&equations.on_segment(0, &q), equations.duration_in(0, &q));
+        let p = field.p;
+        let mut run = Run { field, p, flow: Flow::new(simulation.flow)?, simulation };
+        let PeriodicMotion { state, period, .. } =
+            run.follow(start, (!autonomous).then_some(forcing))?;
+        let extras: &[f64] = if autonomous { &[period] } else { &[] };
         let mut flow = Flow::new(simulation.flow)?;
         let (mut x, mut place, mut outcome) = (state.clone(), 0.0, Ok(()));
         let z = self.sampled(extras, |_, tau, out| {

@@ -5,9 +5,7 @@ use super::impact_oscillator::ClosedForm;
 use super::reference::Reference;
 use crate::common::solved;
 use std::f64::consts::{PI, TAU};
-use tangency::core::bvp::{
-    BoundaryProblem, BoundarySystem, Collocation, Mesh, Method, OnSegment, Shooting,
-};
+use tangency::core::bvp::{BoundarySystem, Collocation, Equations, Mesh, Method, Number, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -80,28 +78,30 @@ pub fn resting(stiffness: f64) -> [Start; 2] {
     by_both(Reference::DryImpact, "stick:impact up:turn down:turn", &starts, &extras, &p)
 }
 
-fn discretised<P: BoundaryProblem, M: Method>(
-    problem: P,
+fn discretised<M: Method>(
+    problem: impl Equations,
     method: M,
     intervals: usize,
-) -> BoundarySystem<P, M> {
+) -> BoundarySystem<M> {
     let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
     BoundarySystem::new(problem, method, meshes).unwrap()
 }
 
 /// Unknowns on trajectories from the states where legs begin.
-fn sampled<P: BoundaryProblem, M: Method>(
-    system: &BoundarySystem<P, M>,
+fn sampled<M: Method>(
+    system: &BoundarySystem<M>,
     starts: &[&[f64]],
     extras: &[f64],
     p: &[f64],
 ) -> Vec<f64> {
-    let (problem, q) = (system.problem(), [p, extras].concat());
+    let q = [p, extras].concat();
+    let problem = f64::residual(&**system.problem());
     let mut flow = Flow::<f64>::default();
     system.sampled(extras, |segment, tau, x| {
         x.copy_from_slice(starts[segment]);
-        let length = tau * problem.duration(segment, &q);
-        flow.advance(&OnSegment { problem, segment }, 0.0, length, x, &q).unwrap();
+        let (field, length) =
+            (problem.on_segment(segment, &q), tau * problem.duration_in(segment, &q));
+        flow.advance(&field, 0.0, length, x, field.p).unwrap();
     })
 }
 

@@ -10,11 +10,11 @@ pub fn strings(names: &[&str]) -> Vec<String> {
 }
 
 /// A system by collocation at `points` on uniform meshes.
-pub fn collocated<P: BoundaryProblem>(
-    problem: P,
+pub fn collocated(
+    problem: impl BoundaryProblem + 'static,
     points: usize,
     intervals: usize,
-) -> BoundarySystem<P, Collocation> {
+) -> BoundarySystem<Collocation> {
     let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
     BoundarySystem::new(problem, Collocation::new(points).unwrap(), meshes).unwrap()
 }

@@ -6,22 +6,25 @@ use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::dense::Dense;
 use tangency::core::field::{Equilibria, VectorField};
 use tangency::core::flow::Scheme;
-use tangency::core::orbit::{Orbit, by_collocation, by_shooting};
+use tangency::core::orbit::{by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::Names;
 
-pub type ByCollocation<F> = BoundarySystem<Orbit<F>, Collocation>;
-pub type ByShooting<F> = BoundarySystem<Orbit<F>, Shooting>;
-
-pub fn collocated<F: VectorField>(field: F, intervals: usize) -> ByCollocation<F> {
+pub fn collocated(
+    field: impl VectorField + 'static,
+    intervals: usize,
+) -> BoundarySystem<Collocation> {
     by_collocation(field, intervals, Collocation::new(4).unwrap()).unwrap()
 }
 
-pub fn shot<F: VectorField>(field: F, segments: usize) -> ByShooting<F> {
+pub fn shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem<Shooting> {
     by_shooting(field, segments, Shooting::default()).unwrap()
 }
 
-pub fn precisely_shot<F: VectorField>(field: F, segments: usize) -> ByShooting<F> {
+pub fn precisely_shot(
+    field: impl VectorField + 'static,
+    segments: usize,
+) -> BoundarySystem<Shooting> {
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     by_shooting(field, segments, method).unwrap()
 }

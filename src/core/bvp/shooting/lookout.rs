@@ -1,11 +1,12 @@
 //! What is watched while an interval is flowed.
 
 use super::times;
-use crate::core::bvp::problem::Watching;
-use crate::core::bvp::{BoundaryProblem, Interval, Observable, Watchlist};
-use crate::core::field::VectorField;
+use crate::core::bvp::erased::Watching;
+use crate::core::bvp::{Interval, Observable, Watchlist};
 use crate::core::flow::{Extrema, Extremum, RealStep, Rises, Step};
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::WatchIn;
 use std::ops::ControlFlow;
 
 /// Scalars that are watched along an interval, what searches for their extrema, and what is told them.
@@ -35,16 +36,16 @@ impl Lookout<'_> {
     }
 
     /// Visits an end of the interval, where the states are `x`.
-    pub fn end<P: BoundaryProblem>(&mut self, interval: &Interval<P, f64>, place: f64, x: &[f64]) {
+    pub fn end(&mut self, interval: &Interval<f64>, place: f64, x: &[f64]) {
         for (k, &observable) in self.watched.extrema.iter().enumerate() {
             (self.visit)(k, place, seen(interval, observable, place, x));
         }
     }
 
     /// Visits what is watched in a step of the flow of real numbers.
-    pub fn real<P: BoundaryProblem, F: VectorField>(
+    pub fn real<F: FieldIn<f64>>(
         &mut self,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         step: &mut Step<F, f64>,
     ) -> ControlFlow<()> {
         self.each(
@@ -56,9 +57,9 @@ impl Lookout<'_> {
     }
 
     /// The same in a step of dual numbers.
-    pub fn dual<P: BoundaryProblem, F: VectorField, T: Scalar>(
+    pub fn dual<F: FieldIn<T>, T: Scalar>(
         &mut self,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         step: &Step<F, T>,
     ) -> ControlFlow<()> {
         self.each(
@@ -70,12 +71,12 @@ impl Lookout<'_> {
     }
 
     /// Searches a step, of whatever numbers, for each scalar.
-    fn each<P: BoundaryProblem, S>(
+    fn each<S>(
         &mut self,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         mut step: S,
-        extremum: ExtremaIn<P, S>,
-        rise: RisesIn<P, S>,
+        extremum: ExtremaIn<S>,
+        rise: RisesIn<S>,
     ) -> ControlFlow<()> {
         let (Search { extrema, rises, step: real }, watched) = (&mut *self.search, self.watched);
         for (k, (extrema, &observable)) in extrema.iter_mut().zip(watched.extrema).enumerate() {
@@ -94,21 +95,14 @@ impl Lookout<'_> {
 }
 
 /// A search for extrema in a step.
-type ExtremaIn<P, S> =
-    fn(&mut Extrema<f64>, &Watching<P>, &mut S, &mut RealStep, &mut dyn FnMut(Extremum<f64>));
+type ExtremaIn<S> =
+    fn(&mut Extrema<f64>, &Watching, &mut S, &mut RealStep, &mut dyn FnMut(Extremum<f64>));
 
 /// A search for rises in a step.
-type RisesIn<P, S> =
-    fn(&mut Rises, &Watching<P>, &mut S, &mut RealStep, &mut dyn FnMut(f64, &[f64]));
+type RisesIn<S> = fn(&mut Rises, &Watching, &mut S, &mut RealStep, &mut dyn FnMut(f64, &[f64]));
 
 /// What is seen of a scalar at a place of an interval, where the states are `x`.
-fn seen<P: BoundaryProblem>(
-    interval: &Interval<P, f64>,
-    observable: Observable,
-    place: f64,
-    x: &[f64],
-) -> f64 {
+fn seen(interval: &Interval<f64>, observable: Observable, place: f64, x: &[f64]) -> f64 {
     let (start, length) = times(interval);
-    let Interval { problem, span, q, .. } = *interval;
-    problem.observe(observable, span.segment, start + place * length, x, q)
+    interval.watching(observable).value_in(start + place * length, x, interval.q)
 }

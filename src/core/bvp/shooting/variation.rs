@@ -2,7 +2,7 @@
 
 use super::lookout::Lookout;
 use super::times;
-use crate::core::bvp::{Block, BoundaryProblem, Interval};
+use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{parts, seeded};
 use crate::core::flow::{Flow, Settings};
 use crate::core::zero::LeftDomain;
@@ -29,13 +29,16 @@ fn largest<const N: usize>(x: &DualSVec64<N>) -> f64 {
     parts(x).iter().fold(0.0, |largest, part| part.abs().max(largest))
 }
 
-impl<const N: usize> Variation<N> {
+impl<const N: usize> Variation<N>
+where
+    DualSVec64<N>: Number,
+{
     /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left states,
     /// then the active numbers.
-    pub fn linearise<P: BoundaryProblem>(
+    pub fn linearise(
         &mut self,
         settings: Settings,
-        interval: &Interval<P, f64>,
+        interval: &Interval<f64>,
         (active, first): (&[usize], usize),
         block: &mut Block,
         lookout: &mut Lookout,
@@ -55,7 +58,8 @@ impl<const N: usize> Variation<N> {
         let (start, length) = times(&dual);
         lookout.begin();
         lookout.end(interval, 0.0, &nodes[..n]);
-        self.flow.observe(&dual.field(), start, length, &mut self.x, &self.q, |step| {
+        let field = dual.field();
+        self.flow.observe(&field, start, length, &mut self.x, field.p, |step| {
             lookout.dual(interval, step)
         })?;
         self.end.clear();

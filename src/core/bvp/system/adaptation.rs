@@ -3,10 +3,10 @@
 use super::carry::Onto;
 use super::layout::Layout;
 use super::{BoundarySystem, MOST_INTERVALS};
-use crate::core::bvp::{BoundaryError, BoundaryProblem, Mesh, Method};
+use crate::core::bvp::{BoundaryError, Mesh, Method};
 use crate::core::zero::LeftDomain;
 
-impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+impl<M: Method> BoundarySystem<M> {
     /// The estimated error of a solution that its mesh causes: the largest of any state anywhere, in units of
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///
@@ -154,7 +154,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
             }
             meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
         }
-        let layout = Layout::new(&equations.problem, &equations.method, &meshes)?;
+        let layout = Layout::new(&*equations.problem, &equations.method, &meshes)?;
         let places = equations.method.places();
         let onto = Onto { meshes: &meshes, layout: &layout, places };
         let carried = equations.carried(&onto, x)?;
@@ -162,7 +162,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         let reference =
             (!reference.is_empty()).then(|| equations.carried(&onto, reference)).transpose()?;
         let (problem, method) = (before.equations.problem, before.equations.method);
-        let mut system = BoundarySystem::new(problem, method, meshes)?;
+        let mut system = BoundarySystem::of(problem, method, meshes)?;
         if let Some(reference) = reference {
             system.set_reference(&reference)?;
         }

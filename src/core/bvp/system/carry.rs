@@ -1,10 +1,9 @@
 //! Solutions on one mesh carried over to another.
 
-use super::equations::{Equations, Work};
+use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
 use crate::core::bvp::interpolation::lagrange;
-use crate::core::bvp::{BoundaryProblem, Mesh, Method};
-use crate::core::scalar::Scalar;
+use crate::core::bvp::{Mesh, Method, Number};
 use crate::core::zero::LeftDomain;
 
 /// The nodes on which a solution is wanted.
@@ -48,9 +47,9 @@ impl Transfer {
     }
 }
 
-impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+impl<M: Method> Discretised<M> {
     /// The states at a place in an interval, at the arguments of `work`.
-    pub fn value<T: Scalar>(
+    pub fn value<T: Number>(
         &self,
         work: &mut Work<T, M>,
         (segment, interval): (usize, usize),
@@ -88,7 +87,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 
     /// Hands the values at other nodes to `put`, with their positions.
-    fn carry<T: Scalar>(
+    fn carry<T: Number>(
         &self,
         onto: &Onto,
         argument: impl Fn(usize) -> T,

@@ -6,16 +6,17 @@ use super::mesh_error::highest_derivative;
 use crate::core::bvp::interpolation::lagrange;
 use crate::core::bvp::method::left_domain;
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, Ends, Interval, Mesh, Method, Monitor, OnSegment, Span,
+    BoundaryError, Ends, Equations, Interval, Mesh, Method, Monitor, Number, Span,
 };
-use crate::core::field::VectorField;
 use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 use crate::core::zero::LeftDomain;
+use std::sync::Arc;
 
 /// A problem, how it is discretised, and the reference of its phase condition.
-pub(super) struct Equations<P, M> {
-    pub problem: P,
+pub(super) struct Discretised<M> {
+    pub problem: Arc<dyn Equations>,
     pub method: M,
     pub meshes: Vec<Mesh>,
     pub layout: Layout,
@@ -89,15 +90,19 @@ impl<T: Scalar, M: Method> Work<T, M> {
     }
 }
 
-impl<P: BoundaryProblem, M: Method> Equations<P, M> {
-    pub fn new(problem: P, method: M, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
-        let layout = Layout::new(&problem, &method, &meshes)?;
+impl<M: Method> Discretised<M> {
+    pub fn new(
+        problem: Arc<dyn Equations>,
+        method: M,
+        meshes: Vec<Mesh>,
+    ) -> Result<Self, BoundaryError> {
+        let layout = Layout::new(&*problem, &method, &meshes)?;
         let monitors: Vec<Monitor> =
             problem.monitors().into_iter().map(|(_, monitor)| monitor).collect();
         let (points, weights) = gauss_legendre(method.quadrature());
         let quadrature =
             points.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect();
-        Ok(Equations {
+        Ok(Discretised {
             quadrature,
             phase: Phase::default(),
             extremes: Extremes::of(&monitors, &layout),
@@ -122,12 +127,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         (segment, interval): (usize, usize),
         nodes: &'a [T],
         q: &'a [T],
-    ) -> Interval<'a, P, T> {
-        Interval { problem: &self.problem, span: self.span(segment, interval), nodes, q }
+    ) -> Interval<'a, T> {
+        Interval { problem: &*self.problem, span: self.span(segment, interval), nodes, q }
     }
 
     /// All left sides at the arguments of `work`, into its `r`.
-    pub fn residual<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+    pub fn residual<T: Number>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
         self.residual_inside(work)?;
         self.residual_beside(work)
     }
@@ -143,7 +148,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 
     /// Left sides of the equations of all intervals.
-    fn residual_inside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+    fn residual_inside<T: Number>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
         let Work { nodes, q, r, local, .. } = work;
         for (s, j) in self.layout.intervals() {
             let interval = self.interval((s, j), &nodes[self.layout.interval(s, j)], q);
@@ -154,7 +159,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 
     /// Left sides of boundary, integral and phase conditions.
-    fn residual_beside<T: Scalar>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+    fn residual_beside<T: Number>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
         let layout = &self.layout;
         let conditions = &mut work.r[layout.conditions()..];
         let (boundary, closing) = conditions.split_at_mut(layout.boundary);
@@ -173,15 +178,15 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
 
     /// The left sides of the boundary conditions; `ends` holds the states where all segments begin, then
     /// those where they end.
-    pub fn boundary<T: Scalar>(&self, ends: &[T], q: &[T], b: &mut [T]) {
+    pub fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (start, end) = ends.split_at(self.layout.states);
-        self.problem.boundary(Ends { start, end }, q, b);
+        T::residual(&*self.problem).boundary_in(Ends { start, end }, q, b);
     }
 
     /// Adds an interval's share of the integral conditions.
-    pub fn integrals<T: Scalar>(
+    pub fn integrals<T: Number>(
         &self,
-        interval: Interval<P, T>,
+        interval: Interval<T>,
         local: &mut Local<T, M>,
         sums: &mut [T],
     ) -> Result<(), LeftDomain> {
@@ -194,12 +199,23 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             self.method.value(interval, *place, &mut local.method, x)?;
             let t = duration * (span.start + h * place);
             local.g.fill(T::zero());
-            self.problem.integrand(span.segment, t, x, interval.q, &mut local.g);
+            T::residual(interval.problem).integrand_in(
+                span.segment,
+                t,
+                x,
+                interval.q,
+                &mut local.g,
+            );
             for (sum, g) in sums.iter_mut().zip(&local.g) {
                 *sum += duration * *g * (h * weight);
             }
         }
         Ok(())
+    }
+
+    /// The duration of a segment.
+    pub fn duration_of(&self, segment: usize, q: &[f64]) -> f64 {
+        f64::residual(&*self.problem).duration_in(segment, q)
     }
 
     /// The left side of the phase condition.
@@ -228,7 +244,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         let mut motion = vec![0.0; layout.values()];
         for (s, j) in layout.intervals() {
             let (span, n) = (self.span(s, j), layout.segments[s].states);
-            let duration = self.problem.duration(s, &work.q);
+            let duration = self.duration_of(s, &work.q);
             let f = &mut work.local.x[..n];
             let nodes = layout.interval(s, j);
             let values = work.nodes[nodes.clone()].chunks_exact(n);
@@ -280,8 +296,9 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         f: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let refuse = |cause| left_domain(cause, segment, t);
-        self.problem.domain(segment, x, q).map_err(refuse)?;
-        self.problem.field(segment, t, x, q, f);
+        let field = f64::residual(&*self.problem).on_segment(segment, q);
+        field.domain(x, field.p).map_err(refuse)?;
+        field.slope(t, x, field.p, f);
         match first_not_finite(f) {
             Some(i) => Err(refuse(self.not_finite(segment, i, f[i]))),
             None => Ok(()),
@@ -312,14 +329,13 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         let segment = &layout.segments[s];
         let inside = row - segment.equations;
         let span = self.span(s, inside / (layout.degree * segment.states));
-        let t = span.start * self.problem.duration(s, q);
+        let t = span.start * self.duration_of(s, q);
         left_domain(self.not_finite(s, inside % segment.states, value), s, t)
     }
 
     fn not_finite(&self, segment: usize, state: usize, value: f64) -> LeftDomain {
-        let problem = &self.problem;
-        let names = OnSegment { problem, segment }.names().unknowns;
-        let name = names.get(state).map_or("", |group| group.name.as_str());
+        let names = self.problem.segments().swap_remove(segment);
+        let name = names.get(state).map_or("", String::as_str);
         LeftDomain::new(
             format!("the equation of {name}"),
             value,

@@ -1,11 +1,11 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
 use super::carry::Onto;
-use super::equations::Equations;
+use super::equations::Discretised;
 use super::factorisation::Form;
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::{BoundaryProblem, Mesh, Method};
+use crate::core::bvp::{Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::condition::EvaluationError;
 use crate::core::motion::Oscillation;
@@ -19,7 +19,7 @@ use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 /// converges, not where to.
 const GRADIENT: f64 = 1e-8;
 
-impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+impl<M: Method> BoundarySystem<M> {
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -59,11 +59,7 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
     }
 }
 
-impl<P, M> System for BoundarySystem<P, M>
-where
-    P: BoundaryProblem + Clone + 'static,
-    M: Method + Clone + 'static,
-{
+impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
     fn names(&self) -> &Names {
         &self.names
     }
@@ -284,10 +280,10 @@ where
         if too_fine || self.refinements >= MOST_REFINEMENTS {
             return None;
         }
-        let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
+        let mut system = BoundarySystem::of(self.problem().clone(), method, meshes).ok()?;
         system.refinements = self.refinements + 1;
         system.linearisation.active.clone_from(&self.linearisation.active);
-        let Equations { method, meshes, layout, .. } = &system.equations;
+        let Discretised { method, meshes, layout, .. } = &system.equations;
         let x =
             self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
         Some(Refinement { system: Box::new(system), x })

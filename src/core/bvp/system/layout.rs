@@ -1,7 +1,7 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
 use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, Mesh, Method, Observable, Return, Span, Unknown, Watched,
+    BoundaryError, Equations, Mesh, Method, Observable, Return, Span, Unknown, Watched,
 };
 
 /// The places of one segment's unknowns and equations.
@@ -51,8 +51,8 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub fn new<P: BoundaryProblem, M: Method>(
-        problem: &P,
+    pub fn new<M: Method>(
+        problem: &dyn Equations,
         method: &M,
         meshes: &[Mesh],
     ) -> Result<Self, BoundaryError> {
@@ -99,7 +99,7 @@ impl Layout {
         Ok(layout)
     }
 
-    fn check<P: BoundaryProblem>(&self, problem: &P) -> Result<(), BoundaryError> {
+    fn check(&self, problem: &dyn Equations) -> Result<(), BoundaryError> {
         self.check_returns()?;
         for (name, monitor) in problem.monitors() {
             for Watched { segment, observable } in monitor.watched() {

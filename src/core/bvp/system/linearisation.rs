@@ -1,10 +1,10 @@
 //! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and rows of
 //! integral and phase conditions.
 
-use super::equations::{Equations, Work, first_not_finite};
+use super::equations::{Discretised, Work, first_not_finite};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::{Block, BoundaryProblem, Interval, Method};
+use crate::core::bvp::{Block, Interval, Method};
 use crate::core::chunk::{CHUNK, Chunk, parts};
 use crate::core::zero::LeftDomain;
 
@@ -36,7 +36,7 @@ pub(super) struct Linearisation {
 
 impl Linearisation {
     /// Sizes for a layout and the active numbers.
-    pub fn resize<P: BoundaryProblem, M: Method>(&mut self, equations: &Equations<P, M>) {
+    pub fn resize<M: Method>(&mut self, equations: &Discretised<M>) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);
         self.blocks.resize(layout.segments.len(), Vec::new());
@@ -54,9 +54,9 @@ impl Linearisation {
     }
 
     /// Assembles at `x`, which `work` has loaded.
-    pub fn assemble<P: BoundaryProblem, M: Method>(
+    pub fn assemble<M: Method>(
         &mut self,
-        equations: &mut Equations<P, M>,
+        equations: &mut Discretised<M>,
         x: &[f64],
         work: &Work<f64, M>,
         passes: &mut Passes<Chunk, M>,
@@ -69,13 +69,13 @@ impl Linearisation {
         self.check(equations, &work.q)
     }
 
-    fn intervals<P: BoundaryProblem, M: Method>(
+    fn intervals<M: Method>(
         &mut self,
-        equations: &mut Equations<P, M>,
+        equations: &mut Discretised<M>,
         work: &Work<f64, M>,
     ) -> Result<(), LeftDomain> {
         let active = self.active.len();
-        let Equations { problem, method, meshes, layout, extremes, .. } = equations;
+        let Discretised { problem, method, meshes, layout, extremes, .. } = equations;
         let watching = M::EXTREMA_WITH_RESIDUAL && !self.rough;
         if watching {
             extremes.begin();
@@ -90,7 +90,7 @@ impl Linearisation {
                     numbers: &mut self.numbers[s][j * rows * active..(j + 1) * rows * active],
                 };
                 let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
-                let interval = Interval { problem, span, nodes, q: &work.q };
+                let interval = Interval { problem: &**problem, span, nodes, q: &work.q };
                 if watching {
                     let (watched, mut visit) = extremes.visitor(s, j);
                     let active = &self.active;
@@ -107,9 +107,9 @@ impl Linearisation {
     }
 
     /// Derivatives of the boundary conditions.
-    fn boundary<P: BoundaryProblem, M: Method>(
+    fn boundary<M: Method>(
         &mut self,
-        equations: &Equations<P, M>,
+        equations: &Discretised<M>,
         x: &[f64],
         passes: &mut Passes<Chunk, M>,
     ) {
@@ -129,9 +129,9 @@ impl Linearisation {
     }
 
     /// Rows of the integral conditions and of the phase condition.
-    fn closing<P: BoundaryProblem, M: Method>(
+    fn closing<M: Method>(
         &mut self,
-        equations: &Equations<P, M>,
+        equations: &Discretised<M>,
         x: &[f64],
         work: &Work<f64, M>,
         passes: &mut Passes<Chunk, M>,
@@ -154,9 +154,9 @@ impl Linearisation {
         Ok(())
     }
 
-    fn integrals<P: BoundaryProblem, M: Method>(
+    fn integrals<M: Method>(
         &mut self,
-        equations: &Equations<P, M>,
+        equations: &Discretised<M>,
         (s, j): (usize, usize),
         x: &[f64],
         passes: &mut Passes<Chunk, M>,
@@ -235,11 +235,7 @@ impl Linearisation {
     }
 
     /// Refuses entries that are not finite, by the equation in which they are.
-    fn check<P: BoundaryProblem, M: Method>(
-        &self,
-        equations: &Equations<P, M>,
-        q: &[f64],
-    ) -> Result<(), LeftDomain> {
+    fn check<M: Method>(&self, equations: &Discretised<M>, q: &[f64]) -> Result<(), LeftDomain> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
         for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {

@@ -1,8 +1,8 @@
 //! Derivatives of parts of the equations by the unknowns on which they depend, a chunk at a time.
 
-use super::equations::{Equations, Local};
+use super::equations::{Discretised, Local};
 use super::layout::Layout;
-use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::bvp::{Method, Number};
 use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -88,9 +88,9 @@ pub(super) struct Weighted<'a, T> {
     pub take: fn(&T) -> Chunk,
 }
 
-impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+impl<M: Method> Discretised<M> {
     /// Adds the gradient of a weighted sum of all left sides to `out` (as long as `x`).
-    pub fn add_gradient<T: Scalar>(
+    pub fn add_gradient<T: Number>(
         &self,
         weighted: &Weighted<T>,
         passes: &mut Passes<T, M>,

@@ -16,9 +16,9 @@
 //! wrong. The square of the last term is therefore added; where the mesh resolves the solution, it is
 //! negligible.
 
-use super::equations::{Equations, Work};
+use super::equations::{Discretised, Work};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::{BoundaryProblem, Method};
+use crate::core::bvp::Method;
 use crate::core::chunk::Chunk;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -31,7 +31,7 @@ pub(super) struct LargestError {
     pub error: f64,
 }
 
-impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+impl<M: Method> Discretised<M> {
     /// The largest estimated error; `None` if the method has none, or all states vanish.
     pub fn largest_error(&self, nodes: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;

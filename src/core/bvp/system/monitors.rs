@@ -1,12 +1,16 @@
 //! Monitors of a discretised boundary-value problem, and their gradients.
 
-use super::equations::{Equations, Work, gather_ends};
+use super::equations::{Discretised, Work, gather_ends};
 use super::extremes::Sighting;
 use super::layout::span;
 use super::local::{Dependence, Passes};
-use crate::core::bvp::{BoundaryProblem, Ends, Interval, Method, Monitor, Observable, Watched};
+use crate::core::bvp::{
+    EndFunctions, Ends, Equations, Interval, Method, Monitor, Number, Observable, WatchNumber,
+    Watched,
+};
 use crate::core::chunk::{CHUNK, Chunk, parts};
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
 use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
 
@@ -16,7 +20,7 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 /// A scalar at a place, with the factor by which it counts.
 type Term = (Watched, Sighting, f64);
 
-impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+impl<M: Method> Discretised<M> {
     /// The values of all monitors at the arguments of `work`.
     pub fn evaluate_monitors(
         &mut self,
@@ -113,15 +117,18 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
     }
 
     /// The duration of all segments together.
-    fn duration<T: Scalar>(&self, q: &[T]) -> T {
-        let each = self.meshes.iter().enumerate();
-        each.fold(T::zero(), |sum, (s, mesh)| sum + self.problem.duration(s, q) * mesh.end())
+    fn duration<T: Number>(&self, q: &[T]) -> T {
+        let (each, problem) = (self.meshes.iter().enumerate(), T::residual(&*self.problem));
+        each.fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())
     }
 
     /// A function of states at the ends, those where segments begin coming first.
-    fn of_ends<T: Scalar>(&self, function: usize, ends: &[T], q: &[T]) -> T {
+    fn of_ends<T: Scalar>(&self, function: usize, ends: &[T], q: &[T]) -> T
+    where
+        dyn Equations: EndFunctions<T>,
+    {
         let (start, end) = ends.split_at(self.layout.states);
-        self.problem.of_ends(function, Ends { start, end }, q)
+        self.problem.of_ends_in(function, Ends { start, end }, q)
     }
 
     /// The watched scalars and places whose values make up a monitor.
@@ -168,7 +175,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         q: &[f64],
         mut residual: Option<&mut [f64]>,
     ) -> Result<(), LeftDomain> {
-        let Equations { problem, method, meshes, layout, extremes, rough, .. } = self;
+        let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
         if residual.is_none() && extremes.known(nodes, q, *rough) {
             return Ok(());
         }
@@ -177,7 +184,12 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
             let (span, nodes) = (span(meshes, s, j), &nodes[layout.interval(s, j)]);
             let (watched, mut visit) = extremes.visitor(s, j);
-            method.extrema(Interval { problem, span, nodes, q }, watched, r, &mut visit)?;
+            method.extrema(
+                Interval { problem: &**problem, span, nodes, q },
+                watched,
+                r,
+                &mut visit,
+            )?;
         }
         extremes.end(nodes, q, *rough);
         Ok(())
@@ -206,11 +218,15 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         self.method.value(at, place, &mut work.local.method, &mut x)?;
         let t = at.duration() * (at.span.start + at.length() * place);
         let mut f = vec![0.0; n];
-        self.problem.field(segment, t, &x, &work.q, &mut f);
+        let field = at.field();
+        field.slope(t, &x, field.p, &mut f);
         let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
         let q: Vec<Dual64> = work.q.iter().map(|q| Dual64::from(*q)).collect();
         let t = Dual64::new(t, 1.0);
-        Ok(observables.map(|o| self.problem.observe(o, segment, t, &moving, &q)))
+        Ok(observables.map(|observable| {
+            let watched = Watched { segment, observable };
+            Dual64::watches(&*self.problem).watch_in(watched, t, &moving, &q)
+        }))
     }
 
     /// The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
@@ -236,7 +252,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         passes: &mut Passes<Chunk, M>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
-        let (layout, Watched { segment, observable }) = (&self.layout, *watched);
+        let (layout, segment) = (&self.layout, watched.segment);
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
         let dependence = Dependence { unknowns, numbers };
@@ -246,7 +262,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
             self.method.value(interval, sighting.place, &mut local.method, x)?;
             let t =
                 interval.duration() * (interval.span.start + interval.length() * sighting.place);
-            Ok(self.problem.observe(observable, segment, t, x, q) * *factor)
+            Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
         })
     }
 

@@ -14,10 +14,11 @@
 use super::factorisation::{Factorisation, Form};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
-use super::{BoundaryProblem, BoundarySystem, Method};
-use crate::core::bvp::Unknown;
+use super::{BoundarySystem, Method};
+use crate::core::bvp::{Number, Unknown};
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::motion::Oscillation;
+use crate::core::scalar_field::FieldIn;
 use crate::core::zero::{Border, Singular, Slot, Spectrum};
 
 /// The factored linearisation of a complex multiplier, within a complex column and row.
@@ -141,7 +142,7 @@ impl Rotating {
     }
 }
 
-impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
+impl<M: Method> BoundarySystem<M> {
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
     /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever multiplying them
     /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
@@ -224,7 +225,8 @@ impl<P: BoundaryProblem, M: Method> BoundarySystem<P, M> {
         let mut motion = vec![0.0; n];
         if start.len() == n {
             let q: Vec<f64> = numbers.collect();
-            self.equations.problem.field(0, 0.0, &start, &q, &mut motion);
+            let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
+            field.slope(0.0, &start, field.p, &mut motion);
         }
         [motion, self.equations.phase.row.iter().take(n).copied().collect()]
     }
@@ -370,7 +372,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl<P: BoundaryProblem, M: Method> Oscillation for BoundarySystem<P, M> {
+impl<M: Method> Oscillation for BoundarySystem<M> {
     fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
         self.rotating.factor(&self.equations.layout, &self.linearisation, omega, column, row)
     }

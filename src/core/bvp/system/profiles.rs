@@ -1,13 +1,13 @@
 //! Time histories and phase portraits of a solution.
 
-use super::equations::{Equations, Work};
-use crate::core::bvp::{BoundaryProblem, Method};
+use super::equations::{Discretised, Work};
+use crate::core::bvp::Method;
 use crate::core::zero::{LeftDomain, Profile};
 
 /// A segment is drawn with at least as many points.
 const FEWEST_POINTS: usize = 100;
 
-impl<P: BoundaryProblem, M: Method> Equations<P, M> {
+impl<M: Method> Discretised<M> {
     /// The time history of each state and, of two or more on a segment, the portrait of the first two. Where
     /// several segments have states of the same name, their curves are one: segments follow each other if the
     /// solution is periodic, and begin together otherwise.
@@ -49,7 +49,7 @@ impl<P: BoundaryProblem, M: Method> Equations<P, M> {
         work: &mut Work<f64, M>,
     ) -> Result<Vec<Vec<f64>>, LeftDomain> {
         let s = &self.layout.segments[segment];
-        let duration = self.problem.duration(segment, &work.q);
+        let duration = self.duration_of(segment, &work.q);
         let each = FEWEST_POINTS.div_ceil(s.intervals).max(self.layout.degree);
         let mut history = Vec::with_capacity(s.intervals * each + 1);
         for interval in 0..s.intervals {

@@ -1,15 +1,16 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
 
-use super::{BoundaryProblem, BoundarySystem, Method};
-use crate::core::bvp::{BoundaryError, Collocation, Mesh, OnSegment, Shooting};
+use super::{BoundarySystem, Method};
+use crate::core::bvp::{BoundaryError, Collocation, Equations, Mesh, Number, Shooting};
+use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
 use crate::core::condition::EvaluationError;
-use crate::core::dense::Dense;
-use crate::core::field::Equilibria;
 use crate::core::flow::Flow;
 use crate::core::kind::Kind;
+use crate::core::scalar_field::FieldIn;
 use crate::core::solution::{Adopted, Leaving, Solution};
-use crate::core::zero::{LeftDomain, System};
+use crate::core::zero::LeftDomain;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A mesh is redistributed after this many accepted points.
 const ADAPT_EVERY: usize = 3;
@@ -24,7 +25,7 @@ impl From<BoundaryError> for EvaluationError {
     }
 }
 
-impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> BoundarySystem<P, M> {
+impl<M: Method + Clone + 'static> BoundarySystem<M> {
     /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses accuracy. A
     /// solution of another method is carried over to this mesh.
     pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
@@ -60,7 +61,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
             self.meshes().iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
         if doubled || (same_method && !finer) {
             let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-            *self = BoundarySystem::new(problem, method, meshes)?;
+            *self = BoundarySystem::of(problem, method, meshes)?;
         } else {
             solution.state = self.resampled(&solution, degree, meshes)?;
             solution.tangent = None;
@@ -82,15 +83,19 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
     }
 
     /// Another problem, on as many intervals a segment as the first one has now.
-    fn change_to(&mut self, problem: P) -> Result<(), EvaluationError> {
+    fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), EvaluationError> {
         let intervals = self.meshes()[0].intervals();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        *self = BoundarySystem::new(problem, self.equations.method.clone(), meshes)?;
+        *self = BoundarySystem::of(problem, self.equations.method.clone(), meshes)?;
         Ok(())
     }
 
     /// The solution twice, and its direction, as one of the problem in which everything happens twice.
-    fn repeat(&mut self, solution: &mut Solution, problem: P) -> Result<(), EvaluationError> {
+    fn repeat(
+        &mut self,
+        solution: &mut Solution,
+        problem: Arc<dyn Equations>,
+    ) -> Result<(), EvaluationError> {
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(solution, &meshes)?;
         let segments = self.equations.layout.segments.iter().zip(&meshes);
@@ -143,12 +148,13 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
                 let s = &self.equations.layout.segments[segment];
                 at = (segment, 0.0, starts[s.ends..s.ends + s.states].to_vec());
             }
-            let field = OnSegment { problem, segment };
-            let duration = problem.duration(segment, &q);
+            let equations = f64::residual(&**problem);
+            let field = equations.on_segment(segment, &q);
+            let duration = equations.duration_in(segment, &q);
             let (from, x) = (at.1, &mut at.2);
             if outcome.is_ok() && tau > from {
                 let length = (tau - from) * duration;
-                outcome = flow.advance(&field, from * duration, length, x, &q).map(|_| ());
+                outcome = flow.advance(&field, from * duration, length, x, field.p).map(|_| ());
             }
             at.1 = tau;
             out.copy_from_slice(&at.2);
@@ -194,18 +200,18 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let problem = self.problem().clone();
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         if degree == 1 {
-            self.sampled_from(BoundarySystem::new(problem, Shooting::default(), meshes)?, &x)
+            self.sampled_from(BoundarySystem::of(problem, Shooting::default(), meshes)?, &x)
         } else {
             let method =
                 Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
-            self.sampled_from(BoundarySystem::new(problem, method, meshes)?, &x)
+            self.sampled_from(BoundarySystem::of(problem, method, meshes)?, &x)
         }
     }
 
     /// A solution `x = (z, p)` of another system of the same problem, as this one has it.
     fn sampled_from<N: Method + Clone + 'static>(
         &self,
-        mut from: BoundarySystem<P, N>,
+        mut from: BoundarySystem<N>,
         x: &[f64],
     ) -> Result<Vec<f64>, EvaluationError> {
         let layout = &from.equations.layout;
@@ -248,10 +254,7 @@ impl<P: BoundaryProblem + Clone + 'static, M: Method + Clone + 'static> Boundary
         let n = self.equations.layout.states;
         let mut q = solution.parameters.clone();
         q.resize(self.equations.layout.numbers(), 1.0);
-        let field = OnSegment { problem: &problem, segment: 0 };
-        let mut equilibrium = Dense::new(Equilibria(field));
-        equilibrium.assemble(&[&solution.state[..], &q[..]].concat())?;
-        let (omega, v) = oscillating_pair(&mut equilibrium, n)?;
+        let (omega, v) = oscillating_pair(&jacobian(&*problem, &solution.state, &q)?, n)?;
         let extras = vec![TAU / omega; self.equations.layout.extras];
         let z = self.sampled(&extras, |_, _, x| x.copy_from_slice(&solution.state));
         let wave = |shift: f64| {
@@ -305,17 +308,30 @@ fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, EvaluationError> {
     meshes.into_iter().map(mesh).collect()
 }
 
+/// The Jacobian of the first segment's field by its states, one column after the other.
+fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, LeftDomain> {
+    let (n, zero) = (x.len(), Chunk::from(0.0));
+    let real = f64::residual(problem).on_segment(0, q);
+    real.domain(x, real.p)?;
+    let q: Vec<Chunk> = q.iter().map(|q| Chunk::from(*q)).collect();
+    let field = Chunk::residual(problem).on_segment(0, &q);
+    let (mut columns, mut f) = (vec![0.0; n * n], vec![zero; n]);
+    for first in (0..n).step_by(CHUNK) {
+        let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();
+        field.slope(zero, &x, field.p, &mut f);
+        for (i, f) in f.iter().enumerate() {
+            (first..n).zip(parts(f)).for_each(|(j, part)| columns[j * n + i] = part);
+        }
+    }
+    Ok(columns)
+}
+
 /// Eigenvalues with a smaller real part, in units of the imaginary one, are those of a Hopf point.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
 /// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary) parts.
-fn oscillating_pair<S: System>(
-    system: &mut S,
-    n: usize,
-) -> Result<(f64, Vec<[f64; 2]>), EvaluationError> {
-    let mut jacobian = vec![0.0; n * n];
-    system.jacobian(&mut jacobian);
-    let matrix = faer::MatRef::from_column_major_slice(&jacobian, n, n);
+fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), EvaluationError> {
+    let matrix = faer::MatRef::from_column_major_slice(jacobian, n, n);
     let decomposition = matrix
         .eigen()
         .map_err(|_| not_applicable("the eigenvalues at the Hopf point do not converge"))?;

@@ -1,0 +1,231 @@
+//! Boundary-value problems behind one object-safe face.
+//!
+//! Users write a [`BoundaryProblem`] generically. Discretisations see it through [`Equations`], one scalar
+//! at a time, so that they are compiled once and not for every problem. [`Number`] lists the scalars in which
+//! residuals are evaluated, [`Watched`](super::Watched) scalars those of [`WatchNumber`].
+
+use super::problem::{Birth, BoundaryProblem, Ends, Monitor, Observable, Return, Watched};
+use crate::core::chunk::{Chunk, Narrow};
+use crate::core::condition::EvaluationError;
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::{Domains, FieldRef, Fields};
+use crate::core::watch::{WatchIn, Watchable};
+use crate::core::zero::LeftDomain;
+use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
+use std::any::Any;
+use std::sync::Arc;
+
+/// The residual of a problem in one scalar.
+pub trait Residual<T: Scalar>: Fields<T> {
+    /// The field of a segment at time `t` from its beginning, and the numbers on which it depends.
+    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
+
+    /// The duration of a segment.
+    fn duration_in(&self, segment: usize, q: &[T]) -> T;
+
+    /// The left sides of the boundary conditions, written into `b`.
+    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
+
+    /// The integrands of the integral conditions, written into `g`.
+    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]);
+}
+
+/// The scalars along segments in one number type.
+pub trait Watches<T> {
+    /// A scalar at time `t` from the beginning of its segment.
+    fn watch_in(&self, watched: Watched, t: T, x: &[T], q: &[T]) -> T;
+}
+
+/// The functions of the states at the ends in one number type.
+pub trait EndFunctions<T> {
+    /// A function of the states at the ends and the numbers.
+    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T;
+}
+
+/// A boundary-value problem in the scalars that discretisations need. Every [`BoundaryProblem`] is one;
+/// its documentation says what each method means.
+pub trait Equations:
+    Residual<f64>
+    + Residual<Dual64>
+    + Residual<HyperDual64>
+    + Residual<HyperHyperDual64>
+    + Residual<Narrow>
+    + Residual<Chunk>
+    + Residual<Dual<Chunk>>
+    + Residual<Dual2<Chunk>>
+    + Watches<f64>
+    + Watches<Dual64>
+    + Watches<Dual2_64>
+    + Watches<Chunk>
+    + EndFunctions<f64>
+    + EndFunctions<Chunk>
+    + Any
+    + Send
+    + Sync
+{
+    /// The names of the states of each segment.
+    fn segments(&self) -> Vec<Vec<String>>;
+    /// The names of the parameters.
+    fn parameters(&self) -> Vec<String>;
+    /// The names of the further unknown numbers.
+    fn extras(&self) -> Vec<String>;
+    /// The number of integral conditions.
+    fn integrals(&self) -> usize;
+    /// Whether anything moves along segments.
+    fn moves(&self) -> bool;
+    /// Whether a phase condition is needed.
+    fn phase(&self) -> bool;
+    /// The conditions by which a period leads to the next.
+    fn returns(&self) -> Vec<Return>;
+    /// Positions of the monitors that are positive on admissible solutions.
+    fn grazings(&self) -> Vec<usize>;
+    /// What is recorded along a branch, by name.
+    fn monitors(&self) -> Vec<(String, Monitor)>;
+    /// The itinerary of the solutions, in words.
+    fn itinerary(&self) -> String;
+    /// The problem whose solutions have a saved itinerary.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if it has no meaning for this problem.
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError>;
+    /// The problem of solutions of two periods, if it is another one.
+    fn doubled(&self) -> Option<Arc<dyn Equations>>;
+    /// The branch that emanates where a solution touches a surface.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if it cannot be determined.
+    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError>;
+    /// Checks that each segment leads to the next one.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the segment's end, its time, and where it leads.
+    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
+}
+
+impl<P: BoundaryProblem> Domains for P {
+    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
+        self.domain(index, x, q)
+    }
+
+    fn states_of(&self, index: usize) -> Vec<String> {
+        self.segments().swap_remove(index)
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Fields<T> for P {
+    #[inline]
+    fn field_of(&self, index: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.field(index, t, x, q, f);
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Residual<T> for P {
+    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
+        FieldRef { fields: self, wide: self, real: self, index: segment, start: T::zero(), p: q }
+    }
+
+    fn duration_in(&self, segment: usize, q: &[T]) -> T {
+        self.duration(segment, q)
+    }
+
+    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        self.boundary(ends, q, b);
+    }
+
+    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
+        self.integrand(segment, t, x, q, g);
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Watches<T> for P {
+    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
+        self.observe(observable, segment, t, x, q)
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for P {
+    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        self.of_ends(function, ends, q)
+    }
+}
+
+/// Forwards methods that are no different behind the object-safe face.
+macro_rules! forward {
+    ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
+        $(fn $name(&self, $($argument: $type),*) -> $result {
+            BoundaryProblem::$name(self, $($argument),*)
+        })*
+    };
+}
+
+impl<P: BoundaryProblem + 'static> Equations for P {
+    forward! {
+        segments() -> Vec<Vec<String>>;
+        parameters() -> Vec<String>;
+        extras() -> Vec<String>;
+        integrals() -> usize;
+        moves() -> bool;
+        phase() -> bool;
+        returns() -> Vec<Return>;
+        grazings() -> Vec<usize>;
+        monitors() -> Vec<(String, Monitor)>;
+        itinerary() -> String;
+        with_itinerary(words: &str) -> Result<Arc<dyn Equations>, EvaluationError>;
+        doubled() -> Option<Arc<dyn Equations>>;
+        born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError>;
+        check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
+    }
+}
+
+/// A scalar in which the residual of any problem can be evaluated.
+pub trait Number: Scalar {
+    /// The residual of a problem in this scalar.
+    fn residual(problem: &dyn Equations) -> &dyn Residual<Self>;
+}
+
+/// A scalar in which watched scalars can be evaluated.
+pub trait WatchNumber: Scalar {
+    /// The watched scalars of a problem in this scalar.
+    fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
+}
+
+macro_rules! numbers {
+    ($($number:ty)*; $($watch:ty)*) => {
+        $(impl Number for $number {
+            fn residual(problem: &dyn Equations) -> &dyn Residual<Self> {
+                problem
+            }
+        })*
+        $(impl WatchNumber for $watch {
+            fn watches(problem: &dyn Equations) -> &dyn Watches<Self> {
+                problem
+            }
+        })*
+    };
+}
+
+numbers! {
+    f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
+    f64 Dual64 Dual2_64 Chunk
+}
+
+/// A scalar of a problem on one segment, as flows watch it.
+pub(super) struct Watching<'a> {
+    pub problem: &'a dyn Equations,
+    pub watched: Watched,
+}
+
+impl<T: WatchNumber> WatchIn<T> for Watching<'_> {
+    fn value_in(&self, t: T, x: &[T], q: &[T]) -> T {
+        T::watches(self.problem).watch_in(self.watched, t, x, q)
+    }
+}
+
+impl Watchable<f64> for Watching<'_> {
+    fn state_index(&self) -> Option<usize> {
+        match self.watched.observable {
+            Observable::State(i) => Some(i),
+            Observable::Function(_) => None,
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Vector fields in one scalar: what flows evaluate.
+//!
+//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where many fields must be one
+//! type, a field is seen in one scalar at a time: [`FieldIn`] is what a flow of numbers `T` needs, and
+//! [`FieldRef`] is a field of a collection of fields behind a pointer.
+
+use super::field::VectorField;
+use super::scalar::Scalar;
+use super::zero::LeftDomain;
+use num_dual::DualSVec;
+
+/// The number of directions in which implicit schemes differentiate in one pass.
+pub(in crate::core) const WIDTH: usize = 4;
+/// Numbers with derivatives in [`WIDTH`] directions.
+pub(in crate::core) type Wide<T> = DualSVec<T, WIDTH>;
+
+/// A vector field in one scalar, as a flow of such numbers evaluates it. Every [`VectorField`] is one.
+pub trait FieldIn<T: Scalar> {
+    /// The same field in real numbers.
+    type Real<'a>: FieldIn<f64>
+    where
+        Self: 'a;
+
+    /// The same field in real numbers.
+    fn real(&self) -> Self::Real<'_>;
+
+    /// The field `f(t, x, p)`, written into `f`.
+    fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
+
+    /// The field with four derivatives, from which implicit schemes take Jacobians.
+    fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]);
+
+    /// Refuses states at which the field has no meaning.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the quantity, its value and the domain.
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain>;
+
+    /// The name of a state.
+    fn state_name(&self, state: usize) -> String;
+}
+
+impl<F: VectorField, T: Scalar> FieldIn<T> for F {
+    type Real<'a>
+        = RealOf<'a, F>
+    where
+        F: 'a;
+
+    fn real(&self) -> RealOf<'_, F> {
+        RealOf(self)
+    }
+
+    #[inline]
+    fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.field(t, x, p, f);
+    }
+
+    #[inline]
+    fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
+        self.field(t, x, p, f);
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        VectorField::domain(self, x, p)
+    }
+
+    fn state_name(&self, state: usize) -> String {
+        let names = self.names().unknowns;
+        let mut all = names.iter().flat_map(|group| std::iter::repeat_n(&group.name, group.length));
+        all.nth(state).cloned().unwrap_or_default()
+    }
+}
+
+/// A vector field in real numbers.
+pub struct RealOf<'a, F>(&'a F);
+
+impl<F: VectorField> FieldIn<f64> for RealOf<'_, F> {
+    type Real<'a>
+        = RealOf<'a, F>
+    where
+        Self: 'a;
+
+    fn real(&self) -> RealOf<'_, F> {
+        RealOf(self.0)
+    }
+
+    #[inline]
+    fn slope(&self, t: f64, x: &[f64], p: &[f64], f: &mut [f64]) {
+        self.0.field(t, x, p, f);
+    }
+
+    #[inline]
+    fn wide_slope(&self, t: Wide<f64>, x: &[Wide<f64>], p: &[Wide<f64>], f: &mut [Wide<f64>]) {
+        self.0.field(t, x, p, f);
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        VectorField::domain(self.0, x, p)
+    }
+
+    fn state_name(&self, state: usize) -> String {
+        FieldIn::<f64>::state_name(self.0, state)
+    }
+}
+
+/// Where numbered fields have a meaning, and the names of their states.
+pub trait Domains {
+    /// Refuses states at which a field has no meaning.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] with the quantity, its value and the domain.
+    fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain>;
+
+    /// The names of a field's states.
+    fn states_of(&self, index: usize) -> Vec<String>;
+}
+
+/// Numbered vector fields in one scalar: those of the segments of a boundary-value problem, or of the modes
+/// of a hybrid system.
+pub trait Fields<T>: Domains {
+    /// One of the fields at `(t, x, p)`, written into `f`.
+    fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
+}
+
+/// Numbered vector fields in real numbers, for explicit and implicit schemes.
+pub trait RealFields: Fields<f64> + Fields<Wide<f64>> {}
+
+impl<F: Fields<f64> + Fields<Wide<f64>>> RealFields for F {}
+
+/// One field of a collection, with a time from which its own time counts.
+pub struct FieldRef<'a, T: Scalar> {
+    /// The collection.
+    pub fields: &'a dyn Fields<T>,
+    /// The same collection with derivatives.
+    pub wide: &'a dyn Fields<Wide<T>>,
+    /// The same collection in real numbers.
+    pub real: &'a dyn RealFields,
+    /// Which field.
+    pub index: usize,
+    /// The time of the collection at which the field's own time is zero.
+    pub start: T,
+    /// The numbers on which the field depends.
+    pub p: &'a [T],
+}
+
+impl<T: Scalar> Clone for FieldRef<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T: Scalar> Copy for FieldRef<'_, T> {}
+
+impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
+    type Real<'a>
+        = FieldRef<'a, f64>
+    where
+        Self: 'a;
+
+    fn real(&self) -> FieldRef<'_, f64> {
+        let FieldRef { real, index, start, .. } = *self;
+        FieldRef { fields: real, wide: real, real, index, start: start.real(), p: &[] }
+    }
+
+    #[inline]
+    fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.fields.field_of(self.index, self.start + t, x, p, f);
+    }
+
+    #[inline]
+    fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
+        self.wide.field_of(self.index, Wide::from_re(self.start) + t, x, p, f);
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        self.fields.domain_of(self.index, x, p)
+    }
+
+    fn state_name(&self, state: usize) -> String {
+        self.fields.states_of(self.index).swap_remove(state)
+    }
+}
