@@ -81,7 +81,7 @@ fn fixed_points<S: System>(
 fn virtual_of_flow(orbits: &mut Orbits, state: &[f64], p: &[f64]) -> Found<[f64; 2]> {
     let x = orbits.states(&[state, p].concat(), 1, 1.0)?;
     let time: f64 = state[state.len() - 3..].iter().sum();
-    let guard = (Actuator::FRONT[Actuator::STICK], Actuator::STICK);
+    let guard = (Actuator::FRONT, Actuator::STICK);
     let (time, x) =
         virtual_point(&Actuator, guard, (time, &x), p, 6.0).ok_or("no virtual point")?;
     Ok([(x[0] - p[2]).sqrt(), (p[1] * time).rem_euclid(Actuator::PHASE)])

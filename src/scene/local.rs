@@ -171,8 +171,8 @@ const TOUCHES: f64 = 1e-6;
 
 /// Refuses a point that is no grazing yet, though one may be near.
 fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), GrazingError> {
-    let GrazingPoint { guard, time, x, p, .. } = point;
-    let value = system.guard(*guard, *time, x, p);
+    let GrazingPoint { guard, mode, time, x, p, .. } = point;
+    let value = system.guard(*guard, *mode, *time, x, p);
     if value.abs() <= TOUCHES {
         return Ok(());
     }

@@ -141,7 +141,7 @@ impl HybridSystem for Follower {
     }
 
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("hit", 0)]
+        vec![Guard::new("hit", [0])]
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -154,16 +154,24 @@ impl HybridSystem for Follower {
         f[2] = x[0] * x[1] * 0.3 - x[2];
     }
 
-    fn guard<T: Scalar>(&self, _guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         p[1] - x[0] - x[2] * x[2] * 0.1 - t.sin() * 0.05
     }
 
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         let stop = Follower::velocity(t, [x[0], x[2]]);
         after.copy_from_slice(&[x[0], stop - (x[1] - stop) * p[2], x[2]]);
     }
 
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
 
@@ -190,7 +198,7 @@ fn settled<S: HybridSystem>(
     let (mut x, mut flow) = (start.to_vec(), Flow::<f64>::default());
     let field = InMode { system, mode: 0 };
     // The guard is the stop's place less what is touched.
-    let reach = |t: f64, x: &[f64], p: &[f64]| p[stop] - system.guard(0, t, x, p);
+    let reach = |t: f64, x: &[f64], p: &[f64]| p[stop] - system.guard(0, 0, t, x, p);
     for _ in 0..60 {
         flow.advance(&field, 0.0, period, &mut x, &p).unwrap();
     }
@@ -236,7 +244,7 @@ impl HybridSystem for Bounded {
     }
 
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("hit", 0)]
+        vec![Guard::new("hit", [0])]
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -248,15 +256,23 @@ impl HybridSystem for Bounded {
         f[1] = p[2] * (-x[0] * x[0] + 1.0) * x[1] - x[0];
     }
 
-    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
         p[0] - x[0]
     }
 
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         after.copy_from_slice(&[x[0], -p[1] * x[1]]);
     }
 
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
 }

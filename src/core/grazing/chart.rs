@@ -178,7 +178,7 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
     /// Passes the event of a guard into a mode.
     pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
         let mut after = vec![Jet::from(0.0); self.states[next]];
-        self.system.reset(guard, next, place.t, &place.x, &self.p, &mut after);
+        self.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);
         (place.mode, place.x) = (next, after);
     }
 }

@@ -66,7 +66,7 @@ impl GrazingPoint {
     /// let mut p = Actuator::DEFAULTS;
     /// p[0] = 0.227178;
     /// let rough = GrazingPoint {
-    ///     guard: Actuator::FRONT[Actuator::STICK],
+    ///     guard: Actuator::FRONT,
     ///     mode: Actuator::STICK,
     ///     time: 5.98551 / 0.5,
     ///     x: vec![0.5, 0.0],
@@ -115,16 +115,22 @@ impl GrazingPoint {
             true => Ok(()),
             false => Err(GrazingError::Mismatch { what, found, expected, meant }),
         };
+        let ends = |guard: usize, mode: usize| match guards[guard].ends(mode) {
+            true => Ok(()),
+            false => Err(GrazingError::NoEnd {
+                guard: guards[guard].name.clone(),
+                mode: modes[mode].name.clone(),
+            }),
+        };
         for leg in legs {
             below("a leg is in mode", leg.mode, all_modes, "is the number of modes")?;
             let Some(exit) = leg.exit else { continue };
             below("a leg ends by guard", exit, all_guards, "is the number of guards")?;
-            same("a leg is in mode", leg.mode, guards[exit].mode, "is that which its guard ends")?;
+            ends(exit, leg.mode)?;
         }
         below("it is in mode", self.mode, all_modes, "is the number of modes")?;
         below("it touches guard", self.guard, all_guards, "is the number of guards")?;
-        let ends = guards[self.guard].mode;
-        same("it is in mode", self.mode, ends, "is that which the touched guard ends")?;
+        ends(self.guard, self.mode)?;
         let states = modes[self.mode].states.len();
         same("its states number", self.x.len(), states, "are those of the mode")?;
         let parameters = system.parameters().len();

@@ -63,20 +63,22 @@ pub(in crate::core) fn rate<H: HybridSystem, T: Scalar>(
     x: &[T],
     p: &[T],
 ) -> T {
-    along(system, mode, t, x, p, |t, x, p| system.guard(guard, t, x, p)).eps
+    along(system, mode, t, x, p, |t, x, p| system.guard(guard, mode, t, x, p)).eps
 }
 
-/// One guard as a function to be watched along the flow of its mode.
+/// One guard as a function to be watched along the flow of one of its modes.
 pub struct GuardOf<'a, S> {
     /// The hybrid system.
     pub system: &'a S,
     /// The guard.
     pub guard: usize,
+    /// The mode.
+    pub mode: usize,
 }
 
 impl<S: HybridSystem> Watch for GuardOf<'_, S> {
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
-        self.system.guard(self.guard, t, x, p)
+        self.system.guard(self.guard, self.mode, t, x, p)
     }
 }
 

@@ -189,7 +189,8 @@ impl Recurrence {
         let (mut events, mut returns, mut found) = (Vec::<Event<f64>>::new(), Vec::new(), None);
         let mut look = |event: &Event<f64>| {
             nearness.extend(&event.after);
-            let returned = events.first().is_none_or(|first| first.guard == event.guard);
+            let same = |first: &Event<f64>| (first.guard, first.mode) == (event.guard, event.mode);
+            let returned = events.first().is_none_or(same);
             if returned && !event.accumulation {
                 let mut recent = returns.iter().rev().take(self.most).copied();
                 found = recent.find(|k: &usize| {

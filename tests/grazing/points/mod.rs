@@ -12,7 +12,7 @@ use tangency::problems::mita::Actuator;
 /// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact the frame
 /// slips forward until it rests.
 pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
-    let front = Actuator::FRONT[Actuator::STICK];
+    let front = Actuator::FRONT;
     let mut p = Actuator::DEFAULTS;
     (p[0], p[1]) = (voltage, frequency);
     GrazingPoint {
@@ -21,7 +21,7 @@ pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
         time: phase / frequency,
         x: vec![p[2], 0.0],
         p: p.to_vec(),
-        following: vec![Leg { mode: Actuator::FORWARD, exit: Some(Actuator::REST[0]) }],
+        following: vec![Leg { mode: Actuator::FORWARD, exit: Some(Actuator::REST) }],
         legs: vec![(Leg { mode: Actuator::STICK, exit: Some(front) }, PI / frequency)],
         periods: 1,
     }

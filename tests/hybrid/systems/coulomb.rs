@@ -31,10 +31,10 @@ impl HybridSystem for Coulomb {
     }
     fn guards(&self) -> Vec<Guard> {
         vec![
-            Guard::new("high", Self::FORWARD),
-            Guard::new("low", Self::BACKWARD),
-            Guard::new("pull", Self::STICK),
-            Guard::new("push", Self::STICK),
+            Guard::new("high", [Self::FORWARD]),
+            Guard::new("low", [Self::BACKWARD]),
+            Guard::new("pull", [Self::STICK]),
+            Guard::new("push", [Self::STICK]),
         ]
     }
     fn parameters(&self) -> Vec<String> {
@@ -49,7 +49,7 @@ impl HybridSystem for Coulomb {
         f[0] = x[1];
         f[1] = (p[0] * t).cos() - x[0] - friction;
     }
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let force = (p[0] * t).cos() - x[0];
         match guard {
             Self::HIGH => x[1],
@@ -58,13 +58,21 @@ impl HybridSystem for Coulomb {
             _ => p[1] + force,
         }
     }
-    fn reset<T: Scalar>(&self, _g: usize, next: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        (_, next): (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         after[0] = x[0];
         if next != Self::STICK {
             after[1] = T::zero();
         }
     }
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, _mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let sticks = ((p[0] * t).cos() - x[0]).abs() <= p[1];
         match guard {
             Self::PULL => Self::FORWARD,
