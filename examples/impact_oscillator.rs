@@ -1,6 +1,7 @@
 //! A forced oscillator with a stop, `x'' + x'/10 + x = A cos ωt`, `x ≤ 1`: its impacting branch from grazing.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
@@ -40,8 +41,11 @@ impl HybridSystem for Oscillator {
     fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[1].recip() * std::f64::consts::TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: std::f64::consts::TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[1].recip() * std::f64::consts::TAU
     }
 }
 

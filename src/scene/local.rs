@@ -113,11 +113,10 @@ impl Local {
 }
 
 impl Discretisation {
-    /// The local map of a system at a special point, where the phase grows by `phase` in a period of the forcing.
+    /// The local map of a system at a special point.
     pub(super) fn local_map<H>(
         &self,
         system: H,
-        phase: f64,
         local: &Local,
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError>
@@ -138,7 +137,7 @@ impl Discretisation {
         touches(&system, &point)?;
         let point = point.located(&system, &local.parameters[0])?;
         let names: Vec<&str> = local.parameters.iter().map(String::as_str).collect();
-        let settings = MapSettings { order: self.order, phase, ..MapSettings::default() };
+        let settings = MapSettings { order: self.order, ..MapSettings::default() };
         LocalMap::of(&system, &point, &names, settings)
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn simulate<H: HybridSystem>(
         Some(state) => state,
         None => initial(system, simulated)?,
     };
-    let unit = system.period(p).unwrap_or(1.0);
+    let unit = system.period(p);
     let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
     flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
     // Long times have fewer digits, and a period more or less means nothing.

@@ -3,9 +3,10 @@
 //! depends on several states, and without forcing.
 
 use crate::points::{Touching, actuator, settings, simulated};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::field::Forcing;
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{Guard, HybridSystem, InMode, Mode};
@@ -23,8 +24,6 @@ struct Case<'a, S> {
     system: &'a S,
     point: &'a GrazingPoint,
     map: &'a LocalMap,
-    /// Phase in units of time.
-    phase: f64,
     place: &'a Virtual<'a>,
     /// Positions of the parameters that deviate.
     parameters: &'a [usize],
@@ -37,11 +36,14 @@ impl<S: Touching> Case<'_, S> {
     /// Coordinates on the section, as deviations; the state that the section determines is the second one.
     fn coordinates(&self, (t, x): &(f64, Vec<f64>), turn: f64, p: &[f64]) -> Vec<f64> {
         let states = (0..x.len()).filter(|i| *i != 1).map(|i| x[i] - self.point.x[i]);
-        let unit = |p: &[f64]| self.system.period(p).map(|period| period / self.phase);
-        let phase = unit(p).zip(unit(&self.point.p)).map(|(now, then)| {
-            let cycle = if turn > 0.0 { self.phase * self.point.periods as f64 } else { 0.0 };
-            t / now - self.point.time / then - cycle
-        });
+        let phase = match self.system.forcing() {
+            Forcing::None => None,
+            Forcing::Periodic { phase } => {
+                let unit = |p: &[f64]| self.system.period(p) / phase;
+                let cycle = if turn > 0.0 { phase * self.point.periods as f64 } else { 0.0 };
+                Some(t / unit(p) - self.point.time / unit(&self.point.p) - cycle)
+            }
+        };
         states.chain(phase).collect()
     }
 
@@ -91,7 +93,7 @@ fn impacts_with_slip() {
         (phase / p[1], vec![point.x[0] + y * y, 0.0])
     };
     let (system, point, map) = (&Actuator, &point, &map);
-    Case { system, point, map, phase: PI, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
+    Case { system, point, map, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
 }
 
 /// The orbit with one impact in a period that touches the front stopper a second time, at V = 0.733767719564:
@@ -121,7 +123,7 @@ fn through_another_impact() {
     let place =
         |y: f64, aside: f64, p: &[f64]| (point.time + aside / p[1], vec![point.x[0] + y * y, 0.0]);
     let (system, point, map) = (&Actuator, &point, &map);
-    Case { system, point, map, phase: PI, place: &place, parameters: &[0] }.orders_hold(0.005);
+    Case { system, point, map, place: &place, parameters: &[0] }.orders_hold(0.005);
 }
 
 /// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven by the
@@ -175,8 +177,12 @@ impl HybridSystem for Follower {
         0
     }
 
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
     }
 }
 
@@ -231,8 +237,7 @@ fn a_system_of_the_test() {
         (t, vec![x, Follower::velocity(t, [x, w]), w])
     };
     let (system, point, map) = (&Follower, &point, &map);
-    Case { system, point, map, phase: TAU, place: &place, parameters: &[0, 1, 2] }
-        .orders_hold(0.05);
+    Case { system, point, map, place: &place, parameters: &[0, 1, 2] }.orders_hold(0.05);
 }
 
 /// Van der Pol's oscillator with a stop: no forcing, one coordinate.
@@ -302,5 +307,5 @@ fn without_forcing() {
     assert_eq!(map.coordinates(), ["x"]);
     let place = |y: f64, _aside: f64, p: &[f64]| (0.0, vec![p[0] + y * y, 0.0]);
     let (system, point, map) = (&Bounded, &point, &map);
-    Case { system, point, map, phase: 1.0, place: &place, parameters: &[0, 2] }.orders_hold(0.1);
+    Case { system, point, map, place: &place, parameters: &[0, 2] }.orders_hold(0.1);
 }

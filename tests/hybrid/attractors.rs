@@ -11,6 +11,7 @@ use tangency::core::attractor::{
     CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
 };
 use tangency::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Mesh, Shooting};
+use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
@@ -70,8 +71,11 @@ impl HybridSystem for Quadratic {
     fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::one())
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: 1.0 }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::one()
     }
 }
 

@@ -3,6 +3,7 @@
 
 use crate::common::close;
 use proptest::prelude::*;
+use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Cycle, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem,
@@ -87,7 +88,10 @@ impl HybridSystem for Ledger {
     ) -> Option<usize> {
         Actuator.mode_after_accumulation(guard, mode, t, inner(x), p)
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        Actuator.forcing()
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         Actuator.period(p)
     }
 }

@@ -5,6 +5,7 @@ use crate::scenarios::with;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{
     Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
 };
@@ -70,8 +71,11 @@ impl HybridSystem for Catching {
     fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         1 - guard
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU / 2.2))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU / 2.2)
     }
 }
 

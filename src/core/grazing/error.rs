@@ -64,7 +64,7 @@ pub enum GrazingError {
         "the phase grows by {phase} in a period of the forcing: it should be a positive number"
     )]
     Phase {
-        /// The phase asked for.
+        /// The phase.
         phase: f64,
     },
     /// There is no such measure.

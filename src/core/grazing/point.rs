@@ -3,9 +3,10 @@
 use super::error::GrazingError;
 use super::map::{MapSettings, positions};
 use super::maps::Source;
-use super::section::{Coordinate, Section};
+use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::condition::EvaluationError;
+use crate::core::field::Forcing;
 use crate::core::hybrid::HybridSystem;
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
@@ -104,6 +105,11 @@ impl GrazingPoint {
 
     /// Refuses a point whose numbers do not belong to a system.
     pub(super) fn check<H: HybridSystem>(&self, system: &H) -> Result<(), GrazingError> {
+        if let Forcing::Periodic { phase } = system.forcing()
+            && !(phase > 0.0 && phase.is_finite())
+        {
+            return Err(GrazingError::Phase { phase });
+        }
         let (modes, guards) = (system.modes(), system.guards());
         let (all_modes, all_guards) = (modes.len(), guards.len());
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
@@ -162,10 +168,9 @@ impl GrazingPoint {
         let mut lu = BorderedLu::default();
         lu.factor(&matrix, Border::NONE).map_err(EvaluationError::from)?;
         lu.solve(&mut change);
-        let unit = |p: &[f64]| system.period(p).map_or(1.0, |period| period / settings.phase);
-        let before = unit(&self.p);
+        let before = unit_of_phase(system, &self.p);
         self.p[parameters[0]] += change[n];
-        let after = unit(&self.p);
+        let after = unit_of_phase(system, &self.p);
         self.time *= after / before;
         for (coordinate, change) in section.coordinates.iter().zip(change) {
             match coordinate {

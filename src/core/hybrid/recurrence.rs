@@ -9,6 +9,7 @@ use super::event::Event;
 use super::repetition::{Nearness, Repetition};
 use super::simulation::{HybridFlow, HybridState};
 use super::system::HybridSystem;
+use crate::core::field::Forcing;
 use std::ops::ControlFlow;
 
 /// A leg of a periodic motion: from just after one event to just before the next.
@@ -140,9 +141,9 @@ impl Recurrence {
         start: HybridState<f64>,
         p: &[f64],
     ) -> Result<Cycle, RecurrenceError> {
-        match flow.system().period(p) {
-            Some(period) => self.strobed(flow, start, period, p),
-            None => self.returning(flow, start, p),
+        match flow.system().forcing() {
+            Forcing::Periodic { .. } => self.strobed(flow, start, flow.system().period(p), p),
+            Forcing::None => self.returning(flow, start, p),
         }
     }
 

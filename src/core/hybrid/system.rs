@@ -1,6 +1,7 @@
 //! Hybrid systems as a user states them.
 
 use super::measure::{Measure, Passage};
+use crate::core::field::Forcing;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -148,9 +149,14 @@ pub trait HybridSystem {
         false
     }
 
-    /// The period of the forcing; `None` if the system is autonomous.
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        None
+    /// The forcing: by default there is none.
+    fn forcing(&self) -> Forcing {
+        Forcing::None
+    }
+
+    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in scenes.
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::one()
     }
 
     /// What is recorded along a branch of orbits, by name: by default the extremes of every state.

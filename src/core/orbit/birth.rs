@@ -88,7 +88,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
         }
         let problem = self.like(Itinerary { legs: new, periods });
         let zero = following.iter().map(|_| 0.0);
-        let (p, extras) = q.split_at(self.parameters().len());
+        let (_, extras) = self.split(q);
         let (mut states, mut durations): (Vec<f64>, Vec<f64>) =
             (following.iter().flat_map(|(_, x)| x.clone()).collect(), zero.collect());
         states.extend(&touch.x);
@@ -105,7 +105,7 @@ impl<H: HybridSystem + Clone> HybridOrbit<H> {
             }
         }
         let mut extras = durations;
-        if self.system().period(p).is_some() {
+        if self.system().forcing().is_periodic() {
             extras.insert(0, begins + touch.since);
         }
         Ok(Birth { problem, starts: states, extras })

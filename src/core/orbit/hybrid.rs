@@ -41,7 +41,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     /// The orbits of a system with an itinerary.
     pub fn of(system: H, itinerary: Itinerary) -> Self {
         let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
-        let forced = system.period(&vec![1.0; parameters.len()]).is_some();
+        let forced = system.forcing().is_periodic();
         let mut places = vec![0];
         for leg in &itinerary.legs {
             places.push(places[places.len() - 1] + modes[leg.mode].states.len());
@@ -164,8 +164,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
 
     /// The time that a cycle takes under forcing.
     fn cycle<T: Scalar>(&self, p: &[T]) -> T {
-        let period = self.system.period(p).unwrap_or_else(T::one);
-        period * self.itinerary.periods as f64
+        self.system.period(p) * self.itinerary.periods as f64
     }
 
     /// Conditions of a cycle with events.

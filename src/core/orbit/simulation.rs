@@ -13,7 +13,7 @@
 
 use super::Orbit;
 use crate::core::bvp::{BoundarySystem, Method};
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::flow::{Flow, FlowError, Settings, SettingsError, Step};
 use std::ops::ControlFlow;
 
@@ -131,9 +131,9 @@ impl Simulation {
             return Err(SimulationError::Length { what, found, expected });
         }
         let mut run = Run { field, p, flow: Flow::new(self.flow)?, simulation: self };
-        match field.period(p) {
-            Some(period) => run.strobed(start, period),
-            None => run.returning(start),
+        match field.forcing() {
+            Forcing::Periodic { .. } => run.strobed(start, field.period(p)),
+            Forcing::None => run.returning(start),
         }
     }
 }
@@ -298,7 +298,7 @@ impl<F: VectorField, M: Method> BoundarySystem<Orbit<F>, M> {
     ) -> Result<Vec<f64>, SimulationError> {
         let field = self.problem().vector_field();
         let PeriodicMotion { state, period, .. } = simulation.follow(field, start, p)?;
-        let extras: &[f64] = if field.period(p).is_some() { &[] } else { &[period] };
+        let extras: &[f64] = if field.forcing().is_periodic() { &[] } else { &[period] };
         let mut flow = Flow::new(simulation.flow)?;
         let (mut x, mut place, mut outcome) = (state.clone(), 0.0, Ok(()));
         let z = self.sampled(extras, |_, tau, out| {

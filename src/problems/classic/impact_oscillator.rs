@@ -1,5 +1,6 @@
 //! The forced linear impact oscillator.
 
+use crate::core::field::Forcing;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -106,8 +107,12 @@ impl HybridSystem for ImpactOscillator {
         Self::FLIGHT
     }
 
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[1].recip() * TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[1].recip() * TAU
     }
 
     fn domain(&self, _mode: usize, _x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {

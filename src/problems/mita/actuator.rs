@@ -2,7 +2,7 @@
 
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -52,8 +52,6 @@ pub struct Actuator;
 impl Actuator {
     /// The default values of the parameters.
     pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
-    /// By how much the phase `ωt` grows in a period of the forcing.
-    pub const PHASE: f64 = std::f64::consts::PI;
     /// The frame at rest.
     pub const STICK: usize = 0;
     /// The frame moves forward.
@@ -293,7 +291,11 @@ impl HybridSystem for Actuator {
         true
     }
 
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        VectorField::forcing(&Block)
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         VectorField::period(&Block, &Parameters::of(p).block)
     }
 

@@ -27,9 +27,8 @@ pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
     }
 }
 
-/// Phase `ωt`, of which a period of the actuator's forcing takes π.
 pub fn settings(order: usize) -> MapSettings {
-    MapSettings { order, phase: PI, ..MapSettings::default() }
+    MapSettings { order, ..MapSettings::default() }
 }
 
 /// A hybrid system with one guard that orbits touch in mode 0, of which a test knows the rate.

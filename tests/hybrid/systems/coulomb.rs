@@ -2,6 +2,7 @@
 //! ASME* 53:107, 1931).
 
 use std::f64::consts::{PI, TAU};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
@@ -82,8 +83,11 @@ impl HybridSystem for Coulomb {
             _ => Self::FORWARD,
         }
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[0].recip() * TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[0].recip() * TAU
     }
 }
 

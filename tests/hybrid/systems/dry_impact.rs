@@ -8,6 +8,7 @@
 
 use super::quadratic;
 use std::f64::consts::TAU;
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
@@ -102,8 +103,11 @@ impl HybridSystem for DryImpact {
             }
         }
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[4].recip() * TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[4].recip() * TAU
     }
 }
 

@@ -5,6 +5,7 @@ use super::bouncing_ball::BouncingBall;
 use super::coulomb::Coulomb;
 use super::dry_impact::DryImpact;
 use super::piecewise::Piecewise;
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 use tangency::problems::classic::ImpactOscillator;
@@ -65,7 +66,10 @@ impl HybridSystem for Reference {
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         of!(self, system => system.next_mode(guard, mode, t, x, p))
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        of!(self, system => system.forcing())
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         of!(self, system => system.period(p))
     }
 }
