@@ -14,7 +14,7 @@ const PARAMETERS: [f64; 3] = [0.2, 0.5, 0.04];
 
 /// Flows of one period each, until so many evaluations are made.
 fn flows(flow: &mut Flow<f64>, evaluations: u64) -> u64 {
-    let period = Block.period(&PARAMETERS).expect("a forcing");
+    let period = Block.period(&PARAMETERS);
     let (mut made, mut periods) = (0, 0);
     while made < evaluations {
         let mut x = [-0.1, 0.0];
@@ -35,7 +35,7 @@ fn impacts(criterion: &mut Criterion) {
         assert_eq!(execute(&scene, None, &mut ()).error, None);
         let after = work();
         let count = after.evaluations - before.evaluations;
-        let periods = (after.time - before.time) / Block.period(&PARAMETERS).expect("a forcing");
+        let periods = (after.time - before.time) / Block.period(&PARAMETERS);
         let plain = flows(&mut flow, count);
         println!(
             "{name}: flows over {periods:.0} periods, with {count} evaluations of the field, as many as in {plain} \

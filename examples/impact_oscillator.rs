@@ -1,6 +1,7 @@
 //! A forced oscillator with a stop, `x'' + x'/10 + x = A cos ωt`, `x ≤ 1`: its impacting branch from grazing.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
@@ -14,7 +15,7 @@ impl HybridSystem for Oscillator {
         vec![Mode::new("flight", ["x", "v"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("impact", 0)]
+        vec![Guard::new("impact", [0])]
     }
     fn parameters(&self) -> Vec<String> {
         vec!["amplitude".into(), "frequency".into()]
@@ -23,17 +24,28 @@ impl HybridSystem for Oscillator {
         f[0] = x[1];
         f[1] = p[0] * (p[1] * t).cos() - x[0] - x[1] * 0.1;
     }
-    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         T::one() - x[0]
     }
-    fn reset<T: Scalar>(&self, _g: usize, _next: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         (after[0], after[1]) = (x[0], x[1] * -0.8);
     }
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[1].recip() * std::f64::consts::TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: std::f64::consts::TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[1].recip() * std::f64::consts::TAU
     }
 }
 

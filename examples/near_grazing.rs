@@ -5,6 +5,7 @@
 //! beside each error is its rate. `out/near-grazing.svg` draws all.
 
 use std::error::Error;
+use std::f64::consts::PI;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
 use tangency::core::flow::Scheme;
@@ -51,8 +52,7 @@ fn map(orbits: &mut Orbits, branch: &Branch, label: usize) -> Found<LocalMap> {
     let grazing = branch.labelled(label).ok_or("no such point")?;
     let point = GrazingPoint::at::<Actuator, _>(orbits, &grazing.state, &grazing.parameters)?;
     let point = point.located(&Actuator, "voltage")?;
-    let settings =
-        MapSettings { order: *ORDERS.end(), phase: Actuator::PHASE, ..MapSettings::default() };
+    let settings = MapSettings { order: *ORDERS.end(), ..MapSettings::default() };
     Ok(LocalMap::of(&Actuator, &point, &["voltage", "frequency"], settings)?)
 }
 
@@ -81,10 +81,10 @@ fn fixed_points<S: System>(
 fn virtual_of_flow(orbits: &mut Orbits, state: &[f64], p: &[f64]) -> Found<[f64; 2]> {
     let x = orbits.states(&[state, p].concat(), 1, 1.0)?;
     let time: f64 = state[state.len() - 3..].iter().sum();
-    let guard = (Actuator::FRONT[Actuator::STICK], Actuator::STICK);
+    let guard = (Actuator::FRONT, Actuator::STICK);
     let (time, x) =
         virtual_point(&Actuator, guard, (time, &x), p, 6.0).ok_or("no virtual point")?;
-    Ok([(x[0] - p[2]).sqrt(), (p[1] * time).rem_euclid(Actuator::PHASE)])
+    Ok([(x[0] - p[2]).sqrt(), (p[1] * time).rem_euclid(PI)])
 }
 
 /// Voltages of folds or doublings at frequencies, beginning at the last of these, where the branch has one.
@@ -145,10 +145,7 @@ fn main() -> Found<()> {
         let mut points =
             LocalOrbit::of(at.clone(), &[false]).to_order(order).in_place().system()?;
         let found = fixed_points(&mut points, &voltages, |_, state, _| {
-            Ok([
-                state[state.len() - 1],
-                (origin.0[1] + state[state.len() - 2]).rem_euclid(Actuator::PHASE),
-            ])
+            Ok([state[state.len() - 1], (origin.0[1] + state[state.len() - 2]).rem_euclid(PI)])
         })?;
         let miss = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
         Ok((order, found.iter().zip(&exact).map(miss).collect()))

@@ -1,12 +1,32 @@
-//! Vector fields: `x' = f(t, x, p)`, stated once, differentiated nowhere.
+//! Vector fields: `x' = f(t, x, p)`, written once; derivatives come from automatic differentiation.
 
 use super::scalar::Scalar;
 use super::zero::{LeftDomain, Names, ZeroProblem};
 
+/// Whether time itself enters a vector field or a hybrid system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Forcing {
+    /// It does not: the system is autonomous.
+    None,
+    /// It enters periodically.
+    Periodic {
+        /// By how much the phase of the forcing grows in a period: usually 2π.
+        phase: f64,
+    },
+}
+
+impl Forcing {
+    /// Whether there is a forcing.
+    pub fn is_periodic(self) -> bool {
+        self != Forcing::None
+    }
+}
+
 /// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a period.
 ///
 /// ```
-/// use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
+/// use std::f64::consts::TAU;
+/// use tangency::core::{field::{Forcing, VectorField}, scalar::Scalar, zero::Names};
 /// /// A linear oscillator under a force of frequency ω: `x'' + c x' + x = cos ωt`.
 /// struct Oscillator;
 /// impl VectorField for Oscillator {
@@ -17,8 +37,11 @@ use super::zero::{LeftDomain, Names, ZeroProblem};
 ///         f[0] = x[1];
 ///         f[1] = (p[0] * t).cos() - x[0] - p[1] * x[1];
 ///     }
-///     fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-///         Some(p[0].recip() * std::f64::consts::TAU)
+///     fn forcing(&self) -> Forcing {
+///         Forcing::Periodic { phase: TAU }
+///     }
+///     fn period<T: Scalar>(&self, p: &[T]) -> T {
+///         p[0].recip() * TAU
 ///     }
 /// }
 /// let mut f = [0.0; 2];
@@ -32,9 +55,14 @@ pub trait VectorField: Send + Sync {
     /// The field `f(t, x, p)`, written into `f` (as long as `x`).
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// The period of the forcing; `None` if the field is autonomous.
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        None
+    /// The forcing: by default there is none.
+    fn forcing(&self) -> Forcing {
+        Forcing::None
+    }
+
+    /// The period of a periodic [`forcing`](Self::forcing); not used without one.
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::one()
     }
 
     /// Refuses states at which the field has no meaning.

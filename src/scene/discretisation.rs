@@ -168,10 +168,9 @@ impl Discretisation {
     where
         F: VectorField + Clone + 'static,
     {
-        let parameters = vec![1.0; field.names().parameters.len()];
         match self.solution {
             Solution::Orbit => self.discretise(Orbit::of(field), Discretised::USUAL),
-            Solution::Equilibrium if field.period(&parameters).is_some() => {
+            Solution::Equilibrium if field.forcing().is_periodic() => {
                 Err(self.no_equilibria("a field that is forced in time has none; take `orbit`"))
             }
             Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(field)))),
@@ -228,7 +227,7 @@ impl Discretisation {
             cause: Box::new(cause),
         };
         let start = initial(&system, simulated)?;
-        let unit = system.period(p).unwrap_or(1.0);
+        let unit = system.period(p);
         let recurrence =
             Recurrence { transient: simulated.transient * unit, ..Recurrence::default() };
         let mut flow = HybridFlow::new(&system, HybridSettings::default())

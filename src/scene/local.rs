@@ -113,11 +113,10 @@ impl Local {
 }
 
 impl Discretisation {
-    /// The local map of a system at a special point, where the phase grows by `phase` in a period of the forcing.
+    /// The local map of a system at a special point.
     pub(super) fn local_map<H>(
         &self,
         system: H,
-        phase: f64,
         local: &Local,
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError>
@@ -138,7 +137,7 @@ impl Discretisation {
         touches(&system, &point)?;
         let point = point.located(&system, &local.parameters[0])?;
         let names: Vec<&str> = local.parameters.iter().map(String::as_str).collect();
-        let settings = MapSettings { order: self.order, phase, ..MapSettings::default() };
+        let settings = MapSettings { order: self.order, ..MapSettings::default() };
         LocalMap::of(&system, &point, &names, settings)
     }
 }
@@ -171,8 +170,8 @@ const TOUCHES: f64 = 1e-6;
 
 /// Refuses a point that is no grazing yet, though one may be near.
 fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), GrazingError> {
-    let GrazingPoint { guard, time, x, p, .. } = point;
-    let value = system.guard(*guard, *time, x, p);
+    let GrazingPoint { guard, mode, time, x, p, .. } = point;
+    let value = system.guard(*guard, *mode, *time, x, p);
     if value.abs() <= TOUCHES {
         return Ok(());
     }

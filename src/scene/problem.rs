@@ -14,7 +14,6 @@ use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
 use crate::problems::plate::PlateSettings;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// A problem with its terms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -164,10 +163,8 @@ impl Problem {
         at: (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, SceneError> {
         let map = match self {
-            Problem::Mita(settings) => settings.local_map(Actuator, Actuator::PHASE, local, at),
-            Problem::ImpactOscillator(settings) => {
-                settings.local_map(ImpactOscillator, TAU, local, at)
-            }
+            Problem::Mita(settings) => settings.local_map(Actuator, local, at),
+            Problem::ImpactOscillator(settings) => settings.local_map(ImpactOscillator, local, at),
             _ => {
                 let reason = "only hybrid systems graze: `Mita`, `ImpactOscillator`";
                 let (name, value) = ("local".into(), run.into());

@@ -43,7 +43,7 @@ pub(super) fn simulate<H: HybridSystem>(
         Some(state) => state,
         None => initial(system, simulated)?,
     };
-    let unit = system.period(p).unwrap_or(1.0);
+    let unit = system.period(p);
     let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
     flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
     // Long times have fewer digits, and a period more or less means nothing.
@@ -80,7 +80,7 @@ pub(super) fn at_rest(
 
 /// The history of every state; of those that count from the start of a mode, their sum.
 fn curves<H: HybridSystem>(system: &H, pieces: &[Piece], begin: f64) -> Vec<Curve> {
-    let (modes, counted) = (system.modes(), system.counted());
+    let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Curve> = Vec::new();
     for name in modes.iter().flat_map(|mode| &mode.states) {
         if curves.iter().any(|curve| curve.name == *name) {

@@ -22,7 +22,7 @@ impl HybridSystem for Ball {
         vec![Mode::new("flight", ["height", "velocity"]), Mode::new("rest", ["height"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        let impact = Guard::new("impact", FLIGHT);
+        let impact = Guard::new("impact", [FLIGHT]);
         vec![if self.rests { impact.accumulating_to(REST) } else { impact }]
     }
     fn parameters(&self) -> Vec<String> {
@@ -34,16 +34,24 @@ impl HybridSystem for Ball {
             (f[0], f[1]) = (x[1], -T::one());
         }
     }
-    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         x[0]
     }
-    fn reset<T: Scalar>(&self, _g: usize, next: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        (_, next): (usize, usize),
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         after[0] = x[0];
         if next == FLIGHT {
             after[1] = -p[0] * x[1];
         }
     }
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         FLIGHT
     }
 }

@@ -24,7 +24,7 @@ impl HybridSystem for Level {
         vec![Mode::new("below", ["x", "v"]), Mode::new("above", ["x", "v"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("up", BELOW), Guard::new("down", ABOVE)]
+        vec![Guard::new("up", [BELOW]), Guard::new("down", [ABOVE])]
     }
     fn parameters(&self) -> Vec<String> {
         Vec::new()
@@ -32,13 +32,21 @@ impl HybridSystem for Level {
     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
         (f[0], f[1]) = (x[1], -x[0]);
     }
-    fn guard<T: Scalar>(&self, guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         if guard == BELOW { T::one() - x[0] } else { x[0] - 1.0 }
     }
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         after.copy_from_slice(x);
     }
-    fn next(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         if guard == BELOW { ABOVE } else { BELOW }
     }
 }

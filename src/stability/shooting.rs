@@ -4,7 +4,7 @@ use super::MapError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Method, Shooting};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::newton::NewtonError;
 use crate::core::orbit::{by_collocation, by_shooting};
 use crate::core::scalar::Scalar;
@@ -26,8 +26,11 @@ impl VectorField for Saddle {
         f[0] = p[1] * (x[0] - p[0] * cosine) - p[0] * sine;
         f[1] = -p[1] * (x[1] - p[0] * sine) + p[0] * cosine;
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
     }
 }
 

@@ -3,9 +3,10 @@
 //! depends on several states, and without forcing.
 
 use crate::points::{Touching, actuator, settings, simulated};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::field::Forcing;
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
 use tangency::core::hybrid::{Guard, HybridSystem, InMode, Mode};
@@ -23,8 +24,6 @@ struct Case<'a, S> {
     system: &'a S,
     point: &'a GrazingPoint,
     map: &'a LocalMap,
-    /// Phase in units of time.
-    phase: f64,
     place: &'a Virtual<'a>,
     /// Positions of the parameters that deviate.
     parameters: &'a [usize],
@@ -37,11 +36,14 @@ impl<S: Touching> Case<'_, S> {
     /// Coordinates on the section, as deviations; the state that the section determines is the second one.
     fn coordinates(&self, (t, x): &(f64, Vec<f64>), turn: f64, p: &[f64]) -> Vec<f64> {
         let states = (0..x.len()).filter(|i| *i != 1).map(|i| x[i] - self.point.x[i]);
-        let unit = |p: &[f64]| self.system.period(p).map(|period| period / self.phase);
-        let phase = unit(p).zip(unit(&self.point.p)).map(|(now, then)| {
-            let cycle = if turn > 0.0 { self.phase * self.point.periods as f64 } else { 0.0 };
-            t / now - self.point.time / then - cycle
-        });
+        let phase = match self.system.forcing() {
+            Forcing::None => None,
+            Forcing::Periodic { phase } => {
+                let unit = |p: &[f64]| self.system.period(p) / phase;
+                let cycle = if turn > 0.0 { phase * self.point.periods as f64 } else { 0.0 };
+                Some(t / unit(p) - self.point.time / unit(&self.point.p) - cycle)
+            }
+        };
         states.chain(phase).collect()
     }
 
@@ -91,7 +93,7 @@ fn impacts_with_slip() {
         (phase / p[1], vec![point.x[0] + y * y, 0.0])
     };
     let (system, point, map) = (&Actuator, &point, &map);
-    Case { system, point, map, phase: PI, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
+    Case { system, point, map, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
 }
 
 /// The orbit with one impact in a period that touches the front stopper a second time, at V = 0.733767719564:
@@ -122,7 +124,7 @@ fn through_another_impact() {
     let place =
         |y: f64, aside: f64, p: &[f64]| (point.time + aside / p[1], vec![point.x[0] + y * y, 0.0]);
     let (system, point, map) = (&Actuator, &point, &map);
-    Case { system, point, map, phase: PI, place: &place, parameters: &[0] }.orders_hold(0.005);
+    Case { system, point, map, place: &place, parameters: &[0] }.orders_hold(0.005);
 }
 
 /// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven by the
@@ -142,7 +144,7 @@ impl HybridSystem for Follower {
     }
 
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("hit", 0)]
+        vec![Guard::new("hit", [0])]
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -155,21 +157,33 @@ impl HybridSystem for Follower {
         f[2] = x[0] * x[1] * 0.3 - x[2];
     }
 
-    fn guard<T: Scalar>(&self, _guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         p[1] - x[0] - x[2] * x[2] * 0.1 - t.sin() * 0.05
     }
 
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         let stop = Follower::velocity(t, [x[0], x[2]]);
         after.copy_from_slice(&[x[0], stop - (x[1] - stop) * p[2], x[2]]);
     }
 
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
 
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
     }
 }
 
@@ -191,7 +205,7 @@ fn settled<S: HybridSystem>(
     let (mut x, mut flow) = (start.to_vec(), Flow::<f64>::default());
     let field = InMode { system, mode: 0 };
     // The guard is the stop's place less what is touched.
-    let reach = |t: f64, x: &[f64], p: &[f64]| p[stop] - system.guard(0, t, x, p);
+    let reach = |t: f64, x: &[f64], p: &[f64]| p[stop] - system.guard(0, 0, t, x, p);
     for _ in 0..60 {
         flow.advance(&field, 0.0, period, &mut x, &p).unwrap();
     }
@@ -224,8 +238,7 @@ fn a_system_of_the_test() {
         (t, vec![x, Follower::velocity(t, [x, w]), w])
     };
     let (system, point, map) = (&Follower, &point, &map);
-    Case { system, point, map, phase: TAU, place: &place, parameters: &[0, 1, 2] }
-        .orders_hold(0.05);
+    Case { system, point, map, place: &place, parameters: &[0, 1, 2] }.orders_hold(0.05);
 }
 
 /// Van der Pol's oscillator with a stop: no forcing, one coordinate.
@@ -237,7 +250,7 @@ impl HybridSystem for Bounded {
     }
 
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("hit", 0)]
+        vec![Guard::new("hit", [0])]
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -249,15 +262,23 @@ impl HybridSystem for Bounded {
         f[1] = p[2] * (-x[0] * x[0] + 1.0) * x[1] - x[0];
     }
 
-    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
         p[0] - x[0]
     }
 
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         after.copy_from_slice(&[x[0], -p[1] * x[1]]);
     }
 
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
 }
@@ -287,5 +308,5 @@ fn without_forcing() {
     assert_eq!(map.coordinates(), ["x"]);
     let place = |y: f64, _aside: f64, p: &[f64]| (0.0, vec![p[0] + y * y, 0.0]);
     let (system, point, map) = (&Bounded, &point, &map);
-    Case { system, point, map, phase: 1.0, place: &place, parameters: &[0, 2] }.orders_hold(0.1);
+    Case { system, point, map, place: &place, parameters: &[0, 2] }.orders_hold(0.1);
 }

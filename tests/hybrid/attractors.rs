@@ -11,6 +11,7 @@ use tangency::core::attractor::{
     CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
 };
 use tangency::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Mesh, Shooting};
+use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
@@ -45,7 +46,7 @@ impl HybridSystem for Quadratic {
         vec![Mode::new("wait", ["x", "clock"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("tick", 0)]
+        vec![Guard::new("tick", [0])]
     }
     fn parameters(&self) -> Vec<String> {
         vec!["a".into()]
@@ -53,17 +54,28 @@ impl HybridSystem for Quadratic {
     fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
         (f[0], f[1]) = (T::zero(), T::one());
     }
-    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         -x[1] + 0.5
     }
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         (after[0], after[1]) = (-p[0] * x[0].powi(2) + 1.0, x[1] - 1.0);
     }
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::one())
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: 1.0 }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::one()
     }
 }
 

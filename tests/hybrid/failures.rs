@@ -45,7 +45,7 @@ impl HybridSystem for Sinking {
         vec![Mode::new("water", ["depth"]), Mode::new("bottom", ["depth"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("ground", 0), Guard::new("rock", 1)]
+        vec![Guard::new("ground", [0]), Guard::new("rock", [1])]
     }
     fn parameters(&self) -> Vec<String> {
         vec![]
@@ -53,13 +53,13 @@ impl HybridSystem for Sinking {
     fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
         f[0] = -T::one();
     }
-    fn guard<T: Scalar>(&self, guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         if guard == 0 { x[0] } else { x[0] - 1.0 }
     }
     fn reset<T: Scalar>(
         &self,
         _g: usize,
-        _next: usize,
+        _modes: (usize, usize),
         _t: T,
         _x: &[T],
         _p: &[T],
@@ -67,7 +67,7 @@ impl HybridSystem for Sinking {
     ) {
         after[0] = T::constant(self.to);
     }
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         self.after
     }
     fn domain(&self, _mode: usize, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
@@ -84,7 +84,7 @@ fn zeno_without_contact() {
             BouncingBall.modes()
         }
         fn guards(&self) -> Vec<Guard> {
-            vec![Guard::new("impact", BouncingBall::FLIGHT)]
+            vec![Guard::new("impact", [BouncingBall::FLIGHT])]
         }
         fn parameters(&self) -> Vec<String> {
             BouncingBall.parameters()
@@ -92,14 +92,22 @@ fn zeno_without_contact() {
         fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
             BouncingBall.field(mode, t, x, p, f);
         }
-        fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
-            BouncingBall.guard(guard, t, x, p)
+        fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+            BouncingBall.guard(guard, mode, t, x, p)
         }
-        fn reset<T: Scalar>(&self, g: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
-            BouncingBall.reset(g, next, t, x, p, after);
+        fn reset<T: Scalar>(
+            &self,
+            g: usize,
+            modes: (usize, usize),
+            t: T,
+            x: &[T],
+            p: &[T],
+            after: &mut [T],
+        ) {
+            BouncingBall.reset(g, modes, t, x, p, after);
         }
-        fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-            BouncingBall.next(guard, t, x, p)
+        fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+            BouncingBall.next_mode(guard, mode, t, x, p)
         }
     }
     match refused(&Restless, at(0, 0.0, &[0.5, 0.0]), &[0.0, 0.7]) {

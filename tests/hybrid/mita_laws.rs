@@ -3,6 +3,7 @@
 
 use crate::common::close;
 use proptest::prelude::*;
+use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Cycle, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem,
@@ -58,21 +59,39 @@ impl HybridSystem for Ledger {
         let speed = if v.real() < 0.0 { -v } else { v };
         f[n] = force * u - p[4] * u * u - friction * speed;
     }
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
-        Actuator.guard(guard, t, inner(x), p)
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        Actuator.guard(guard, mode, t, inner(x), p)
     }
-    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        modes: (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         let n = after.len() - 1;
-        Actuator.reset(guard, next, t, inner(x), p, &mut after[..n]);
+        Actuator.reset(guard, modes, t, inner(x), p, &mut after[..n]);
         after[n] = x[x.len() - 1];
     }
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        Actuator.next(guard, t, inner(x), p)
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        Actuator.next_mode(guard, mode, t, inner(x), p)
     }
-    fn settled(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize> {
-        Actuator.settled(guard, t, inner(x), p)
+    fn mode_after_accumulation(
+        &self,
+        guard: usize,
+        mode: usize,
+        t: f64,
+        x: &[f64],
+        p: &[f64],
+    ) -> Option<usize> {
+        Actuator.mode_after_accumulation(guard, mode, t, inner(x), p)
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        Actuator.forcing()
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         Actuator.period(p)
     }
 }
@@ -117,11 +136,11 @@ proptest! {
     #[test]
     fn impacts_conserve_momentum(p in parameters(), u in 0.001..2.0f64, v in 0.0..1.0f64, front: bool) {
         let (mode, sign) = (Actuator::FORWARD, if front { 1.0 } else { -1.0 });
-        let guard = if front { Actuator::FRONT[mode] } else { Actuator::BACK[mode] };
+        let guard = if front { Actuator::FRONT } else { Actuator::BACK };
         let x = [sign * p[2], sign * u, v, 0.3];
-        let next = Actuator.next(guard, 0.4, &x, &p);
+        let next = Actuator.next_mode(guard, mode, 0.4, &x, &p);
         let mut after = vec![0.0; Actuator.modes()[next].states.len()];
-        Actuator.reset(guard, next, 0.4, &x, &p, &mut after);
+        Actuator.reset(guard, (mode, next), 0.4, &x, &p, &mut after);
         let ([q, u, v], [new_q, new_u, new_v]) = (motion(mode, &x), motion(next, &after));
         let momentum = |u: f64, v: f64| p[7] * v + (u + v);
         prop_assert!((momentum(u, v) - momentum(new_u, new_v)).abs() < 1e-14 * (1.0 + p[7]));
@@ -229,7 +248,7 @@ fn beyond_the_ladder_the_block_sticks_to_the_stopper() {
         assert_eq!(cycle.legs.iter().filter(|leg| leg.accumulation).count(), 1);
         for leg in contact {
             let leaves = (0.5 * 0.25_f64).sqrt() / voltage;
-            assert_eq!(leg.exit, Some(Actuator::LEAVE[0]));
+            assert_eq!(leg.exit, Some(Actuator::LEAVE));
             let k = cycle.legs.iter().position(|other| other == leg).unwrap();
             let time: f64 =
                 cycle.start + cycle.legs[..=k].iter().map(|leg| leg.duration).sum::<f64>();

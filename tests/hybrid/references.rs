@@ -87,7 +87,7 @@ fn the_impact_oscillator_moves_as_its_closed_form() {
         let map = |start: [Two; 2]| {
             let flight = |s: Two| form.flight(p[0], start, s);
             let p = p.map(Two::from);
-            let (after, state) = event(&ImpactOscillator, 0, start[0], period, flight, &p);
+            let (after, state) = event(&ImpactOscillator, (0, 0), start[0], period, flight, &p);
             [start[0] + after - period, state[1]]
         };
         let [trace, determinant] = trace_and_determinant(map, start);
@@ -103,7 +103,7 @@ fn the_impact_oscillator_moves_as_its_closed_form() {
 fn contact_of_the_impact_oscillator_ends_without_force() {
     let p = [1.5, 1.0, 0.8, 0.1, 1.0];
     let rest = |_: f64| [1.0];
-    let (after, state) = event(&ImpactOscillator, 1, 0.0, 0.8, rest, &p);
+    let (after, state) = event(&ImpactOscillator, (1, 1), 0.0, 0.8, rest, &p);
     close(after, (1.0_f64 / 1.5).acos(), 1e-14);
     assert_eq!(state, [1.0, 0.0]);
 }
@@ -123,7 +123,7 @@ fn the_ball_moves_as_its_closed_form() {
         let map = |[t, v]: [Two; 2]| {
             let height = t.sin() * gamma;
             let flight = |s: Two| [height + v * s - s * s * 0.5, v - s];
-            let (after, state) = event(&BouncingBall, 0, t, TAU * n as f64, flight, &p);
+            let (after, state) = event(&BouncingBall, (0, 0), t, TAU * n as f64, flight, &p);
             [t + after - TAU * n as f64, state[1]]
         };
         let [trace, determinant] = trace_and_determinant(map, start);
@@ -136,12 +136,12 @@ fn the_ball_moves_as_its_closed_form() {
     let (mut time, mut v, p) = (2.0_f64.sqrt(), 0.8 * 2.0_f64.sqrt(), [0.0, 0.8]);
     for _ in 0..150 {
         let flight = |s: f64| [v * s - s * s * 0.5, v - s];
-        let (after, state) = event(&BouncingBall, 0, 0.0, 2.0 * v, flight, &p);
+        let (after, state) = event(&BouncingBall, (0, 0), 0.0, 2.0 * v, flight, &p);
         (time, v) = (time + after, state[1]);
     }
     close(time, bouncing_ball::rest(1.0, 0.8), 1e-12);
     let table = |t: f64| [1.3 * t.sin()];
-    let (after, state) = event(&BouncingBall, 1, 0.0, 0.8, table, &[1.3, 0.8]);
+    let (after, state) = event(&BouncingBall, (1, 1), 0.0, 0.8, table, &[1.3, 0.8]);
     close(after, bouncing_ball::leave(1.3), 1e-13);
     close(state[1], 1.3 * after.cos(), 1e-15);
 }
@@ -159,12 +159,13 @@ fn the_belt_has_its_printed_period_and_its_motion() {
     assert!(defect(&Belt, Belt::SLOWER, 0.0, 0.7, |s| slip(numbers, s), &p) < 1e-15);
     let sticking = 2.0 * delta / belt;
     let expected = belt::period(friction, kinetic, belt) - sticking;
-    let (after, state) = event(&Belt, Belt::CATCH, 0.0, expected + 1e-3, |s| slip(numbers, s), &p);
+    let (after, state) =
+        event(&Belt, (Belt::CATCH, Belt::SLOWER), 0.0, expected + 1e-3, |s| slip(numbers, s), &p);
     close(after, expected, 1e-13);
     assert_eq!(state.len(), 1, "it sticks");
     close(state[0], belt::stick(friction, kinetic), 1e-13);
     let stick = |s: f64| [state[0] + belt * s];
-    let (after, state) = event(&Belt, Belt::SLIP, 0.0, 2.0, stick, &p);
+    let (after, state) = event(&Belt, (Belt::SLIP, Belt::STICK), 0.0, 2.0, stick, &p);
     close(after, sticking, 1e-13);
     close(state[0], friction, 1e-13);
     assert_eq!(state[1], belt);
@@ -188,14 +189,15 @@ fn den_hartogs_motion_has_its_printed_amplitude() {
         }
         close(coulomb::backward(beta, friction, 0.0)[0], amplitude, 1e-14);
         let flight = |s: f64| coulomb::backward(beta, friction, s);
-        let (after, state) = event(&Coulomb, Coulomb::LOW, start, half + 1e-3, flight, &p);
+        let (after, state) =
+            event(&Coulomb, (Coulomb::LOW, Coulomb::BACKWARD), start, half + 1e-3, flight, &p);
         close(after, half, 1e-12);
         close(state[0], -amplitude, 1e-13);
         assert_eq!(state.len(), 2, "it goes on forwards");
     }
     // The spring of a mass at rest at 0.1 lets go where cos βt − 0.1 = ±F.
     let rest = |_: f64| [0.1];
-    let (after, _) = event(&Coulomb, Coulomb::PUSH, 0.0, 1.1, rest, &p);
+    let (after, _) = event(&Coulomb, (Coulomb::PUSH, Coulomb::STICK), 0.0, 1.1, rest, &p);
     close((beta * after).cos(), 0.1 - friction, 1e-14);
 }
 
@@ -253,14 +255,16 @@ fn dry_impacts_move_as_their_closed_form() {
             let f = 0.7961 / stiffness;
             let zero = Dual64::from(0.0);
             let expected = form.time(place);
-            let (time, up) = event(&DryImpact, 0, zero, expected + 1e-3, |_| [rest], &p);
+            let (time, up) = event(&DryImpact, (0, 0), zero, expected + 1e-3, |_| [rest], &p);
             close(time.re, expected, 1e-13);
             close(up[1].re, form.velocity(place), 1e-13);
             let quarter = (up[1].re / root).atan2(place + f) / root;
             let flight = |s| half_circle([up[0], up[1]], -f, s);
-            let (_, down) = event(&DryImpact, 5, time, quarter, flight, &p);
+            let (_, down) =
+                event(&DryImpact, (DryImpact::TURN, DryImpact::UP), time, quarter, flight, &p);
             let flight = |s| half_circle([down[0], down[1]], f, s);
-            let (_, again) = event(&DryImpact, 6, time, PI / root, flight, &p);
+            let (_, again) =
+                event(&DryImpact, (DryImpact::TURN, DryImpact::DOWN), time, PI / root, flight, &p);
             assert_eq!(again.len(), 1, "it rests");
             close(again[0].re, place, 1e-13);
             close(again[0].eps, form.multiplier(place), 1e-12);

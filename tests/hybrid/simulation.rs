@@ -137,8 +137,9 @@ impl HybridSystem for Clockwork {
         ["one", "two", "three"].map(|name| Mode::new(name, ["x"])).into()
     }
     fn guards(&self) -> Vec<Guard> {
-        let guards = [("late", 0), ("first", 0), ("second", 0), ("second", 1), ("last", 2)];
-        guards.map(|(name, mode)| Guard::new(name, mode)).into()
+        let guards: [(_, &[usize]); 4] =
+            [("late", &[0]), ("first", &[0]), ("second", &[0, 1]), ("last", &[2])];
+        guards.map(|(name, modes)| Guard::new(name, modes.iter().copied())).into()
     }
     fn parameters(&self) -> Vec<String> {
         vec!["end".into()]
@@ -146,19 +147,27 @@ impl HybridSystem for Clockwork {
     fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
         f[0] = T::one();
     }
-    fn guard<T: Scalar>(&self, guard: usize, _t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
         match guard {
             0 => -x[0] + p[0] + 1e-6,
             1 => -x[0] + p[0],
-            2 | 3 => -x[0].powi(2) + p[0] * p[0],
+            2 => -x[0].powi(2) + p[0] * p[0],
             _ => -x[0] + p[0] + 1.0,
         }
     }
-    fn reset<T: Scalar>(&self, _g: usize, _next: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         after[0] = x[0];
     }
-    fn next(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        [2, 1, 2, 2, 0][guard]
+    fn next_mode(&self, guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        if mode == 0 && guard == 1 { 1 } else { [2, 2, 0][mode] }
     }
 }
 
@@ -168,7 +177,10 @@ impl HybridSystem for Clockwork {
 fn events_that_come_together_come_in_order() {
     let p = [Dual64::from(1.0 / 3.0).derivative()];
     let (events, end) = followed(&Clockwork, at(0, 0.0, &[0.0]), 1.0.into(), &p);
-    assert_eq!(events.iter().map(|event| event.guard).collect::<Vec<_>>(), [1, 3]);
+    assert_eq!(
+        events.iter().map(|event| (event.guard, event.mode)).collect::<Vec<_>>(),
+        [(1, 0), (2, 1)]
+    );
     for event in events {
         close(event.time.re, 1.0 / 3.0, 1e-15);
         close(event.time.eps, 1.0, 1e-14);

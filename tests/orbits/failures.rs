@@ -6,7 +6,7 @@ use crate::cycles::{Saddle, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
-use tangency::core::field::VectorField;
+use tangency::core::field::{Forcing, VectorField};
 use tangency::core::flow::Scheme;
 use tangency::core::orbit::{Simulation, by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
@@ -143,8 +143,11 @@ impl VectorField for Stiff {
         f[0] = -p[1] * (x[0] - p[0] * cosine) - p[0] * sine;
         f[1] = -x[1];
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
     }
 }
 
@@ -190,8 +193,11 @@ impl VectorField for Walled {
         let (sine, cosine) = t.sin_cos();
         f[0] = p[0] * (cosine - sine) - x[0];
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
     }
     fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
         if x[0] <= 1.2 {

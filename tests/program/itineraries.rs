@@ -5,6 +5,7 @@ use crate::scenarios::with;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{
     Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
 };
@@ -44,7 +45,7 @@ impl HybridSystem for Catching {
         vec![Mode::new("flight", ["x", "v"]), Mode::new("caught", ["x", "v"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("impact", 0), Guard::new("release", 1)]
+        vec![Guard::new("impact", [0]), Guard::new("release", [1])]
     }
     fn parameters(&self) -> Vec<String> {
         vec!["amplitude".into()]
@@ -53,17 +54,28 @@ impl HybridSystem for Catching {
         f[0] = x[1];
         f[1] = p[0] * (t * 2.2).cos() - x[0] - x[1] * 0.1;
     }
-    fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         T::one() - x[0]
     }
-    fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         (after[0], after[1]) = (x[0], x[1] * -0.8);
     }
-    fn next(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         1 - guard
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU / 2.2))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU / 2.2)
     }
 }
 

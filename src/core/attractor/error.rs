@@ -10,7 +10,8 @@ pub enum StrobeError {
     Hybrid(#[from] HybridError),
     /// There is no forcing.
     #[error(
-        "the system has no forcing, so that nothing says when to look at its motion: state the time between two looks"
+        "the system has no forcing, so its motion cannot be sampled once a period: state one (`HybridSystem::forcing`, \
+         `period`), or search for returns to a guard (`Recurrence`)"
     )]
     NoPeriod,
     /// The names of measures that the system does not have.

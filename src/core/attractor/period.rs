@@ -55,7 +55,7 @@ enum Gauge {
     /// The largest value of one state where another one rises through zero.
     Rising { places: Vec<Option<[usize; 2]>>, most: f64, rises: Rises },
     /// The least extremum of a guard, and the event that is approached most slowly.
-    Depth { guards: Vec<(usize, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
+    Depth { guards: Vec<(Vec<usize>, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
     /// Nothing before the end.
     Legs,
 }
@@ -105,8 +105,8 @@ impl<'a, S: HybridSystem> Recorder<'a, S> {
                 Gauge::Rising { places, most: 0.0, rises: Rises::default() }
             }
             Measure::Penetration => {
-                let modes = system.guards().into_iter().map(|guard| guard.mode);
-                let guards = modes.map(|mode| (mode, Extrema::default())).collect();
+                let guards = system.guards().into_iter();
+                let guards = guards.map(|guard| (guard.modes, Extrema::default())).collect();
                 Gauge::Depth { guards, least: f64::INFINITY, slowest: None }
             }
             Measure::Cycle(_) => Gauge::Legs,
@@ -175,7 +175,7 @@ impl<'a, S: HybridSystem> Recorder<'a, S> {
     /// How far motion would go beyond the surface of an event; not a number if it does not turn within a time.
     fn beyond(&self, Slow { guard, at, .. }: &Slow, within: f64, p: &[f64]) -> f64 {
         let turn = virtual_point(self.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);
-        turn.map_or(f64::NAN, |(time, x)| -self.system.guard(*guard, time, &x, p))
+        turn.map_or(f64::NAN, |(time, x)| -self.system.guard(*guard, at.mode, time, &x, p))
     }
 }
 
@@ -206,9 +206,11 @@ impl<S: HybridSystem> HybridObserver<f64> for Recorder<'_, S> {
                     });
                 }
                 Gauge::Depth { guards, least, .. } => {
-                    let watched = guards.iter_mut().enumerate().filter(|(_, at)| at.0 == mode);
+                    let watched =
+                        guards.iter_mut().enumerate().filter(|(_, at)| at.0.contains(&mode));
                     for (guard, (_, extrema)) in watched {
-                        extrema.search(&GuardOf { system: self.system, guard }, step, |found| {
+                        let watch = GuardOf { system: self.system, guard, mode };
+                        extrema.search(&watch, step, |found| {
                             if found.place <= last {
                                 *least = least.min(found.value);
                             }

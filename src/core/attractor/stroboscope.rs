@@ -3,6 +3,7 @@
 use super::error::StrobeError;
 use super::period::{Period, Recorder};
 use super::{Layout, Strobed};
+use crate::core::field::Forcing;
 use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, Measure};
 use num_dual::Dual64;
 
@@ -75,7 +76,11 @@ impl<'a, S: HybridSystem> Stroboscope<'a, S> {
     }
 
     fn period(&self, p: &[f64]) -> Result<f64, StrobeError> {
-        self.real.system().period(p).ok_or(StrobeError::NoPeriod)
+        let system = self.real.system();
+        match system.forcing() {
+            Forcing::Periodic { .. } => Ok(system.period(p)),
+            Forcing::None => Err(StrobeError::NoPeriod),
+        }
     }
 }
 

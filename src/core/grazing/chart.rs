@@ -3,8 +3,9 @@
 use super::error::GrazingError;
 use super::map::MapSettings;
 use super::point::GrazingPoint;
-use super::section::{Coordinate, Section};
+use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
+use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
 use crate::core::hybrid::{HybridSystem, InMode};
 use crate::core::jet::Jet;
@@ -52,8 +53,11 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
     ) -> Result<Self, GrazingError> {
         let long = Settings::new(Scheme::DormandPrince8, settings.tolerance);
         let short = Settings { first_step: Some(1.0), ..long };
-        let cycle = settings.phase;
-        let unit = system.period(&p).map_or(Jet::from(1.0), |period| period / cycle);
+        let cycle = match system.forcing() {
+            Forcing::None => 0.0,
+            Forcing::Periodic { phase } => phase,
+        };
+        let unit = unit_of_phase(system, &p);
         let phase = point.time / unit.real();
         let states = system.modes().iter().map(|mode| mode.states.len()).collect();
         let (long, short) = (Flow::new(long)?.measured_by(Jet::size), Flow::new(short)?);
@@ -178,7 +182,7 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
     /// Passes the event of a guard into a mode.
     pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
         let mut after = vec![Jet::from(0.0); self.states[next]];
-        self.system.reset(guard, next, place.t, &place.x, &self.p, &mut after);
+        self.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);
         (place.mode, place.x) = (next, after);
     }
 }

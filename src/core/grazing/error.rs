@@ -39,6 +39,16 @@ pub enum GrazingError {
         /// What that number is.
         meant: &'static str,
     },
+    /// A leg of a grazing point, or the point itself, is in a mode that its guard does not end.
+    #[error(
+        "the grazing point does not belong to the system: guard `{guard}` does not end mode `{mode}`"
+    )]
+    NoEnd {
+        /// The guard.
+        guard: String,
+        /// The mode.
+        mode: String,
+    },
     /// Deviations of another number than there are coordinates or parameters.
     #[error("{found} deviations of {what} are given, there are {expected}")]
     Length {
@@ -54,7 +64,7 @@ pub enum GrazingError {
         "the phase grows by {phase} in a period of the forcing: it should be a positive number"
     )]
     Phase {
-        /// The phase asked for.
+        /// The phase.
         phase: f64,
     },
     /// There is no such measure.

@@ -4,27 +4,24 @@ use super::error::GrazingError;
 use super::iteration::Iteration;
 use super::maps::{Discontinuity, Smooth, Source};
 use super::point::GrazingPoint;
-use super::section::{Coordinate, Section};
+use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::hybrid::HybridSystem;
 use crate::core::jet::{Polynomial, Space};
-use std::f64::consts::TAU;
 
 /// What a local map is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSettings {
     /// The order of the polynomials, from 1 to 7.
     pub order: usize,
-    /// By how much the phase grows in a period of the forcing.
-    pub phase: f64,
     /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest one.
     pub tolerance: f64,
 }
 
 impl Default for MapSettings {
-    /// The second order, a phase of 2π, and a tolerance of 1e-13.
+    /// The second order, and a tolerance of 1e-13.
     fn default() -> Self {
-        MapSettings { order: 2, phase: TAU, tolerance: 1e-13 }
+        MapSettings { order: 2, tolerance: 1e-13 }
     }
 }
 
@@ -95,9 +92,6 @@ impl LocalMap {
         if settings.order == 0 {
             return Err(GrazingError::Order { order: 0 });
         }
-        if !(settings.phase > 0.0 && settings.phase.is_finite()) {
-            return Err(GrazingError::Phase { phase: settings.phase });
-        }
         point.check(system)?;
         let positions = positions(system, parameters)?;
         let section = &Section::of(system, point)?;
@@ -111,7 +105,7 @@ impl LocalMap {
         };
         let coordinates: Vec<String> = section.coordinates.iter().map(name).collect();
         returns(&smooth, &coordinates)?;
-        let unit = system.period(&point.p).map_or(1.0, |period| period / settings.phase);
+        let unit = unit_of_phase(system, &point.p);
         let value = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => point.x[*i],
             Coordinate::Phase => point.time / unit,

@@ -3,9 +3,10 @@
 use super::error::GrazingError;
 use super::map::{MapSettings, positions};
 use super::maps::Source;
-use super::section::{Coordinate, Section};
+use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::condition::EvaluationError;
+use crate::core::field::Forcing;
 use crate::core::hybrid::HybridSystem;
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
@@ -66,7 +67,7 @@ impl GrazingPoint {
     /// let mut p = Actuator::DEFAULTS;
     /// p[0] = 0.227178;
     /// let rough = GrazingPoint {
-    ///     guard: Actuator::FRONT[Actuator::STICK],
+    ///     guard: Actuator::FRONT,
     ///     mode: Actuator::STICK,
     ///     time: 5.98551 / 0.5,
     ///     x: vec![0.5, 0.0],
@@ -104,6 +105,11 @@ impl GrazingPoint {
 
     /// Refuses a point whose numbers do not belong to a system.
     pub(super) fn check<H: HybridSystem>(&self, system: &H) -> Result<(), GrazingError> {
+        if let Forcing::Periodic { phase } = system.forcing()
+            && !(phase > 0.0 && phase.is_finite())
+        {
+            return Err(GrazingError::Phase { phase });
+        }
         let (modes, guards) = (system.modes(), system.guards());
         let (all_modes, all_guards) = (modes.len(), guards.len());
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
@@ -115,16 +121,22 @@ impl GrazingPoint {
             true => Ok(()),
             false => Err(GrazingError::Mismatch { what, found, expected, meant }),
         };
+        let ends = |guard: usize, mode: usize| match guards[guard].ends(mode) {
+            true => Ok(()),
+            false => Err(GrazingError::NoEnd {
+                guard: guards[guard].name.clone(),
+                mode: modes[mode].name.clone(),
+            }),
+        };
         for leg in legs {
             below("a leg is in mode", leg.mode, all_modes, "is the number of modes")?;
             let Some(exit) = leg.exit else { continue };
             below("a leg ends by guard", exit, all_guards, "is the number of guards")?;
-            same("a leg is in mode", leg.mode, guards[exit].mode, "is that which its guard ends")?;
+            ends(exit, leg.mode)?;
         }
         below("it is in mode", self.mode, all_modes, "is the number of modes")?;
         below("it touches guard", self.guard, all_guards, "is the number of guards")?;
-        let ends = guards[self.guard].mode;
-        same("it is in mode", self.mode, ends, "is that which the touched guard ends")?;
+        ends(self.guard, self.mode)?;
         let states = modes[self.mode].states.len();
         same("its states number", self.x.len(), states, "are those of the mode")?;
         let parameters = system.parameters().len();
@@ -156,10 +168,9 @@ impl GrazingPoint {
         let mut lu = BorderedLu::default();
         lu.factor(&matrix, Border::NONE).map_err(EvaluationError::from)?;
         lu.solve(&mut change);
-        let unit = |p: &[f64]| system.period(p).map_or(1.0, |period| period / settings.phase);
-        let before = unit(&self.p);
+        let before = unit_of_phase(system, &self.p);
         self.p[parameters[0]] += change[n];
-        let after = unit(&self.p);
+        let after = unit_of_phase(system, &self.p);
         self.time *= after / before;
         for (coordinate, change) in section.coordinates.iter().zip(change) {
             match coordinate {

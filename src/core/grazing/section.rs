@@ -3,7 +3,9 @@
 use super::error::GrazingError;
 use super::point::GrazingPoint;
 use super::surface::Surface;
+use crate::core::field::Forcing;
 use crate::core::hybrid::HybridSystem;
+use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 
 /// A coordinate on the section.
@@ -50,6 +52,14 @@ fn gradient<H: HybridSystem>(surface: Surface, system: &H, point: &GrazingPoint)
     (0..point.x.len()).map(slope).collect()
 }
 
+/// The time in which the phase of the forcing grows by 1; 1 without forcing.
+pub(super) fn unit_of_phase<H: HybridSystem, T: Scalar>(system: &H, p: &[T]) -> T {
+    match system.forcing() {
+        Forcing::None => T::one(),
+        Forcing::Periodic { phase } => system.period(p) / phase,
+    }
+}
+
 impl Section {
     /// The section of a grazing point, the phase being a coordinate under forcing.
     pub fn of<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<Self, GrazingError> {
@@ -74,7 +84,7 @@ impl Section {
             return Err(GrazingError::Curvature { guard, time, curvature });
         }
         let states = (0..point.x.len()).filter(|i| *i != eliminated).map(Coordinate::State);
-        let phase = system.period(&point.p).map(|_| Coordinate::Phase);
+        let phase = system.forcing().is_periodic().then_some(Coordinate::Phase);
         let slopes = [[h[normal], h[eliminated]], [r[normal], r[eliminated]]];
         let coordinates = states.chain(phase).collect();
         Ok(Section { eliminated, normal, slopes, curvature, coordinates })

@@ -24,7 +24,7 @@ impl Surface {
         p: &[T],
     ) -> T {
         match self {
-            Surface::Guard(guard) => system.guard(guard, t, x, p),
+            Surface::Guard(guard) => system.guard(guard, mode, t, x, p),
             Surface::Turning(guard) => rate(system, (guard, mode), t, x, p),
         }
     }

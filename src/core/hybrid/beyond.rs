@@ -63,7 +63,7 @@ fn first_turn<H: HybridSystem, T: Scalar>(
         return Some(0.0);
     }
     let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
-    let (mut x, p, watch) = (real(x), real(p), GuardOf { system, guard });
+    let (mut x, p, watch) = (real(x), real(p), GuardOf { system, guard, mode });
     let (mut flow, mut extrema, mut turn) = (Flow::<f64>::default(), Extrema::default(), None);
     let outcome = flow.observe(&InMode { system, mode }, t.real(), within, &mut x, &p, |step| {
         extrema.search(&watch, step, |extremum| {

@@ -79,16 +79,18 @@ pub struct Piece {
 /// # struct Ball;
 /// # impl HybridSystem for Ball {
 /// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
-/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", 0)] }
+/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", [0])] }
 /// #     fn parameters(&self) -> Vec<String> { vec!["gravity".into(), "restitution".into()] }
 /// #     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
 /// #         (f[0], f[1]) = (x[1], -p[0]);
 /// #     }
-/// #     fn guard<T: Scalar>(&self, _g: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
-/// #     fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+/// #     fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
+/// #     fn reset<T: Scalar>(
+/// #         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], p: &[T], after: &mut [T],
+/// #     ) {
 /// #         (after[0], after[1]) = (x[0], -p[1] * x[1]);
 /// #     }
-/// #     fn next(&self, _g: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
+/// #     fn next_mode(&self, _g: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
 /// # }
 /// let mut flow = HybridFlow::new(&Ball, HybridSettings::default())?;
 /// let mut ball = HybridState { mode: 0, time: 0.0, x: vec![0.5, 0.0] };

@@ -26,6 +26,7 @@ const LEGS: f64 = 4.0;
 /// What looks for the end of a leg in its steps.
 pub(super) struct Lookout<'l, 'a, S, T> {
     pub system: &'a S,
+    pub mode: usize,
     /// The guards to look at.
     pub watched: &'l [usize],
     pub roots: &'l mut [Roots<T, GuardOf<'a, S>>],
@@ -43,7 +44,7 @@ impl<S: HybridSystem, T: Scalar> Lookout<'_, '_, S, T> {
     /// Where the leg ends in a step, if it does.
     pub fn landing<F: VectorField>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
         let landing = first(self.watched, self.roots, step)
-            .filter(|landing| !lifts(self.system, landing, step, self.p))?;
+            .filter(|landing| !lifts((self.system, self.mode), landing, step, self.p))?;
         self.arrive(step, landing, step.length())
     }
 
@@ -84,7 +85,7 @@ const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
 /// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
 fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
-    system: &S,
+    (system, mode): (&S, usize),
     landing: &Landing<T>,
     step: &mut Step<F, T>,
     p: &[f64],
@@ -99,7 +100,7 @@ fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
         let fraction = T::constant(fraction);
         step.interpolate(fraction, &mut x);
         let real: Vec<f64> = x.iter().map(T::real).collect();
-        system.guard(*guard, step.time(fraction).real(), &real, p) > 0.0
+        system.guard(*guard, mode, step.time(fraction).real(), &real, p) > 0.0
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::simulation::HybridFlow;
 use super::system::HybridSystem;
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
 use crate::core::zero::{LeftDomain, Names};
@@ -30,7 +30,11 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
         self.system.field(self.mode, t, x, p, f);
     }
 
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        self.system.forcing()
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         self.system.period(p)
     }
 
@@ -63,27 +67,32 @@ pub(in crate::core) fn rate<H: HybridSystem, T: Scalar>(
     x: &[T],
     p: &[T],
 ) -> T {
-    along(system, mode, t, x, p, |t, x, p| system.guard(guard, t, x, p)).eps
+    along(system, mode, t, x, p, |t, x, p| system.guard(guard, mode, t, x, p)).eps
 }
 
-/// One guard as a function to be watched along the flow of its mode.
+/// One guard as a function to be watched along the flow of one of its modes.
 pub struct GuardOf<'a, S> {
     /// The hybrid system.
     pub system: &'a S,
     /// The guard.
     pub guard: usize,
+    /// The mode.
+    pub mode: usize,
 }
 
 impl<S: HybridSystem> Watch for GuardOf<'_, S> {
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
-        self.system.guard(self.guard, t, x, p)
+        self.system.guard(self.guard, self.mode, t, x, p)
     }
 }
 
 impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
     /// Prepares the flow for a leg that lasts no longer than this.
     pub(super) fn prepare_leg(&mut self, left: f64) {
-        let period = self.system.period(&self.p).unwrap_or(f64::INFINITY);
+        let period = match self.system.forcing() {
+            Forcing::None => f64::INFINITY,
+            Forcing::Periodic { .. } => self.system.period(&self.p),
+        };
         let largest = self.settings.flow.largest_step;
         self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left);
         // Fields of different modes have much in common: the forcing, and most of the forces.

@@ -9,6 +9,7 @@ use super::event::Event;
 use super::repetition::{Nearness, Repetition};
 use super::simulation::{HybridFlow, HybridState};
 use super::system::HybridSystem;
+use crate::core::field::Forcing;
 use std::ops::ControlFlow;
 
 /// A leg of a periodic motion: from just after one event to just before the next.
@@ -140,9 +141,9 @@ impl Recurrence {
         start: HybridState<f64>,
         p: &[f64],
     ) -> Result<Cycle, RecurrenceError> {
-        match flow.system().period(p) {
-            Some(period) => self.strobed(flow, start, period, p),
-            None => self.returning(flow, start, p),
+        match flow.system().forcing() {
+            Forcing::Periodic { .. } => self.strobed(flow, start, flow.system().period(p), p),
+            Forcing::None => self.returning(flow, start, p),
         }
     }
 
@@ -189,7 +190,8 @@ impl Recurrence {
         let (mut events, mut returns, mut found) = (Vec::<Event<f64>>::new(), Vec::new(), None);
         let mut look = |event: &Event<f64>| {
             nearness.extend(&event.after);
-            let returned = events.first().is_none_or(|first| first.guard == event.guard);
+            let same = |first: &Event<f64>| (first.guard, first.mode) == (event.guard, event.mode);
+            let returned = events.first().is_none_or(same);
             if returned && !event.accumulation {
                 let mut recent = returns.iter().rev().take(self.most).copied();
                 found = recent.find(|k: &usize| {

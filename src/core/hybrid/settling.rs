@@ -17,19 +17,21 @@ impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
         state: &mut HybridState<T>,
         run: &mut Run<T, O>,
     ) -> Result<ControlFlow<()>, HybridError> {
-        let (guard, here) = (self.event.guard, accumulation == Accumulation::Here);
-        let before = if here { &self.event.before } else { &self.series[guard].limit };
+        let Event { guard, mode, .. } = self.event;
+        let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
+        let before = if here { &self.event.before } else { &self.series[series].limit };
         self.x.clear();
         self.x.extend(before.iter().map(T::real));
         if !here && self.another_comes_before(time.real()) {
             return Ok(ControlFlow::Continue(()));
         }
-        let Some(next) = self.system.settled(guard, time.real(), &self.x, &self.p) else {
+        let next = self.system.mode_after_accumulation(guard, mode, time.real(), &self.x, &self.p);
+        let Some(next) = next else {
             let unsettled = Err(self.unsettled(time.real()));
             return if here { Ok(ControlFlow::Continue(())) } else { unsettled };
         };
         if !here {
-            self.event.before.clone_from(&self.series[guard].limit);
+            self.event.before.clone_from(&self.series[series].limit);
         }
         (self.event.time, self.event.approach, self.event.accumulation) = (time, 0.0, true);
         run.statistics.accumulations += 1;
@@ -39,14 +41,13 @@ impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
     /// Whether another guard of the mode is negative at the accumulation, the real parts of which are in `x`.
     fn another_comes_before(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
-        let mut others =
-            (0..self.guards.len()).filter(|g| *g != guard && self.guards[*g].mode == mode);
-        others.any(|g| self.system.guard(g, time, &self.x, &self.p) < 0.0)
+        let mut others = self.watched[mode].iter().filter(|g| **g != guard);
+        others.any(|g| self.system.guard(*g, mode, time, &self.x, &self.p) < 0.0)
     }
 
     fn unsettled(&self, time: f64) -> HybridError {
         let Event { guard, mode, .. } = self.event;
-        let series = &self.series[guard];
+        let series = &self.series[self.series_of(guard, mode)];
         HybridError::Accumulation {
             time,
             mode: self.modes[mode].name.clone(),

@@ -74,16 +74,18 @@ pub struct HybridStatistics {
 /// # struct Ball;
 /// # impl HybridSystem for Ball {
 /// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
-/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", 0)] }
+/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", [0])] }
 /// #     fn parameters(&self) -> Vec<String> { vec!["gravity".into(), "restitution".into()] }
 /// #     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
 /// #         (f[0], f[1]) = (x[1], -p[0]);
 /// #     }
-/// #     fn guard<T: Scalar>(&self, _g: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
-/// #     fn reset<T: Scalar>(&self, _g: usize, _n: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+/// #     fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
+/// #     fn reset<T: Scalar>(
+/// #         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], p: &[T], after: &mut [T],
+/// #     ) {
 /// #         (after[0], after[1]) = (x[0], -p[1] * x[1]);
 /// #     }
-/// #     fn next(&self, _g: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
+/// #     fn next_mode(&self, _g: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
 /// # }
 /// // A ball falls from 1/2 and is thrown back; how its velocity at t = 1.5 depends on where it fell from:
 /// let mut flow = HybridFlow::new(&Ball, HybridSettings::default())?;
@@ -104,6 +106,7 @@ pub struct HybridFlow<'a, S, T: Scalar> {
     pub(super) settings: HybridSettings,
     pub(super) flow: Flow<T>,
     pub(super) roots: Vec<Roots<T, GuardOf<'a, S>>>,
+    /// The last events of each guard in each mode.
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
     /// How long the step was in which the last leg ended.
@@ -131,11 +134,12 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
     /// [`HybridError::Settings`] if a setting of the flow has no meaning.
     pub fn new(system: &'a S, settings: HybridSettings) -> Result<Self, HybridError> {
         let (modes, guards) = (system.modes(), system.guards());
-        let roots = (0..guards.len()).map(|guard| Roots::of(GuardOf { system, guard })).collect();
-        let series = guards.iter().map(|_| Series::new()).collect();
+        let roots = (0..guards.len()).map(|guard| Roots::of(GuardOf { system, guard, mode: 0 }));
+        let roots = roots.collect();
+        let series = (0..guards.len() * modes.len()).map(|_| Series::new()).collect();
         let (flow, event) = (Flow::new(settings.flow)?, Event::empty());
         let (pace, x, p) = Default::default();
-        let of_mode = |mode| (0..guards.len()).filter(|g| guards[*g].mode == mode).collect();
+        let of_mode = |mode| (0..guards.len()).filter(|g| guards[*g].ends(mode)).collect();
         let watched = (0..modes.len()).map(of_mode).collect();
         Ok(HybridFlow {
             system,
@@ -249,7 +253,7 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         self.x.extend(state.x.iter().map(T::real));
         let time = state.time.real();
         for &g in &self.watched[state.mode] {
-            let value = self.system.guard(g, time, &self.x, &self.p);
+            let value = self.system.guard(g, state.mode, time, &self.x, &self.p);
             if value < -NEGATIVE {
                 let mode = self.modes[state.mode].name.clone();
                 let after = After(event.map(|event| self.guards[event].name.clone()));
@@ -269,12 +273,12 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         let (system, mode, left) = (self.system, state.mode, run.end - state.time);
         self.prepare_leg(left.real());
         for (guard, roots) in self.roots.iter_mut().enumerate() {
-            roots.restart(GuardOf { system, guard });
+            roots.restart(GuardOf { system, guard, mode });
         }
         let HybridFlow { flow, roots, event, pace, p, watched, .. } = self;
         let watched = &watched[mode];
         let mut lookout =
-            Lookout { system, watched, roots, event, pace, p, leg: (state.time, left) };
+            Lookout { system, mode, watched, roots, event, pace, p, leg: (state.time, left) };
         let mut landing = None;
         lookout.event.before.clear();
         lookout.event.before.extend_from_slice(&state.x);
@@ -313,15 +317,17 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         (self.event.approach, self.event.accumulation) = (-root.rate.real(), false);
         self.stands_still(run)?;
         let tolerance = self.settings.accumulation;
+        let series = self.series_of(guard, state.mode);
         let Event { time, before, .. } = &self.event;
-        let accumulation = self.series[guard].push(*time, -root.rate, before, tolerance);
+        let accumulation = self.series[series].push(*time, -root.rate, before, tolerance);
         let time = match accumulation {
             Accumulation::None => None,
             Accumulation::Here => Some(self.event.time),
             Accumulation::At(time) => Some(time),
         };
         self.real_event();
-        let next = self.system.next(guard, self.event.time.real(), &self.x, &self.p);
+        let time_of_event = self.event.time.real();
+        let next = self.system.next_mode(guard, self.event.mode, time_of_event, &self.x, &self.p);
         if self.pass(next, state, run)?.is_break() {
             return Ok(ControlFlow::Break(()));
         }
@@ -329,6 +335,11 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
             Some(time) => self.settle(accumulation, time, state, run),
             None => Ok(ControlFlow::Continue(())),
         }
+    }
+
+    /// The position of the series of a guard in a mode.
+    pub(super) fn series_of(&self, guard: usize, mode: usize) -> usize {
+        mode * self.guards.len() + guard
     }
 
     /// Real parts of the state before the event.
@@ -354,8 +365,8 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         event.next = next;
         event.after.clear();
         event.after.resize(mode.states.len(), T::zero());
-        let (guard, time) = (event.guard, event.time);
-        self.system.reset(guard, next, time, &event.before, run.p, &mut event.after);
+        let (guard, modes, time) = (event.guard, (event.mode, next), event.time);
+        self.system.reset(guard, modes, time, &event.before, run.p, &mut event.after);
         (state.mode, state.time) = (next, time);
         state.x.clear();
         state.x.extend_from_slice(&event.after);

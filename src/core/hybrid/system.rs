@@ -1,6 +1,7 @@
 //! Hybrid systems as a user states them.
 
 use super::measure::{Measure, Passage};
+use crate::core::field::Forcing;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -23,36 +24,42 @@ impl Mode {
     }
 }
 
-/// A surface at which a mode ends.
+/// A surface at which modes end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Guard {
-    /// The event's name. Guards of several modes may share it: an impact is one event in whichever mode.
+    /// The event's name.
     pub name: String,
-    /// The mode that ends there.
-    pub mode: usize,
-    /// The mode in which motion goes on where events of this guard accumulate, so that infinitely many come
-    /// to pass in a finite time (complete chatter); `None` if they are not expected to.
-    pub contact: Option<usize>,
+    /// The modes that end there.
+    pub modes: Vec<usize>,
+    /// The mode that follows where events of this guard accumulate, infinitely many in a finite time (complete
+    /// chatter); `None` if they are not expected to.
+    pub accumulates_to: Option<usize>,
 }
 
 impl Guard {
-    /// A guard of a mode.
-    pub fn new(name: impl Into<String>, mode: usize) -> Self {
-        Guard { name: name.into(), mode, contact: None }
+    /// A guard of some modes: an impact is one event in whichever mode it comes.
+    pub fn new(name: impl Into<String>, modes: impl IntoIterator<Item = usize>) -> Self {
+        Guard { name: name.into(), modes: modes.into_iter().collect(), accumulates_to: None }
     }
 
-    /// Where events accumulate, motion goes on in this mode.
-    pub fn accumulating_to(mut self, contact: usize) -> Self {
-        self.contact = Some(contact);
+    /// Sets the mode that follows where events accumulate.
+    pub fn accumulating_to(mut self, mode: usize) -> Self {
+        self.accumulates_to = Some(mode);
         self
+    }
+
+    /// Whether a mode ends there.
+    pub(in crate::core) fn ends(&self, mode: usize) -> bool {
+        self.modes.contains(&mode)
     }
 }
 
-/// A hybrid system: modes, guards and resets, stated once, differentiated nowhere.
+/// A hybrid system: modes, guards and resets, written once; derivatives come from automatic differentiation.
 ///
 /// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the event; of
 /// several that vanish together the one stated first counts. The state just before it is `x`; motion goes on in
-/// the mode [`next`](Self::next), from the state that [`reset`](Self::reset) gives.
+/// the mode [`next_mode`](Self::next_mode), from the state that [`reset`](Self::reset) gives. Guards are numbered as
+/// [`guards`](Self::guards) lists them, modes as [`modes`](Self::modes) does.
 ///
 /// ```
 /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
@@ -64,7 +71,7 @@ impl Guard {
 ///         vec![Mode::new("flight", ["height", "velocity"])]
 ///     }
 ///     fn guards(&self) -> Vec<Guard> {
-///         vec![Guard::new("bounce", 0)]
+///         vec![Guard::new("bounce", [0])]
 ///     }
 ///     fn parameters(&self) -> Vec<String> {
 ///         vec!["gravity".into(), "restitution".into()]
@@ -73,26 +80,28 @@ impl Guard {
 ///         f[0] = x[1];
 ///         f[1] = -p[0];
 ///     }
-///     fn guard<T: Scalar>(&self, _guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+///     fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
 ///         x[0]
 ///     }
-///     fn reset<T: Scalar>(&self, _g: usize, _next: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+///     fn reset<T: Scalar>(
+///         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], p: &[T], after: &mut [T],
+///     ) {
 ///         after[0] = x[0];
 ///         after[1] = -p[1] * x[1];
 ///     }
-///     fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+///     fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
 ///         0
 ///     }
 /// }
 /// let mut after = [0.0; 2];
-/// Ball.reset(0, 0, 0.0, &[0.0, -2.0], &[9.81, 0.8], &mut after);
+/// Ball.reset(0, (0, 0), 0.0, &[0.0, -2.0], &[9.81, 0.8], &mut after);
 /// assert_eq!(after, [0.0, 1.6]);
 /// ```
 pub trait HybridSystem: Send + Sync {
     /// The modes, with the names of their states.
     fn modes(&self) -> Vec<Mode>;
 
-    /// The guards of all modes. Of those that vanish together the first one listed is the event.
+    /// The guards. Of those that vanish together the first one listed is the event.
     fn guards(&self) -> Vec<Guard>;
 
     /// The names of the parameters.
@@ -101,20 +110,36 @@ pub trait HybridSystem: Send + Sync {
     /// The field of a mode, written into `f` (as long as `x`).
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// A guard, positive while its mode lasts.
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T;
+    /// A guard in one of its modes, positive while the mode lasts.
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The state just after an event, written into `after` (as long as the states of the mode `next`).
-    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]);
+    /// The state just after an event that leads from the first of two modes to the second, written into `after` (as
+    /// long as the states of the second).
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        modes: (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    );
 
-    /// The mode that follows an event, given the state just before it; where events accumulate, it is asked
-    /// again with [`settled`](Self::settled).
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+    /// The mode that follows an event in a mode, given the state just before it; where events accumulate,
+    /// [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
 
-    /// The mode in which motion goes on where the events of a guard accumulate, given the state there: by
-    /// default the one that the guard names.
-    fn settled(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> Option<usize> {
-        self.guards()[guard].contact
+    /// The mode that follows where the events of a guard in a mode accumulate, given the state there: by default
+    /// [`Guard::accumulates_to`].
+    fn mode_after_accumulation(
+        &self,
+        guard: usize,
+        _mode: usize,
+        _t: f64,
+        _x: &[f64],
+        _p: &[f64],
+    ) -> Option<usize> {
+        self.guards()[guard].accumulates_to
     }
 
     /// Whether [`field`](Self::field) and [`guard`](Self::guard) may be evaluated for several motions at once, each in
@@ -124,9 +149,14 @@ pub trait HybridSystem: Send + Sync {
         false
     }
 
-    /// The period of the forcing; `None` if the system is autonomous.
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        None
+    /// The forcing: by default there is none.
+    fn forcing(&self) -> Forcing {
+        Forcing::None
+    }
+
+    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in scenes.
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::one()
     }
 
     /// What is recorded along a branch of orbits, by name: by default the extremes of every state.
@@ -142,8 +172,8 @@ pub trait HybridSystem: Send + Sync {
         measures
     }
 
-    /// The names of states that count from the start of every mode they are in: histories show their sum.
-    fn counted(&self) -> Vec<String> {
+    /// The names of states that begin at zero in every mode they are in: histories show their sum.
+    fn cumulative_states(&self) -> Vec<String> {
         Vec::new()
     }
 

@@ -92,7 +92,7 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
         }
         let problem = self.like(Itinerary { legs: new, periods });
         let zero = following.iter().map(|_| 0.0);
-        let (p, extras) = q.split_at(self.parameters().len());
+        let (_, extras) = self.split(q);
         let (mut states, mut durations): (Vec<f64>, Vec<f64>) =
             (following.iter().flat_map(|(_, x)| x.clone()).collect(), zero.collect());
         states.extend(&touch.x);
@@ -109,7 +109,7 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
             }
         }
         let mut extras = durations;
-        if self.system().period(p).is_some() {
+        if self.system().forcing().is_periodic() {
             extras.insert(0, begins + touch.since);
         }
         Ok(Birth { problem, starts: states, extras })
@@ -172,12 +172,13 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
         let p = &q[..self.parameters().len()];
         let t = self.time(touch.leg, q) + touch.since;
         let (mut limit, mut near) = (touch.x.clone(), self.nudged(touch, mode, t, p));
-        let (mut guard, mut legs) = (touch.guard, Vec::<(Leg, Vec<f64>)>::new());
+        let (mut guard, mut last) = (touch.guard, mode);
+        let mut legs = Vec::<(Leg, Vec<f64>)>::new();
         loop {
-            let next = system.next(guard, t, &near, p);
+            let next = system.next_mode(guard, last, t, &near, p);
             let reset = |x: &[f64]| {
                 let mut after = vec![0.0; self.states_of(next)];
-                system.reset(guard, next, t, x, p, &mut after);
+                system.reset(guard, (last, next), t, x, p, &mut after);
                 after
             };
             (limit, near) = (reset(&limit), reset(&near));
@@ -196,7 +197,7 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
             let mut f = vec![0.0; near.len()];
             system.field(next, t, &near, p, &mut f);
             near.iter_mut().zip(&f).for_each(|(x, f)| *x += time * f);
-            guard = exit;
+            (guard, last) = (exit, next);
         }
     }
 
@@ -210,7 +211,7 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
             let mut x: Vec<Dual64> = touch.x.iter().map(|x| Dual64::from(*x)).collect();
             x[i] = x[i].derivative();
             let t = Dual64::from(t);
-            normal[i] = system.guard(touch.guard, t, &x, &p).eps;
+            normal[i] = system.guard(touch.guard, mode, t, &x, &p).eps;
             slope[i] = rate(system, (touch.guard, mode), t, &x, &p).eps;
         }
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
@@ -223,8 +224,8 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
     /// The guard of a mode that falls to zero first, by its rate, and when.
     fn soonest(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<(f64, usize)> {
         let times = self.guards_in(mode).filter_map(|guard| {
-            let (value, rate) =
-                (self.system().guard(guard, t, x, p), rate(self.system(), (guard, mode), t, x, p));
+            let value = self.system().guard(guard, mode, t, x, p);
+            let rate = rate(self.system(), (guard, mode), t, x, p);
             (rate < 0.0).then(|| ((value / -rate).max(0.0), guard))
         });
         times.min_by(|a, b| a.0.total_cmp(&b.0))

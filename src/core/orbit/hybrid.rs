@@ -42,7 +42,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     /// The orbits of a system with an itinerary.
     pub fn of(system: H, itinerary: Itinerary) -> Self {
         let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
-        let forced = system.period(&vec![1.0; parameters.len()]).is_some();
+        let forced = system.forcing().is_periodic();
         let mut places = vec![0];
         for leg in &itinerary.legs {
             places.push(places[places.len() - 1] + modes[leg.mode].states.len());
@@ -93,7 +93,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     /// The guards of a mode.
     pub(super) fn guards_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         let guards = self.guards.iter().enumerate();
-        guards.filter(move |(_, guard)| guard.mode == mode).map(|(k, _)| k)
+        guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
     }
 
     /// The name of a guard.
@@ -125,7 +125,8 @@ impl<H: HybridSystem> HybridOrbit<H> {
         x: &[T],
         q: &[T],
     ) -> T {
-        self.system.guard(guard, self.time(leg, q) + t, x, self.split(q).0)
+        let mode = self.legs()[leg].mode;
+        self.system.guard(guard, mode, self.time(leg, q) + t, x, self.split(q).0)
     }
 
     fn legs(&self) -> &[Leg] {
@@ -164,8 +165,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
 
     /// The time that a cycle takes under forcing.
     fn cycle<T: Scalar>(&self, p: &[T]) -> T {
-        let period = self.system.period(p).unwrap_or_else(T::one);
-        period * self.itinerary.periods as f64
+        self.system.period(p) * self.itinerary.periods as f64
     }
 
     /// Conditions of a cycle with events.
@@ -177,11 +177,11 @@ impl<H: HybridSystem> HybridOrbit<H> {
             let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
             let time = self.time(s, q) + self.durations(extras)[s];
             let after = &mut b[self.of_leg(next)];
-            self.system.reset(exit, self.legs()[next].mode, time, x, p, after);
+            self.system.reset(exit, (leg.mode, self.legs()[next].mode), time, x, p, after);
             for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
                 *b = *start - *b;
             }
-            b[all + s] = self.system.guard(exit, time, x, p);
+            b[all + s] = self.system.guard(exit, leg.mode, time, x, p);
         }
         if self.forced {
             let cycle = self.cycle(p);

@@ -24,14 +24,16 @@ pub struct Leg {
 /// # struct Ball;
 /// # impl HybridSystem for Ball {
 /// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
-/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", 0)] }
+/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", [0])] }
 /// #     fn parameters(&self) -> Vec<String> { vec![] }
 /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], _: &[T], f: &mut [T]) { f[0] = x[1]; }
-/// #     fn guard<T: Scalar>(&self, _: usize, _: T, x: &[T], _: &[T]) -> T { x[0] }
-/// #     fn reset<T: Scalar>(&self, _: usize, _: usize, _: T, x: &[T], _: &[T], after: &mut [T]) {
+/// #     fn guard<T: Scalar>(&self, _: usize, _: usize, _: T, x: &[T], _: &[T]) -> T { x[0] }
+/// #     fn reset<T: Scalar>(
+/// #         &self, _: usize, _: (usize, usize), _: T, x: &[T], _: &[T], after: &mut [T],
+/// #     ) {
 /// #         after.copy_from_slice(x);
 /// #     }
-/// #     fn next(&self, _: usize, _: f64, _: &[f64], _: &[f64]) -> usize { 0 }
+/// #     fn next_mode(&self, _: usize, _: usize, _: f64, _: &[f64], _: &[f64]) -> usize { 0 }
 /// # }
 /// let itinerary = Itinerary::read("2* flight:bounce flight:bounce", &Ball)?;
 /// assert_eq!((itinerary.periods, itinerary.legs.len()), (2, 2));
@@ -178,7 +180,7 @@ fn read_leg(word: &str, modes: &[Mode], guards: &[Guard]) -> Result<Leg, Itinera
         let known = listed(modes.iter().map(|mode| mode.name.as_str()).collect());
         ItineraryError::Mode { name: name.into(), known }
     })?;
-    let of_mode = || guards.iter().enumerate().filter(|(_, guard)| guard.mode == mode);
+    let of_mode = || guards.iter().enumerate().filter(|(_, guard)| guard.ends(mode));
     let exit = event.map(|event| {
         of_mode().find(|(_, guard)| guard.name == event).map(|(k, _)| k).ok_or_else(|| {
             let known = listed(of_mode().map(|(_, guard)| guard.name.as_str()).collect());

@@ -97,7 +97,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
                 (&ends.end[self.of_leg(s)], self.time(s, q) + self.durations(extras)[s]);
             let approach = -rate(self.system(), (guard, leg.mode), time, x, p);
             let meant = legs[(s + 1) % legs.len()].mode;
-            let next = self.system().next(guard, time, x, p);
+            let next = self.system().next_mode(guard, leg.mode, time, x, p);
             if approach > SURE && next != meant {
                 let (event, mode) = (self.guard_name(guard), self.mode_name(leg.mode));
                 return Err(LeftDomain {
@@ -137,7 +137,8 @@ impl<H: HybridSystem> HybridOrbit<H> {
         let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
         let turn = slowest.and_then(|(event, time, x)| {
             let (time, x) = virtual_point(system, event, (time, x), p, within)?;
-            Some(-system.guard(event.0, time, &x, p))
+            let (guard, mode) = event;
+            Some(-system.guard(guard, mode, time, &x, p))
         });
         turn.unwrap_or_else(T::zero)
     }

@@ -31,7 +31,7 @@ impl<F: VectorField> Orbit<F> {
     /// The periodic orbits of a field.
     pub fn of(field: F) -> Self {
         let names = field.names();
-        let forced = field.period(&vec![1.0; names.parameters.len()]).is_some();
+        let forced = field.forcing().is_periodic();
         let states = names.unknowns.into_iter().map(|state| state.name).collect();
         Orbit { field, states, parameters: names.parameters, forced }
     }
@@ -63,7 +63,7 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
         let (p, extras) = q.split_at(self.parameters.len());
         match extras {
             [period] => *period,
-            _ => self.field.period(p).unwrap_or_else(T::one),
+            _ => self.field.period(p),
         }
     }
 

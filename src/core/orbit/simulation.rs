@@ -12,7 +12,7 @@
 //! some crossings, a section is laid through the last of them: transients go on dying out meanwhile.
 
 use crate::core::bvp::{BoundarySystem, Method, Number};
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::flow::{Flow, FlowError, Settings, SettingsError, Step};
 use crate::core::scalar_field::FieldIn;
 use std::ops::ControlFlow;
@@ -131,7 +131,11 @@ impl Simulation {
             return Err(SimulationError::Length { what, found, expected });
         }
         let mut run = Run { field, p, flow: Flow::new(self.flow)?, simulation: self };
-        run.follow(start, field.period(p))
+        let period = match field.forcing() {
+            Forcing::Periodic { .. } => Some(field.period(p)),
+            Forcing::None => None,
+        };
+        run.follow(start, period)
     }
 }
 

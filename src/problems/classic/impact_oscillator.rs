@@ -1,5 +1,6 @@
 //! The forced linear impact oscillator.
 
+use crate::core::field::Forcing;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -25,11 +26,11 @@ use std::f64::consts::TAU;
 /// let mut f = [0.0; 2];
 /// ImpactOscillator.field(ImpactOscillator::FLIGHT, 0.0, &[0.5, 1.0], &p, &mut f);
 /// assert_eq!(f, [1.0, 0.05 - 0.5 - 0.1]);
-/// // The stop is 0.5 away; an impact leaves 0.8 of the speed.
-/// assert_eq!(ImpactOscillator.guard(ImpactOscillator::IMPACT, 0.0, &[0.5, 1.0], &p), 0.5);
-/// let mut after = [0.0; 2];
 /// let (impact, flight) = (ImpactOscillator::IMPACT, ImpactOscillator::FLIGHT);
-/// ImpactOscillator.reset(impact, flight, 0.0, &[1.0, 2.0], &p, &mut after);
+/// // The stop is 0.5 away; an impact leaves 0.8 of the speed.
+/// assert_eq!(ImpactOscillator.guard(impact, flight, 0.0, &[0.5, 1.0], &p), 0.5);
+/// let mut after = [0.0; 2];
+/// ImpactOscillator.reset(impact, (flight, flight), 0.0, &[1.0, 2.0], &p, &mut after);
 /// assert_eq!(after, [1.0, -1.6]);
 /// // The motion without impacts has the largest displacement A/√((1 − ω²)² + (cω)²) = 0.5.
 /// assert_eq!(p[0] / ((1.0 - p[1] * p[1]).hypot(p[3] * p[1])), 0.5);
@@ -60,8 +61,8 @@ impl HybridSystem for ImpactOscillator {
 
     fn guards(&self) -> Vec<Guard> {
         vec![
-            Guard::new("impact", Self::FLIGHT).accumulating_to(Self::CONTACT),
-            Guard::new("leave", Self::CONTACT),
+            Guard::new("impact", [Self::FLIGHT]).accumulating_to(Self::CONTACT),
+            Guard::new("leave", [Self::CONTACT]),
         ]
     }
 
@@ -79,7 +80,7 @@ impl HybridSystem for ImpactOscillator {
         f[1] = amplitude * (frequency * t).cos() - x[0] - damping * x[1];
     }
 
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let [amplitude, frequency, clearance] = [p[0], p[1], p[4]];
         match guard {
             Self::IMPACT => clearance - x[0],
@@ -90,7 +91,7 @@ impl HybridSystem for ImpactOscillator {
     fn reset<T: Scalar>(
         &self,
         guard: usize,
-        next: usize,
+        (_, next): (usize, usize),
         _t: T,
         x: &[T],
         p: &[T],
@@ -102,12 +103,16 @@ impl HybridSystem for ImpactOscillator {
         }
     }
 
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         Self::FLIGHT
     }
 
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[1].recip() * TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[1].recip() * TAU
     }
 
     fn domain(&self, _mode: usize, _x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {

@@ -2,7 +2,7 @@
 
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -40,66 +40,18 @@ use crate::core::zero::LeftDomain;
 /// use tangency::problems::mita::Actuator;
 /// let p = Actuator::DEFAULTS;
 /// // The block hits the front stopper with a velocity of 0.3; the frame is 5 times as heavy.
-/// let (front, forward) = (Actuator::FRONT[Actuator::STICK], Actuator::FORWARD);
-/// assert_eq!(Actuator.next(front, 0.0, &[0.5, 0.3], &p), forward);
+/// let (front, stick, forward) = (Actuator::FRONT, Actuator::STICK, Actuator::FORWARD);
+/// assert_eq!(Actuator.next_mode(front, stick, 0.0, &[0.5, 0.3], &p), forward);
 /// let mut after = [0.0; 4];
-/// Actuator.reset(front, forward, 0.0, &[0.5, 0.3], &p, &mut after);
+/// Actuator.reset(front, (stick, forward), 0.0, &[0.5, 0.3], &p, &mut after);
 /// assert!((after[1] + 0.24_f64).abs() < 1e-15 && (after[2] - 0.09_f64).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Actuator;
 
-/// What ends a mode.
-#[derive(Clone, Copy, Debug)]
-enum Cause {
-    Front,
-    Back,
-    Rest,
-    SlideForward,
-    SlideBackward,
-    Leave,
-}
-
-impl Cause {
-    fn name(self) -> &'static str {
-        match self {
-            Cause::Front => "front",
-            Cause::Back => "back",
-            Cause::Rest => "rest",
-            Cause::SlideForward => "slide_forward",
-            Cause::SlideBackward => "slide_backward",
-            Cause::Leave => "leave",
-        }
-    }
-}
-
-/// The guards by what they tell and the mode that they end. What comes first counts among events that come
-/// together.
-const GUARDS: [(Cause, usize); 17] = [
-    (Cause::Front, Actuator::STICK),
-    (Cause::Front, Actuator::FORWARD),
-    (Cause::Front, Actuator::BACKWARD),
-    (Cause::Back, Actuator::STICK),
-    (Cause::Back, Actuator::FORWARD),
-    (Cause::Back, Actuator::BACKWARD),
-    (Cause::Rest, Actuator::FORWARD),
-    (Cause::Rest, Actuator::BACKWARD),
-    (Cause::Rest, Actuator::RIDING_FORWARD),
-    (Cause::Rest, Actuator::RIDING_BACKWARD),
-    (Cause::Rest, Actuator::RIDING_BACK),
-    (Cause::SlideForward, Actuator::STICK),
-    (Cause::SlideBackward, Actuator::STICK),
-    (Cause::Leave, Actuator::CONTACT),
-    (Cause::Leave, Actuator::RIDING_FORWARD),
-    (Cause::Leave, Actuator::RIDING_BACKWARD),
-    (Cause::Leave, Actuator::RIDING_BACK),
-];
-
 impl Actuator {
     /// The default values of the parameters.
     pub const DEFAULTS: [f64; 9] = [0.24, 0.5, 0.5, 0.8, 0.04, 0.4, 0.27, 5.0, 9.81];
-    /// By how much the phase `ωt` grows in a period of the forcing.
-    pub const PHASE: f64 = std::f64::consts::PI;
     /// The frame at rest.
     pub const STICK: usize = 0;
     /// The frame moves forward.
@@ -114,16 +66,18 @@ impl Actuator {
     pub const RIDING_BACKWARD: usize = 5;
     /// The frame moves backward, the block in contact with the back stopper.
     pub const RIDING_BACK: usize = 6;
-    /// Impacts on the front stopper, by mode.
-    pub const FRONT: [usize; 3] = [0, 1, 2];
-    /// Impacts on the back stopper, by mode.
-    pub const BACK: [usize; 3] = [3, 4, 5];
-    /// The end of slip: forward, backward, riding forward, riding backward, and on the back stopper.
-    pub const REST: [usize; 5] = [6, 7, 8, 9, 10];
-    /// The beginning of slip without an impact: forward and backward.
-    pub const SLIDE: [usize; 2] = [11, 12];
-    /// The end of contact: at rest, riding forward, riding backward, and on the back stopper.
-    pub const LEAVE: [usize; 4] = [13, 14, 15, 16];
+    /// Impacts on the front stopper.
+    pub const FRONT: usize = 0;
+    /// Impacts on the back stopper.
+    pub const BACK: usize = 1;
+    /// The end of slip.
+    pub const REST: usize = 2;
+    /// The beginning of slip forward without an impact.
+    pub const SLIDE_FORWARD: usize = 3;
+    /// The beginning of slip backward without an impact.
+    pub const SLIDE_BACKWARD: usize = 4;
+    /// The end of contact.
+    pub const LEAVE: usize = 5;
 
     fn moves_forward(mode: usize) -> bool {
         mode == Self::FORWARD || mode == Self::RIDING_FORWARD
@@ -146,15 +100,6 @@ impl Actuator {
             (false, false) => [x[0], x[1], T::zero()],
             (true, true) => [x[0], T::zero(), x[1]],
             (true, false) => [x[0], T::zero(), T::zero()],
-        }
-    }
-
-    /// The mode in which the block stays in contact with a stopper, the frame moving on as in a mode; if it can.
-    fn contact(cause: Cause, mode: usize) -> Option<usize> {
-        match (cause, mode) {
-            (Cause::Front, _) => Some(mode + Self::CONTACT),
-            (Cause::Back, Self::BACKWARD) => Some(Self::RIDING_BACK),
-            _ => None,
         }
     }
 
@@ -217,11 +162,15 @@ impl HybridSystem for Actuator {
     }
 
     fn guards(&self) -> Vec<Guard> {
-        let guard = |(cause, mode): (Cause, usize)| Guard {
-            contact: Self::contact(cause, mode),
-            ..Guard::new(cause.name(), mode)
-        };
-        GUARDS.map(guard).into()
+        let slipping = (Self::STICK..=Self::RIDING_BACK).filter(|mode| Self::slips(*mode));
+        vec![
+            Guard::new("front", Self::STICK..=Self::BACKWARD),
+            Guard::new("back", Self::STICK..=Self::BACKWARD),
+            Guard::new("rest", slipping),
+            Guard::new("slide_forward", [Self::STICK]),
+            Guard::new("slide_backward", [Self::STICK]),
+            Guard::new("leave", Self::CONTACT..=Self::RIDING_BACK),
+        ]
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -250,34 +199,34 @@ impl HybridSystem for Actuator {
         }
     }
 
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
-        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        let parameters = Parameters::of(p);
         let force = || Self::force(mode, t, x, &parameters);
         let holding = || parameters.friction(parameters.static_friction);
-        match cause {
-            Cause::Front => parameters.clearance - x[0],
-            Cause::Back => parameters.clearance + x[0],
-            Cause::Rest => {
+        match guard {
+            Self::FRONT => parameters.clearance - x[0],
+            Self::BACK => parameters.clearance + x[0],
+            Self::REST => {
                 let [_, _, velocity] = Self::motion(mode, x);
                 if Self::moves_forward(mode) { velocity } else { -velocity }
             }
-            Cause::SlideForward => holding() + force(),
-            Cause::SlideBackward => holding() - force(),
-            Cause::Leave if mode == Self::RIDING_BACK => -Self::excess(mode, force(), &parameters),
-            Cause::Leave => Self::excess(mode, force(), &parameters),
+            Self::SLIDE_FORWARD => holding() + force(),
+            Self::SLIDE_BACKWARD => holding() - force(),
+            _ if mode == Self::RIDING_BACK => -Self::excess(mode, force(), &parameters),
+            _ => Self::excess(mode, force(), &parameters),
         }
     }
 
     fn reset<T: Scalar>(
         &self,
         guard: usize,
-        next: usize,
+        (mode, next): (usize, usize),
         _t: T,
         x: &[T],
         p: &[T],
         after: &mut [T],
     ) {
-        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+        let parameters = Parameters::of(p);
         let [q, u, v] = Self::motion(mode, x);
         if Self::touches(next) {
             let front = next != Self::RIDING_BACK;
@@ -287,9 +236,9 @@ impl HybridSystem for Actuator {
             }
             return;
         }
-        let [u, v] = match cause {
-            Cause::Front | Cause::Back => Self::impact([q, u, v], &parameters),
-            Cause::Leave => [u, v],
+        let [u, v] = match guard {
+            Self::FRONT | Self::BACK => Self::impact([q, u, v], &parameters),
+            Self::LEAVE => [u, v],
             _ => [u, T::zero()],
         };
         (after[0], after[1]) = (q, u);
@@ -298,42 +247,55 @@ impl HybridSystem for Actuator {
         }
     }
 
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        let parameters = Parameters::of(p);
         let motion @ [q, ..] = Self::motion(mode, x);
         let r = Self::force(mode, t, x, &parameters);
-        match cause {
-            Cause::Front | Cause::Back => {
+        match guard {
+            Self::FRONT | Self::BACK => {
                 let [u, v] = Self::impact(motion, &parameters);
                 Self::of_velocity(v, force(t, q, u, parameters.block), &parameters)
             }
-            Cause::Rest if Self::touches(mode) && q > 0.0 && r > 0.0 => Self::CONTACT,
-            Cause::Rest => Self::of_velocity(0.0, r, &parameters),
-            Cause::SlideForward => Self::FORWARD,
-            Cause::SlideBackward => Self::BACKWARD,
-            Cause::Leave if mode == Self::RIDING_BACK => Self::BACKWARD,
-            Cause::Leave => mode - Self::CONTACT,
+            Self::REST if Self::touches(mode) && q > 0.0 && r > 0.0 => Self::CONTACT,
+            Self::REST => Self::of_velocity(0.0, r, &parameters),
+            Self::SLIDE_FORWARD => Self::FORWARD,
+            Self::SLIDE_BACKWARD => Self::BACKWARD,
+            _ if mode == Self::RIDING_BACK => Self::BACKWARD,
+            _ => mode - Self::CONTACT,
         }
     }
 
     /// Contact, or the same mode where the block is not pressed against the stopper.
-    fn settled(&self, guard: usize, t: f64, _x: &[f64], p: &[f64]) -> Option<usize> {
-        let (parameters, (cause, mode)) = (Parameters::of(p), GUARDS[guard]);
+    fn mode_after_accumulation(
+        &self,
+        guard: usize,
+        mode: usize,
+        t: f64,
+        _x: &[f64],
+        p: &[f64],
+    ) -> Option<usize> {
+        let parameters = Parameters::of(p);
         let Parameters { block, clearance, .. } = parameters;
         let excess = |q: f64| Self::excess(mode, force(t, q, 0.0, block), &parameters);
-        let pressed = match cause {
-            Cause::Front => excess(clearance) > 0.0,
-            Cause::Back => excess(-clearance) < 0.0,
-            _ => return None,
-        };
-        Some(Self::contact(cause, mode).filter(|_| pressed).unwrap_or(mode))
+        match guard {
+            Self::FRONT if excess(clearance) > 0.0 => Some(mode + Self::CONTACT),
+            Self::BACK if mode == Self::BACKWARD && excess(-clearance) < 0.0 => {
+                Some(Self::RIDING_BACK)
+            }
+            Self::FRONT | Self::BACK => Some(mode),
+            _ => None,
+        }
     }
 
     fn in_lanes(&self) -> bool {
         true
     }
 
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        VectorField::forcing(&Block)
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         VectorField::period(&Block, &Parameters::of(p).block)
     }
 
@@ -355,7 +317,7 @@ impl HybridSystem for Actuator {
         .into()
     }
 
-    fn counted(&self) -> Vec<String> {
+    fn cumulative_states(&self) -> Vec<String> {
         vec!["frame_displacement".into()]
     }
 
@@ -367,7 +329,7 @@ impl HybridSystem for Actuator {
         p: &[T],
     ) -> T {
         if position == 0 {
-            let front = |leg: &&Passage<T>| leg.exit.is_some_and(|g| Self::FRONT.contains(&g));
+            let front = |leg: &&Passage<T>| leg.exit == Some(Self::FRONT);
             let speeds = legs.iter().filter(front).map(|leg| leg.end[1]);
             return speeds.fold(T::zero(), |most, u| if u.real() > most.real() { u } else { most });
         }

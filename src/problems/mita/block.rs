@@ -1,6 +1,6 @@
 //! The block on its spring, the frame at rest.
 
-use crate::core::field::VectorField;
+use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, Names};
 use std::f64::consts::PI;
@@ -49,8 +49,12 @@ impl VectorField for Block {
         f[1] = force(t, x[0], x[1], [p[0], p[1], p[2]]);
     }
 
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[1].recip() * PI)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: PI }
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[1].recip() * PI
     }
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {

@@ -12,7 +12,7 @@ use tangency::problems::mita::Actuator;
 /// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact the frame
 /// slips forward until it rests.
 pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
-    let front = Actuator::FRONT[Actuator::STICK];
+    let front = Actuator::FRONT;
     let mut p = Actuator::DEFAULTS;
     (p[0], p[1]) = (voltage, frequency);
     GrazingPoint {
@@ -21,15 +21,14 @@ pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
         time: phase / frequency,
         x: vec![p[2], 0.0],
         p: p.to_vec(),
-        following: vec![Leg { mode: Actuator::FORWARD, exit: Some(Actuator::REST[0]) }],
+        following: vec![Leg { mode: Actuator::FORWARD, exit: Some(Actuator::REST) }],
         legs: vec![(Leg { mode: Actuator::STICK, exit: Some(front) }, PI / frequency)],
         periods: 1,
     }
 }
 
-/// Phase `ωt`, of which a period of the actuator's forcing takes π.
 pub fn settings(order: usize) -> MapSettings {
-    MapSettings { order, phase: PI, ..MapSettings::default() }
+    MapSettings { order, ..MapSettings::default() }
 }
 
 /// A hybrid system with one guard that orbits touch in mode 0, of which a test knows the rate.

@@ -36,10 +36,10 @@ impl HybridSystem for Belt {
     }
     fn guards(&self) -> Vec<Guard> {
         vec![
-            Guard::new("slip", Self::STICK),
-            Guard::new("overtake", Self::STICK),
-            Guard::new("catch", Self::SLOWER),
-            Guard::new("slow", Self::FASTER),
+            Guard::new("slip", [Self::STICK]),
+            Guard::new("overtake", [Self::STICK]),
+            Guard::new("catch", [Self::SLOWER]),
+            Guard::new("slow", [Self::FASTER]),
         ]
     }
     fn parameters(&self) -> Vec<String> {
@@ -54,7 +54,7 @@ impl HybridSystem for Belt {
         f[0] = x[1];
         f[1] = if mode == Self::SLOWER { kinetic - x[0] } else { -kinetic - x[0] };
     }
-    fn guard<T: Scalar>(&self, guard: usize, _t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
         let [friction, belt] = [p[0], p[2]];
         match guard {
             Self::SLIP => friction - x[0],
@@ -63,13 +63,21 @@ impl HybridSystem for Belt {
             _ => x[1] - belt,
         }
     }
-    fn reset<T: Scalar>(&self, _g: usize, next: usize, _t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        (_, next): (usize, usize),
+        _t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         after[0] = x[0];
         if next != Self::STICK {
             after[1] = p[2];
         }
     }
-    fn next(&self, guard: usize, _t: f64, x: &[f64], p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, x: &[f64], p: &[f64]) -> usize {
         let sticks = x[0].abs() <= p[0];
         match guard {
             Self::SLIP => Self::SLOWER,

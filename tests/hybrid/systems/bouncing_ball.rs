@@ -6,6 +6,7 @@
 //! the next has the derivative `[[1, 1 + e], [−(1 + e) S, e² − (1 + e)² S]]` with `S = Γ sin t`.
 
 use std::f64::consts::{PI, TAU};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
@@ -27,8 +28,8 @@ impl HybridSystem for BouncingBall {
     }
     fn guards(&self) -> Vec<Guard> {
         vec![
-            Guard::new("impact", Self::FLIGHT).accumulating_to(Self::CONTACT),
-            Guard::new("leave", Self::CONTACT),
+            Guard::new("impact", [Self::FLIGHT]).accumulating_to(Self::CONTACT),
+            Guard::new("leave", [Self::CONTACT]),
         ]
     }
     fn parameters(&self) -> Vec<String> {
@@ -42,23 +43,34 @@ impl HybridSystem for BouncingBall {
             f[0] = p[0] * t.cos();
         }
     }
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let table = p[0] * t.sin();
         // The table pushes by its acceleration −Γ sin t and the weight.
         if guard == Self::IMPACT { x[0] - table } else { T::one() - table }
     }
-    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        (_, next): (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         let table = p[0] * t.cos();
         after[0] = x[0];
         if next == Self::FLIGHT {
             after[1] = if guard == Self::IMPACT { table - p[1] * (x[1] - table) } else { table };
         }
     }
-    fn next(&self, _guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         Self::FLIGHT
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
     }
 }
 

@@ -2,6 +2,7 @@
 //! ASME* 53:107, 1931).
 
 use std::f64::consts::{PI, TAU};
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
@@ -31,10 +32,10 @@ impl HybridSystem for Coulomb {
     }
     fn guards(&self) -> Vec<Guard> {
         vec![
-            Guard::new("high", Self::FORWARD),
-            Guard::new("low", Self::BACKWARD),
-            Guard::new("pull", Self::STICK),
-            Guard::new("push", Self::STICK),
+            Guard::new("high", [Self::FORWARD]),
+            Guard::new("low", [Self::BACKWARD]),
+            Guard::new("pull", [Self::STICK]),
+            Guard::new("push", [Self::STICK]),
         ]
     }
     fn parameters(&self) -> Vec<String> {
@@ -49,7 +50,7 @@ impl HybridSystem for Coulomb {
         f[0] = x[1];
         f[1] = (p[0] * t).cos() - x[0] - friction;
     }
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let force = (p[0] * t).cos() - x[0];
         match guard {
             Self::HIGH => x[1],
@@ -58,13 +59,21 @@ impl HybridSystem for Coulomb {
             _ => p[1] + force,
         }
     }
-    fn reset<T: Scalar>(&self, _g: usize, next: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        (_, next): (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         after[0] = x[0];
         if next != Self::STICK {
             after[1] = T::zero();
         }
     }
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, _mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let sticks = ((p[0] * t).cos() - x[0]).abs() <= p[1];
         match guard {
             Self::PULL => Self::FORWARD,
@@ -74,8 +83,11 @@ impl HybridSystem for Coulomb {
             _ => Self::FORWARD,
         }
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[0].recip() * TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[0].recip() * TAU
     }
 }
 

@@ -8,6 +8,7 @@
 
 use super::quadratic;
 use std::f64::consts::TAU;
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
@@ -20,12 +21,12 @@ impl DryImpact {
     pub const STICK: usize = 0;
     pub const UP: usize = 1;
     pub const DOWN: usize = 2;
-    /// The stop hits the mass at rest, in upward and in downward motion.
-    pub const HIT: [usize; 3] = [0, 1, 2];
+    /// The stop hits the mass.
+    pub const HIT: usize = 0;
     /// The spring overcomes friction upwards and downwards.
-    pub const SLIP: [usize; 2] = [3, 4];
-    /// Upward and downward motion ends.
-    pub const TURN: [usize; 2] = [5, 6];
+    pub const SLIP: [usize; 2] = [1, 2];
+    /// Upward or downward motion ends.
+    pub const TURN: usize = 3;
     /// The parameters of the reference, with `k = 5.5`.
     pub const DEFAULTS: [f64; 7] = [5.5, 0.7961, 1.0, 0.8471, 1.0, 0.9, 1.0];
 }
@@ -41,13 +42,10 @@ impl HybridSystem for DryImpact {
     }
     fn guards(&self) -> Vec<Guard> {
         vec![
-            Guard::new("impact", Self::STICK),
-            Guard::new("impact", Self::UP),
-            Guard::new("impact", Self::DOWN),
-            Guard::new("slip_up", Self::STICK),
-            Guard::new("slip_down", Self::STICK),
-            Guard::new("turn", Self::UP),
-            Guard::new("turn", Self::DOWN),
+            Guard::new("impact", [Self::STICK, Self::UP, Self::DOWN]),
+            Guard::new("slip_up", [Self::STICK]),
+            Guard::new("slip_down", [Self::STICK]),
+            Guard::new("turn", [Self::UP, Self::DOWN]),
         ]
     }
     fn parameters(&self) -> Vec<String> {
@@ -64,42 +62,52 @@ impl HybridSystem for DryImpact {
         f[0] = x[1];
         f[1] = (friction - p[0] * x[0]) / p[6];
     }
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let (spring, friction) = (p[0] * x[0], p[1]);
         match guard {
-            3 => friction + spring,
-            4 => friction - spring,
-            5 => x[1],
-            6 => -x[1],
+            1 => friction + spring,
+            2 => friction - spring,
+            Self::TURN if mode == Self::UP => x[1],
+            Self::TURN => -x[1],
             _ => x[0] - (p[2] * (p[4] * t).sin() - p[3]),
         }
     }
-    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        (_, next): (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
         after[0] = x[0];
         if next != Self::STICK {
             let velocity = x.get(1).copied().unwrap_or_else(T::zero);
             let stop = p[2] * p[4] * (p[4] * t).cos();
-            let hit = Self::HIT.contains(&guard);
-            after[1] = if hit { stop - p[5] * (velocity - stop) } else { T::zero() };
+            after[1] = if guard == Self::HIT { stop - p[5] * (velocity - stop) } else { T::zero() };
         }
     }
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let sticks = (p[0] * x[0]).abs() <= p[1];
         match guard {
-            3 => Self::UP,
-            4 => Self::DOWN,
-            5 | 6 if sticks => Self::STICK,
-            5 => Self::DOWN,
-            6 => Self::UP,
+            1 => Self::UP,
+            2 => Self::DOWN,
+            Self::TURN if sticks => Self::STICK,
+            Self::TURN if mode == Self::UP => Self::DOWN,
+            Self::TURN => Self::UP,
             _ => {
                 let mut after = [0.0; 2];
-                self.reset(guard, Self::UP, t, x, p, &mut after);
+                self.reset(guard, (mode, Self::UP), t, x, p, &mut after);
                 if after[1] > 0.0 { Self::UP } else { Self::DOWN }
             }
         }
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
-        Some(p[4].recip() * TAU)
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[4].recip() * TAU
     }
 }
 

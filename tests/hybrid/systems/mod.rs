@@ -19,13 +19,13 @@ use tangency::core::scalar::Scalar;
 /// duration: the duration and the state after the reset, with their derivatives.
 pub fn event<S: HybridSystem, T: Scalar, const N: usize>(
     system: &S,
-    guard: usize,
+    (guard, mode): (usize, usize),
     t: T,
     expected: f64,
     flight: impl Fn(T) -> [T; N],
     p: &[T],
 ) -> (T, Vec<T>) {
-    let value = |after: T| system.guard(guard, t + after, &flight(after), p);
+    let value = |after: T| system.guard(guard, mode, t + after, &flight(after), p);
     let mut after = T::constant(expected);
     for _ in 0..20 {
         let h = 1e-4;
@@ -35,9 +35,9 @@ pub fn event<S: HybridSystem, T: Scalar, const N: usize>(
     let before = flight(after);
     let (end, reals) = ((t + after).real(), before.map(|x| x.real()));
     let values: Vec<f64> = p.iter().map(T::real).collect();
-    let next = system.next(guard, end, &reals, &values);
+    let next = system.next_mode(guard, mode, end, &reals, &values);
     let mut state = vec![T::zero(); system.modes()[next].states.len()];
-    system.reset(guard, next, t + after, &before, p, &mut state);
+    system.reset(guard, (mode, next), t + after, &before, p, &mut state);
     (after, state)
 }
 

@@ -28,7 +28,7 @@ impl HybridSystem for Piecewise {
         vec![Mode::new("left", ["x1", "x2"]), Mode::new("right", ["x1", "x2"])]
     }
     fn guards(&self) -> Vec<Guard> {
-        vec![Guard::new("rightwards", Self::LEFT), Guard::new("leftwards", Self::RIGHT)]
+        vec![Guard::new("rightwards", [Self::LEFT]), Guard::new("leftwards", [Self::RIGHT])]
     }
     fn parameters(&self) -> Vec<String> {
         ["alpha", "beta", "gamma"].map(String::from).into()
@@ -43,13 +43,21 @@ impl HybridSystem for Piecewise {
         f[0] = growth * x[0] - turn * x[1];
         f[1] = growth * x[1] + turn * x[0];
     }
-    fn guard<T: Scalar>(&self, guard: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         if guard == Self::LEFT { -x[0] } else { x[0] }
     }
-    fn reset<T: Scalar>(&self, _g: usize, _next: usize, _t: T, x: &[T], _p: &[T], after: &mut [T]) {
+    fn reset<T: Scalar>(
+        &self,
+        _g: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
         after.copy_from_slice(x);
     }
-    fn next(&self, guard: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         1 - guard
     }
 }

@@ -5,6 +5,7 @@ use super::bouncing_ball::BouncingBall;
 use super::coulomb::Coulomb;
 use super::dry_impact::DryImpact;
 use super::piecewise::Piecewise;
+use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 use tangency::problems::classic::ImpactOscillator;
@@ -48,16 +49,27 @@ impl HybridSystem for Reference {
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         of!(self, system => system.field(mode, t, x, p, f));
     }
-    fn guard<T: Scalar>(&self, guard: usize, t: T, x: &[T], p: &[T]) -> T {
-        of!(self, system => system.guard(guard, t, x, p))
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        of!(self, system => system.guard(guard, mode, t, x, p))
     }
-    fn reset<T: Scalar>(&self, guard: usize, next: usize, t: T, x: &[T], p: &[T], after: &mut [T]) {
-        of!(self, system => system.reset(guard, next, t, x, p, after));
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        modes: (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
+        of!(self, system => system.reset(guard, modes, t, x, p, after));
     }
-    fn next(&self, guard: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        of!(self, system => system.next(guard, t, x, p))
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        of!(self, system => system.next_mode(guard, mode, t, x, p))
     }
-    fn period<T: Scalar>(&self, p: &[T]) -> Option<T> {
+    fn forcing(&self) -> Forcing {
+        of!(self, system => system.forcing())
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
         of!(self, system => system.period(p))
     }
 }

@@ -4,6 +4,7 @@
 use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::dense::Dense;
+use tangency::core::field::Forcing;
 use tangency::core::field::{Equilibria, VectorField};
 use tangency::core::flow::Scheme;
 use tangency::core::orbit::{by_collocation, by_shooting};
@@ -120,8 +121,11 @@ impl VectorField for ForcedSpiral {
         f[0] = growth * x - y * omega - sine * nu;
         f[1] = growth * y + x * omega + cosine * nu;
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(std::f64::consts::TAU / Self::NU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: std::f64::consts::TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(std::f64::consts::TAU / Self::NU)
     }
 }
 
@@ -139,7 +143,10 @@ impl VectorField for Saddle {
         f[0] = p[1] * (z[0] - p[0] * cosine) - p[0] * sine;
         f[1] = -p[1] * (z[1] - p[0] * sine) + p[0] * cosine;
     }
-    fn period<T: Scalar>(&self, _p: &[T]) -> Option<T> {
-        Some(T::constant(std::f64::consts::TAU))
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: std::f64::consts::TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(std::f64::consts::TAU)
     }
 }

@@ -76,7 +76,7 @@ impl<S: HybridSystem> Fleet<'_, S> {
         let Berth { member, state, p, end, statistics, still, series, pace, .. } =
             &mut berths[number];
         if series.is_empty() {
-            series.extend(worker.guards.iter().map(|_| Series::new()));
+            series.extend(worker.series.iter().map(|_| Series::new()));
         }
         std::mem::swap(&mut worker.series, series);
         worker.pace = *pace;
@@ -116,7 +116,8 @@ impl<S: HybridSystem> Fleet<'_, S> {
         lanes.look();
         outlooks.clear();
         let guards = worker.watched[mode].iter();
-        outlooks.extend(guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard })));
+        outlooks
+            .extend(guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard, mode })));
         errors
     }
 
@@ -210,11 +211,11 @@ impl<S: HybridSystem> Fleet<'_, S> {
         let HybridFlow { system, flow, roots, event, watched, .. } = worker;
         let system: &S = system;
         watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| {
-            roots[*guard].resume(GuardOf { system, guard: *guard }, *sign)
+            roots[*guard].resume(GuardOf { system, guard: *guard, mode }, *sign)
         });
         event.before.clone_from(&state.x);
         let leg = (state.time, *end - state.time);
-        let mut lookout = Lookout { system, watched: loud, roots, event, pace, p, leg };
+        let mut lookout = Lookout { system, mode, watched: loud, roots, event, pace, p, leg };
         let (mut found, abreast) = (None, abreast.as_ref()?);
         flow.show_lane(&InMode { system, mode }, p, (abreast, lane, course), |step| {
             found = find(&mut lookout, step);
