@@ -1,4 +1,4 @@
-//! Tells the program what compiled it, for charts of times.
+//! Passes the compiler's version and options to the program, for work-precision diagrams.
 
 use std::process::Command;
 

@@ -30,7 +30,7 @@ from peers import common
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "target" / "compare"
 
-RUNS = ["trace plate-supported", "trace mita-nonimpacting", "trace mita-type-1", "chart events --quick"]
+RUNS = ["trace plate-supported", "trace mita-nonimpacting", "trace mita-type-1", "work-precision events --quick"]
 
 CONFIDENCE = 0.95
 

@@ -83,19 +83,19 @@
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
-//! | [`chart`] | what methods cost and what they buy: error against time, measured |
-//! | [`stability`] | where methods fail, and what they say then: maps, computed |
+//! | [`work_precision`] | work-precision diagrams: error of methods against CPU time |
+//! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and the binary adds the command
 //! line. How the core is put together, with pictures, is told in `docs/core.md`, and what periodic orbits and
 //! boundary-value problems add to it in `docs/orbits.md`, impacts in `docs/hybrid.md` and `docs/grazing.md`, what motions settle on in `docs/sweeps.md`, which method to choose in `docs/speed-and-accuracy.md`; the way in for users is the README.
 
-pub mod chart;
 pub mod core;
 pub mod output;
 pub mod problems;
+pub mod robustness;
 pub mod scene;
-pub mod stability;
+pub mod work_precision;
 
 /// The README's code, as documentation tests.
 #[cfg(doctest)]

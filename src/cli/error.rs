@@ -1,12 +1,12 @@
 //! Why a command failed.
 
 use std::path::PathBuf;
-use tangency::chart::ChartError;
 use tangency::output::{
     FigureError, FileError, MergeError, ReportError, UnknownName, UnknownPoint,
 };
+use tangency::robustness::RobustnessError;
 use tangency::scene::SceneError;
-use tangency::stability::MapError;
+use tangency::work_precision::WorkPrecisionError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -61,21 +61,21 @@ pub enum CommandError {
     /// Parts that do not make a whole.
     #[error(transparent)]
     Merge(#[from] MergeError),
-    /// There is no such chart or map.
+    /// The name of a work-precision diagram or robustness map is unknown.
     #[error("{name}; `tangency {command}` lists all")]
     UnknownReport {
-        /// What was asked for, and what there is.
+        /// The unknown name and the known ones.
         name: UnknownName,
         /// The command that lists all.
         command: &'static str,
     },
-    /// A chart is not measured.
+    /// A work-precision diagram could not be measured.
     #[error(transparent)]
-    Chart(#[from] ChartError),
-    /// There is no map.
+    WorkPrecision(#[from] WorkPrecisionError),
+    /// A robustness map could not be computed.
     #[error(transparent)]
-    Map(#[from] MapError),
-    /// A chart or a map is not saved.
+    Robustness(#[from] RobustnessError),
+    /// A work-precision diagram or robustness map could not be saved.
     #[error(transparent)]
     Report(#[from] ReportError),
     /// Ctrl-C.

@@ -1,15 +1,15 @@
 //! Arguments, exit codes and messages; no mathematics.
 
-mod chart;
 mod error;
 mod plot;
 mod points;
 mod report;
+mod robustness;
 mod scenes;
-mod stability;
 mod sweep;
 mod trace;
 mod watch;
+mod work_precision;
 
 use clap::{Parser, Subcommand};
 use error::CommandError;
@@ -27,8 +27,8 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Scenes(scenes::Scenes),
-    Chart(chart::Chart),
-    Stability(stability::Stability),
+    WorkPrecision(work_precision::WorkPrecision),
+    Robustness(robustness::Robustness),
     Trace(trace::Trace),
     Points(points::Points),
     Plot(plot::Plot),
@@ -43,8 +43,8 @@ pub fn main() -> ExitCode {
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
         Command::Scenes(scenes) => scenes.run(&mut out),
-        Command::Chart(chart) => chart.run(&mut out),
-        Command::Stability(stability) => stability.run(&mut out),
+        Command::WorkPrecision(diagrams) => diagrams.run(&mut out),
+        Command::Robustness(maps) => maps.run(&mut out),
         Command::Trace(trace) => trace.run(&mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),

@@ -1,4 +1,4 @@
-//! What the commands share whose results are reports: listing, choosing by name, saving, putting into a page.
+//! The common part of commands that make reports: listing, choosing by name, saving, updating a page.
 
 use super::CommandError;
 use clap::Args;
@@ -6,34 +6,34 @@ use std::io::Write;
 use std::path::PathBuf;
 use tangency::output::{FileError, Report, UnknownName, write_atomically};
 
-/// Which reports are made, and where they go.
+/// The choice of reports, and the target folder.
 #[derive(Debug, Args)]
 pub struct Wanted {
-    /// Which one, or `all`; without a name, all are listed
+    /// The name, or `all`; without a name, the command lists all names
     #[arg(value_name = "NAME")]
     name: Option<String>,
     /// The folder for SVG, Markdown and RON
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// A Markdown page into which tables are put anew, each between `<!-- KIND-NAME -->` and `<!-- end -->`
+    /// A Markdown page whose tables are replaced, each between `<!-- COMMAND-NAME -->` and `<!-- end -->`
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
 }
 
-/// The reports of a command: `chart`s or maps of `stability`.
+/// The reports of a command: work-precision diagrams or robustness maps.
 pub struct Reports<'a, E> {
     /// The command.
     pub command: &'static str,
-    /// What it makes: `chart`, `map`.
+    /// The noun in error messages.
     pub kind: &'static str,
-    /// What there is.
+    /// All reports.
     pub entries: &'a [E],
-    /// Name, and what is shown, in a line.
+    /// The name, and one line about the contents.
     pub title: fn(&E) -> (&'static str, &'static str),
 }
 
 impl<E> Reports<'_, E> {
-    /// Makes those wanted, saves them, and prints the tables; lists all if none is named.
+    /// Makes the chosen reports, saves them, and prints the tables; lists all names if none is given.
     pub fn run<R: Report>(
         &self,
         wanted: &Wanted,

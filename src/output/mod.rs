@@ -13,7 +13,6 @@
 //! ```
 
 mod axis;
-mod chart;
 mod check;
 mod chosen;
 mod diagram;
@@ -21,30 +20,33 @@ mod document;
 mod error;
 mod example;
 mod figure;
-mod map;
 mod number;
 mod panels;
 mod profiles;
 mod report;
+mod robustness;
 mod suggest;
 mod svg;
 mod sweeps;
 mod table;
+mod work_precision;
 mod write;
 
-pub use chart::{CHART, Chart, Circumstances, Clock, Drawn, Line, Measured, Measurement};
 pub use chosen::Chosen;
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, FORMAT, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Hue, Mark, Series, Style, Symbol, Tile};
-pub use map::{Cell, Class, MAP, Map, Outcome, Region, Tried};
 pub use number::significant;
 pub use panels::figures;
 pub use report::{Report, ReportError};
+pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use suggest::{UnknownName, suggest};
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, merge};
 pub use table::{Screen, csv};
+pub use work_precision::{
+    Circumstances, Clock, Drawn, Line, Measured, Measurement, WORK_PRECISION, WorkPrecision,
+};
 pub use write::write_atomically;

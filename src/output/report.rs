@@ -1,4 +1,5 @@
-//! What charts and maps share: they are data in RON, tables in Markdown, a figure, and a part of a page.
+//! Reports, the common part of work-precision diagrams and robustness maps: data in RON, tables in Markdown, a figure, and a
+//! part of a page.
 
 use super::error::{FigureError, FileError};
 use super::figure::Figure;
@@ -7,22 +8,24 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Results of one subject under a name: kept as data, shown as tables and as a figure, put into pages.
+/// Named results of one subject: saved as data, shown as tables and as a figure, inserted into pages.
 ///
 /// ```
-/// use tangency::output::{Chart, Measured, Report};
-/// let chart = Chart { name: "chart-a".into(), panels: vec![Measured::of("New")], ..Chart::default() };
-/// assert_eq!(Chart::parse(&chart.to_ron()?)?, chart);
-/// let page = chart.put_into("# Page\n\n<!-- chart-a -->\nold\n<!-- end -->\n\nText.\n");
-/// assert!(page.starts_with("# Page\n\n<!-- chart-a -->\n\n### New\n") && page.ends_with("<!-- end -->\n\nText.\n"));
+/// use tangency::output::{WorkPrecision, Measured, Report};
+/// let panels = vec![Measured::of("New")];
+/// let diagram = WorkPrecision { name: "work-precision-a".into(), panels, ..WorkPrecision::default() };
+/// assert_eq!(WorkPrecision::parse(&diagram.to_ron()?)?, diagram);
+/// let page = diagram.put_into("# Page\n\n<!-- work-precision-a -->\nold\n<!-- end -->\n\nText.\n");
+/// assert!(page.starts_with("# Page\n\n<!-- work-precision-a -->\n\n### New\n"));
+/// assert!(page.ends_with("<!-- end -->\n\nText.\n"));
 /// assert!(!page.contains("old"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Report: Serialize + DeserializeOwned {
-    /// The name: of its files, and of its place in a page.
+    /// The name of its files and of its marker in a page.
     fn name(&self) -> &str;
 
-    /// What is drawn, panel by panel.
+    /// The figures, one for each panel.
     fn figures(&self) -> Vec<Figure>;
 
     /// All results as tables in Markdown.
@@ -31,7 +34,7 @@ pub trait Report: Serialize + DeserializeOwned {
     /// The results that a page shows, in Markdown.
     fn summary(&self) -> String;
 
-    /// A page with the summaries of reports, each between `<!-- NAME -->` and `<!-- end -->`, put in anew.
+    /// The page with the text between `<!-- NAME -->` and `<!-- end -->` replaced by the summary.
     fn put_into(&self, page: &str) -> String {
         let begin = format!("<!-- {} -->\n", self.name());
         let place = page.split_once(&begin).and_then(|(before, rest)| {
@@ -55,7 +58,7 @@ pub trait Report: Serialize + DeserializeOwned {
     /// Reads a report from RON.
     ///
     /// # Errors
-    /// [`ron::error::SpannedError`] says where it is none.
+    /// [`ron::error::SpannedError`] tells where the text is invalid.
     fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
         ron::from_str(text)
     }
@@ -72,7 +75,7 @@ pub trait Report: Serialize + DeserializeOwned {
     }
 }
 
-/// Why a report is not saved.
+/// Why a report could not be saved.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// It cannot be written in RON.

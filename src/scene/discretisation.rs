@@ -41,12 +41,12 @@ impl Discretised {
     /// Usual for smooth fields: it does not mind how unstable an orbit is.
     pub const USUAL: Discretised = Discretised::Collocation;
     /// Usual for hybrid systems, whose legs are short and smooth: it takes a third of the time or less
-    /// (`tangency chart orbit`).
+    /// (`tangency work-precision orbit`).
     pub const USUAL_HYBRID: Discretised = Discretised::Shooting;
 }
 
 /// Gauss points in an interval and intervals, by growing accuracy: each has about a digit more than the one before, at the
-/// lowest cost (the chart `orbit`).
+/// lowest cost (`tangency work-precision orbit`).
 const MESHES: [(usize, usize); 12] = [
     (3, 5),
     (4, 5),

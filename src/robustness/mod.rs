@@ -1,0 +1,104 @@
+//! Robustness maps: where methods succeed, where they report a failure, and where they are silently wrong.
+//!
+//! A map runs methods on a grid over the quantities that make them fail: the distance from a fold, the size of a multiplier,
+//! the rate of a stiff field. Each cell runs the method and is classified by its error type or by comparison with an exact
+//! answer. Naive methods are included to show silent failures.
+
+mod chatter;
+mod events;
+mod grid;
+mod newton;
+mod polynomials;
+mod quadrature;
+mod shooting;
+mod steps;
+mod stiffness;
+
+use crate::output::RobustnessMap;
+
+/// Why a robustness map could not be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RobustnessError {
+    /// The reference method fails.
+    #[error("the reference fails, {method}: {cause}")]
+    Reference {
+        /// The reference method.
+        method: &'static str,
+        /// Its error.
+        cause: String,
+    },
+}
+
+/// A robustness map by its name.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// The name.
+    pub name: &'static str,
+    /// One line about its contents.
+    pub shows: &'static str,
+    draw: fn() -> Result<RobustnessMap, RobustnessError>,
+}
+
+/// All robustness maps.
+pub const MAPS: &[Entry] = &[
+    Entry {
+        name: "newton",
+        shows: "Newton's iteration about a fold: guess against load",
+        draw: newton::draw,
+    },
+    Entry {
+        name: "steps",
+        shows: "steps along a bend beside another branch: length against radius",
+        draw: steps::draw,
+    },
+    Entry {
+        name: "shooting",
+        shows: "shooting over segments and collocation against the size of multipliers",
+        draw: shooting::draw,
+    },
+    Entry {
+        name: "events",
+        shows: "searches for crossings against the distance from a touch, and the touch itself",
+        draw: events::draw,
+    },
+    Entry {
+        name: "chatter",
+        shows: "infinitely many impacts in a finite time: restitution against the end of the motion",
+        draw: chatter::draw,
+    },
+    Entry {
+        name: "polynomials",
+        shows: "polynomials of plates by powers and by recurrence: digits against order",
+        draw: polynomials::draw,
+    },
+    Entry {
+        name: "quadrature",
+        shows: "Gauss points for the load of a plate near contact, and error estimates of the model there",
+        draw: quadrature::draw,
+    },
+    Entry {
+        name: "stiffness",
+        shows: "explicit methods and the implicit one: tolerance against rate",
+        draw: stiffness::draw,
+    },
+];
+
+/// Computes a robustness map.
+///
+/// ```
+/// use tangency::output::Class;
+/// use tangency::robustness::{MAPS, map};
+/// let map = map(MAPS.iter().find(|entry| entry.name == "newton").expect("a map"))?;
+/// // Beyond the fold there is no solution at the load: Newton's formula silently finds one behind the
+/// // electrode, and the core reports stagnation.
+/// let [plain, damped] = [0, 1].map(|k| &map.panels[k].methods[0].name);
+/// assert_eq!(map.at(0, plain, [1.2, 1.4]).map(|found| found.class), Some(Class::Silent));
+/// assert_eq!(map.at(1, damped, [1.2, 0.3]).map(|found| found.class), Some(Class::Reported));
+/// # Ok::<(), tangency::robustness::RobustnessError>(())
+/// ```
+///
+/// # Errors
+/// [`RobustnessError`] if the reference method fails.
+pub fn map(entry: &Entry) -> Result<RobustnessMap, RobustnessError> {
+    (entry.draw)()
+}

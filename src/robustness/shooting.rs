@@ -1,0 +1,114 @@
+//! Orbits of growing multipliers by shooting over segments and by collocation.
+
+use super::RobustnessError;
+use super::grid::{Found, Panel, from_to, map};
+use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Method, Shooting};
+use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
+use crate::core::field::{Forcing, VectorField};
+use crate::core::newton::NewtonError;
+use crate::core::orbit::{by_collocation, by_shooting};
+use crate::core::scalar::Scalar;
+use crate::core::zero::Names;
+use crate::output::RobustnessMap;
+use std::f64::consts::{LN_10, TAU};
+
+/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the periodic solution is
+/// `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
+#[derive(Clone, Copy)]
+struct Saddle;
+
+impl VectorField for Saddle {
+    fn names(&self) -> Names {
+        Names::new(["x", "y"], ["amplitude", "rate"])
+    }
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let (sine, cosine) = t.sin_cos();
+        f[0] = p[1] * (x[0] - p[0] * cosine) - p[0] * sine;
+        f[1] = -p[1] * (x[1] - p[0] * sine) + p[0] * cosine;
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
+    }
+}
+
+/// The amplitude at which the branch is marked, since `x` reaches it: 1.5.
+const MARKED: f64 = 1.5;
+/// Right is what is right to this.
+const DIGITS: f64 = 1e-9;
+/// Estimates are honest that are not too small by more than this factor.
+const HONEST: f64 = 10.0;
+
+/// The branch over the amplitude, from a guess that is off by some hundredths.
+fn judged<M: Method + Clone + 'static>(
+    system: Result<BoundarySystem<M>, BoundaryError>,
+    multiplier: f64,
+) -> Found {
+    let mut system = match system {
+        Ok(system) => system,
+        Err(cause) => return Found::reported("no such mesh", cause),
+    };
+    let z = system.sampled(&[], |_, tau, x| {
+        let (sine, cosine) = (TAU * tau).sin_cos();
+        (x[0], x[1]) = (1.05 * cosine + 0.02, 0.95 * sine - 0.01);
+    });
+    let traced = Continuation::of(&mut system)
+        .from(&z)
+        .at("amplitude", 1.0)
+        .at("rate", multiplier * LN_10 / TAU)
+        .along("amplitude", 1.0..=2.0)
+        .mark("max_x", MARKED)
+        .settings(Settings { refinement: 0.0, ..Settings::default() })
+        .trace();
+    match traced {
+        Ok(branch) => compared(&branch),
+        Err(TraceError::Start { cause, .. }) => match *cause {
+            NewtonError::Singular { .. } => Found::reported("singular matrix", cause),
+            NewtonError::Stagnation { .. } => Found::reported("stagnation", cause),
+            NewtonError::LeftDomain { .. } => Found::reported("deviations grow too far", cause),
+            _ => Found::reported("iteration limit", cause),
+        },
+        Err(cause) => Found::reported("no start", cause),
+    }
+}
+
+/// The mark against the exact amplitude, and against its own estimate.
+fn compared(branch: &Branch) -> Found {
+    let Some(point) = branch.of_kind(Kind::UZ).next() else {
+        return match &branch.ends[1] {
+            end @ End::StepTooSmall { .. } => Found::reported("no step small enough", end),
+            _ => Found::silent("the mark is missed"),
+        };
+    };
+    let error = (point.parameters[0] - MARKED).abs();
+    let estimate = point.error;
+    match error {
+        _ if error > DIGITS.max(HONEST * estimate) => Found::silent("digits lost"),
+        _ if error > DIGITS => Found::reported(
+            "digits lost, by its own estimate",
+            format!("the error is estimated as {estimate:.1e}"),
+        ),
+        _ => Found::right("nine digits"),
+    }
+}
+
+/// One panel.
+pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+    let multipliers = from_to(0.5, 20.0, 27);
+    let mut panel = Panel::new("An orbit with the multipliers μ and 1/μ", "log₁₀ of μ", "method");
+    for segments in [1, 2, 4, 8, 16] {
+        let name = match segments {
+            1 => "shooting".to_string(),
+            _ => format!("{segments} segments"),
+        };
+        let shooting = || by_shooting(Saddle, segments, Shooting::default());
+        panel = panel.row((&name, false), &multipliers, |x| judged(shooting(), x));
+    }
+    panel = panel.row(("collocation", false), &multipliers, |x| match Collocation::new(4) {
+        Ok(method) => judged(by_collocation(Saddle, 40, method), x),
+        Err(cause) => Found::reported("no such method", cause),
+    });
+    Ok(map("shooting", vec![panel]))
+}

@@ -1,0 +1,82 @@
+//! Stiff fields: explicit methods and the implicit one.
+
+use super::RobustnessError;
+use super::grid::{Found, Panel, from_to, map};
+use crate::core::flow::{Flow, FlowError, Scheme, Settings};
+use crate::output::RobustnessMap;
+use crate::problems::classic::ProtheroRobinson;
+
+/// How long it flows.
+const TIME: f64 = 2.0;
+/// The error at the end may be so many tolerances.
+const TOLERANCES: f64 = 100.0;
+
+/// The error at the end and the evaluations of the field.
+fn flowed(scheme: Scheme, rate: f64, tolerance: f64) -> Result<(f64, usize), FlowError> {
+    let mut x = [1.0];
+    let mut flow = Flow::<f64>::default();
+    // All tolerances on the map have a meaning.
+    let _ = flow.set(Settings::new(scheme, tolerance));
+    let statistics = flow.advance(&ProtheroRobinson, 0.0, TIME, &mut x, &[rate])?;
+    Ok(((x[0] - TIME.cos()).abs(), statistics.evaluations))
+}
+
+fn tried(scheme: Scheme, rate: f64, tolerance: f64) -> Found {
+    match flowed(scheme, rate, tolerance) {
+        Ok((error, _)) if error > TOLERANCES * tolerance => {
+            Found::silent("less accurate than asked")
+        }
+        Ok(_) if scheme == Scheme::Rodas5P => Found::right("done"),
+        Ok((_, evaluations)) => match flowed(Scheme::Rodas5P, rate, tolerance) {
+            Ok((_, fewer)) if fewer < evaluations => {
+                Found::right("done, by more evaluations than Rodas5P")
+            }
+            _ => Found::right("done"),
+        },
+        Err(cause) => {
+            let name = match cause {
+                FlowError::Stiff { .. } => "refused as stiff",
+                FlowError::TooManySteps { .. } => "too many steps",
+                FlowError::StepTooSmall { .. } => "no step small enough",
+                FlowError::LeftDomain { .. } => "left the domain",
+            };
+            Found::reported(name, cause)
+        }
+    }
+}
+
+/// What a user does who reads the error: refused as stiff, the field goes to the implicit method.
+fn handed_over(rate: f64, tolerance: f64) -> Found {
+    match flowed(Scheme::DormandPrince8, rate, tolerance) {
+        Err(FlowError::Stiff { .. } | FlowError::TooManySteps { .. }) => {
+            match flowed(Scheme::Rodas5P, rate, tolerance) {
+                Ok((error, _)) if error <= TOLERANCES * tolerance => {
+                    Found::handed_over("done by Rodas5P after order 8 has refused")
+                }
+                _ => tried(Scheme::Rodas5P, rate, tolerance),
+            }
+        }
+        _ => tried(Scheme::DormandPrince8, rate, tolerance),
+    }
+}
+
+/// Four panels.
+pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+    let (rates, tolerances) = (from_to(1.0, 8.0, 22), from_to(-12.0, -3.0, 10));
+    let panel = |name: &str, method: &dyn Fn(f64, f64) -> Found| {
+        let panel = Panel::new(name, "log₁₀ of the rate λ", "log₁₀ of the tolerance");
+        panel.over((name, false), [&rates, &tolerances], |x, y| {
+            method(10_f64.powf(x), 10_f64.powf(y))
+        })
+    };
+    let by = |scheme| move |rate, tolerance| tried(scheme, rate, tolerance);
+    Ok(map(
+        "stiffness",
+        vec![
+            panel("Order 8", &by(Scheme::DormandPrince8)),
+            panel("Order 5", &by(Scheme::DormandPrince5)),
+            panel("Rodas5P", &by(Scheme::Rodas5P)),
+            panel("Order 8, then Rodas5P", &handed_over),
+        ],
+    ))
+}

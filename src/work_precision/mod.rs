@@ -1,0 +1,101 @@
+//! Work-precision diagrams: error of methods against the CPU time that they take.
+//!
+//! A [`Plan`] states a problem, the reference method, and the methods that solve the problem, each with settings of growing
+//! effort. [`measure`] runs them: every answer and every time is measured by running the method, and every error is the
+//! distance from the reference.
+
+mod circumstances;
+mod derivatives;
+mod differences;
+mod events;
+mod flow;
+mod fold;
+mod local_map;
+mod orbit;
+mod period;
+mod plan;
+mod plates;
+mod scaling;
+mod scenes;
+
+pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
+
+use crate::output::WorkPrecision;
+
+/// A work-precision diagram by its name.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// The name.
+    pub name: &'static str,
+    /// One line about its contents.
+    pub shows: &'static str,
+    plans: fn() -> Result<Vec<Plan>, WorkPrecisionError>,
+}
+
+/// All work-precision diagrams.
+pub const DIAGRAMS: &[Entry] = &[
+    Entry {
+        name: "plate-models",
+        shows: "pull-in load of a plate by models of few modes, sines and polynomials",
+        plans: plates::models,
+    },
+    Entry {
+        name: "plate-orders",
+        shows: "pull-in load of a plate by orders of deflection and in-plane displacement",
+        plans: plates::orders,
+    },
+    Entry {
+        name: "flow",
+        shows: "integrators on the stick, an impacting period and a stiff field; derivatives",
+        plans: flow::plans,
+    },
+    Entry {
+        name: "orbit",
+        shows: "a fold, a period doubling and a grazing by shooting and by collocation",
+        plans: orbit::plans,
+    },
+    Entry {
+        name: "derivatives",
+        shows: "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold",
+        plans: derivatives::plans,
+    },
+    Entry {
+        name: "events",
+        shows: "a grazing by bisection, by the secant method, on a mesh, and by its defining system",
+        plans: events::plans,
+    },
+    Entry {
+        name: "local-map",
+        shows: "the local map near a grazing against the flow, by its order",
+        plans: local_map::plans,
+    },
+    Entry {
+        name: "scaling",
+        shows: "time against unknowns, intervals and segments, parameters, and threads",
+        plans: scaling::plans,
+    },
+];
+
+/// Measures a work-precision diagram.
+///
+/// ```
+/// use tangency::work_precision::{DIAGRAMS, Effort, measure};
+/// let entry = DIAGRAMS.iter().find(|entry| entry.name == "plate-models").expect("a diagram");
+/// let diagram = measure(entry, Effort::Quick)?;
+/// // Fifteen sines, projected directly, give four digits of the pull-in load.
+/// let point = diagram.panels[0].point("sine, direct", "15 modes").expect("a measurement");
+/// assert!(point.error < 1e-4 && point.seconds > 0.0);
+/// # Ok::<(), tangency::work_precision::WorkPrecisionError>(())
+/// ```
+///
+/// # Errors
+/// [`WorkPrecisionError`] if the statement of a plan is invalid or its reference fails.
+pub fn measure(entry: &Entry, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
+    let panels = (entry.plans)()?.into_iter().map(|plan| plan.measure(effort));
+    Ok(WorkPrecision {
+        name: format!("work-precision-{}", entry.name),
+        panels: panels.collect::<Result<_, _>>()?,
+        circumstances: circumstances::now(effort.runs()),
+        ..WorkPrecision::default()
+    })
+}

@@ -1,0 +1,161 @@
+//! How time grows with unknowns, intervals and segments, and parameters, and falls with threads.
+
+use super::derivatives::IMPACTING;
+use super::differences::Differences;
+use super::period::Period;
+use super::plan::{Answer, Method, Plan, WorkPrecisionError};
+use super::plates::{PLATE, PULL_IN};
+use super::scenes::{Counted, GRAZING, PASSING, scene, tracing};
+use crate::core::chunk::{parts, seeded};
+use crate::core::sweep::Part;
+use crate::output::{Clock, Drawn};
+use crate::scene::sweep;
+use nalgebra::SVector;
+use num_dual::DualSVec64;
+use std::array;
+use std::num::NonZeroUsize;
+
+/// What motions of Mita's actuator settle on beyond grazing: cycles and chaos.
+const SWEEP: &str = r#"Scene(
+    title: "Beyond grazing",
+    problem: Mita(),
+    parameters: [("frequency", 0.5)],
+    sweeps: [(
+        name: "voltages",
+        over: [(name: "voltage", low: 0.55, high: 0.85, count: 32)],
+        settling: (transient: 200, exponent: 400),
+    )],
+)"#;
+
+/// Time against the unknowns of a plate.
+fn unknowns() -> Result<Plan, WorkPrecisionError> {
+    let plate = |line: &str, order: usize| {
+        let in_plane = order + 2;
+        let orders =
+            format!("(transverse: ({order}, {order}), in_plane: ({in_plane}, {in_plane}))");
+        let setting = format!("{order} and {in_plane}");
+        let settings = [
+            ("supports", "CCCC"),
+            ("in_plane", "immovable"),
+            ("gap_ratio", "1"),
+            ("orders", &*orders),
+        ];
+        tracing((line, setting), PLATE, &settings, PULL_IN, Counted::Unknowns)
+    };
+    let methods = [3, 4, 6, 8, 10].map(|order| plate("full model", order));
+    let methods = methods.into_iter().collect::<Result<Vec<Method>, _>>()?;
+    let plan = Plan::of("A clamped plate by orders", plate("the full model", 13)?);
+    Ok(plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods))
+}
+
+/// Time against intervals of collocation and segments of shooting.
+fn pieces() -> Result<Plan, WorkPrecisionError> {
+    let orbits = |line: String, pieces: usize, settings: &[(&str, &str)]| {
+        let count = pieces.to_string();
+        let pieces_of = if line == "shooting" { "segments" } else { "intervals" };
+        let settings = [settings, &[(pieces_of, count.as_str())]].concat();
+        let setting = match pieces {
+            1 => pieces_of.trim_end_matches('s').to_string(),
+            _ => pieces_of.to_string(),
+        };
+        let setting = format!("{pieces} {setting}");
+        tracing((line.as_str(), setting), PASSING, &settings, GRAZING, Counted::Unknowns)
+    };
+    let mut methods = Vec::new();
+    for degree in ["3", "5", "7"] {
+        for intervals in [10, 20, 40, 80, 160] {
+            let settings = [("method", "collocation"), ("degree", degree)];
+            methods.push(orbits(format!("collocation, {degree} points"), intervals, &settings)?);
+        }
+    }
+    for segments in [1, 2, 4, 8, 16, 32] {
+        methods.push(orbits("shooting".into(), segments, &[])?);
+    }
+    let reference = orbits("shooting".into(), 1, &[("flow_tolerance", "1e-14")])?;
+    let plan = Plan::of("Orbits by intervals and segments", reference).counting("unknowns");
+    Ok(plan.drawing(Drawn::TimeAgainstWork).with(methods))
+}
+
+/// The derivative of a period with an impact by its first parameters, in passes of `W` of them.
+fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String> {
+    let (mut numbers, period) = (Vec::new(), Period { tolerance, ..IMPACTING });
+    for first in (0..count).step_by(W) {
+        let p = array::from_fn(|k| seeded::<f64, W>(period.p[k], k, first));
+        let image = period.at(p).image(x.map(DualSVec64::from))?;
+        let [x, u] = [parts(&image[0]), parts(&image[1])];
+        numbers.extend(x.into_iter().zip(u).flat_map(|(x, u)| [x, u]));
+    }
+    Ok(numbers)
+}
+
+/// The same by one-sided differences.
+fn differences<const N: usize>(x: [f64; 2]) -> Result<Vec<f64>, String> {
+    let image = |first: SVector<f64, N>| {
+        let mut p = IMPACTING.p;
+        p[..N].copy_from_slice(first.as_slice());
+        IMPACTING.at(p).image(x)
+    };
+    let here = SVector::from_fn(|k, _| IMPACTING.p[k]);
+    Ok(Differences::OneSided(1e-7).matrix(image, here)?.as_slice().to_vec())
+}
+
+/// Time against the parameters by which is differentiated.
+fn parameters() -> Result<Plan, WorkPrecisionError> {
+    let x = IMPACTING.settled().map_err(WorkPrecisionError::Statement)?;
+    let tolerance = IMPACTING.tolerance;
+    let method = |line: &str, count: usize, find: fn(usize, [f64; 2], f64) -> _| {
+        let setting = if count == 1 { "1 parameter".into() } else { format!("{count} parameters") };
+        Method::new(line, setting, move || {
+            Ok(Answer { numbers: find(count, x, tolerance)?, work: count as f64 })
+        })
+    };
+    type Find = fn(usize, [f64; 2], f64) -> Result<Vec<f64>, String>;
+    let sizes: [(usize, Find, Find); 4] = [
+        (1, duals::<1>, |_, x, _| differences::<1>(x)),
+        (2, duals::<2>, |_, x, _| differences::<2>(x)),
+        (4, duals::<4>, |_, x, _| differences::<4>(x)),
+        (8, duals::<8>, |_, x, _| differences::<8>(x)),
+    ];
+    let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
+        Ok(Answer { numbers: duals::<8>(8, x, 1e-15)?, work: 0.0 })
+    });
+    let mut plan = Plan::of("Derivatives of a period with an impact by parameters", exact)
+        .counting("parameters")
+        .drawing(Drawn::TimeAgainstWork);
+    for (count, together, differences) in sizes {
+        plan = plan.with([
+            method("dual numbers, all parameters at once", count, together),
+            method("dual numbers, one by one", count, duals::<1>),
+            method("one-sided differences, step 1e-7", count, differences),
+        ]);
+    }
+    Ok(plan)
+}
+
+/// Time against threads.
+fn threads() -> Result<Plan, WorkPrecisionError> {
+    let scene = scene(SWEEP, &[])?;
+    let method = |threads: NonZeroUsize| {
+        let setting = match threads.get() {
+            1 => "1 thread".to_string(),
+            _ => format!("{threads} threads"),
+        };
+        let (scene, part) = (scene.clone(), Part { threads: Some(threads), ..Part::WHOLE });
+        Method::new("a sweep over 32 voltages", setting, move || {
+            let swept = sweep(&scene, "threads", part, None, &mut ()).map_err(|e| e.to_string())?;
+            let rows = swept.sweeps.iter().flat_map(|table| table.rows.values());
+            // What does not apply to a motion is NaN.
+            let numbers = rows.flat_map(|row| &row.values).filter(|value| value.is_finite());
+            let numbers = numbers.copied().collect();
+            Ok(Answer { numbers, work: threads.get() as f64 })
+        })
+    };
+    let counts = [1, 2, 4].into_iter().filter_map(NonZeroUsize::new);
+    let plan = Plan::of("A sweep by threads", method(NonZeroUsize::MIN)).counting("threads");
+    Ok(plan.by(Clock::Wall).drawing(Drawn::TimeAgainstWork).with(counts.map(method)))
+}
+
+/// Plates, orbits, derivatives and sweeps.
+pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
+    Ok(vec![unknowns()?, pieces()?, parameters()?, threads()?])
+}
