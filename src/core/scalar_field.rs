@@ -131,8 +131,8 @@ impl<F: Fields<f64> + Fields<Wide<f64>>> RealFields for F {}
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
     pub fields: &'a dyn Fields<T>,
-    /// The same collection with derivatives.
-    pub wide: &'a dyn Fields<Wide<T>>,
+    /// The same collection with derivatives, where implicit schemes are supported.
+    pub wide: Option<&'a dyn Fields<Wide<T>>>,
     /// The same collection in real numbers.
     pub real: &'a dyn RealFields,
     /// Which field.
@@ -159,7 +159,7 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
 
     fn real(&self) -> FieldRef<'_, f64> {
         let FieldRef { real, index, start, .. } = *self;
-        FieldRef { fields: real, wide: real, real, index, start: start.real(), p: &[] }
+        FieldRef { fields: real, wide: Some(real), real, index, start: start.real(), p: &[] }
     }
 
     #[inline]
@@ -169,7 +169,11 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
 
     #[inline]
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
-        self.wide.field_of(self.index, Wide::from_re(self.start) + t, x, p, f);
+        match self.wide {
+            Some(wide) => wide.field_of(self.index, Wide::from_re(self.start) + t, x, p, f),
+            // An implicit step is refused then.
+            None => f.fill(Wide::from_re(T::constant(f64::NAN))),
+        }
     }
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {

@@ -3,16 +3,14 @@
 use super::simulate::initial;
 use super::slot::{Plain, Slots, Usual, Words};
 use super::{SceneError, Simulated};
-use crate::core::bvp::{
-    Birth, BoundaryProblem, BoundarySystem, Collocation, Mesh, Method, Shooting,
-};
+use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::continuation::SettingError;
 use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::Scheme;
 use crate::core::hybrid::{HybridFlow, HybridSettings, HybridSystem, Recurrence, RecurrenceError};
-use crate::core::orbit::{HybridOrbit, Itinerary, Orbit};
+use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
 
@@ -169,7 +167,9 @@ impl Discretisation {
         F: VectorField + Clone + 'static,
     {
         match self.solution {
-            Solution::Orbit => self.discretise(Orbit::of(field), Discretised::USUAL),
+            Solution::Orbit => {
+                self.discretise(HybridOrbit::smooth_of(field, 1), Discretised::USUAL)
+            }
             Solution::Equilibrium if field.forcing().is_periodic() => {
                 Err(self.no_equilibria("a field that is forced in time has none; take `orbit`"))
             }
@@ -180,7 +180,7 @@ impl Discretisation {
     /// The solutions of a boundary-value problem.
     pub(super) fn of_problem<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>
     where
-        P: BoundaryProblem + Clone + 'static,
+        P: IntoEquations,
     {
         match self.solution {
             Solution::Orbit => self.discretise(problem, Discretised::USUAL),
@@ -240,13 +240,13 @@ impl Discretisation {
     }
 
     /// Orbits with all monitors asked for.
-    fn watched<H: HybridSystem>(&self, orbit: HybridOrbit<H>) -> HybridOrbit<H> {
+    fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
         if self.penetration { orbit.with_penetration() } else { orbit }
     }
 
     fn discretise<P>(&self, problem: P, usual: Discretised) -> Result<Box<dyn System>, SceneError>
     where
-        P: BoundaryProblem + Clone + 'static,
+        P: IntoEquations,
     {
         self.started(problem, usual, None).map(|(system, _)| system)
     }
@@ -259,7 +259,7 @@ impl Discretisation {
         start: Option<[&[f64]; 3]>,
     ) -> Result<Started, SceneError>
     where
-        P: BoundaryProblem + Clone + 'static,
+        P: IntoEquations,
     {
         match self.method.unwrap_or(usual) {
             Discretised::Collocation => {
@@ -283,9 +283,10 @@ fn started<P, M>(
     start: Option<[&[f64]; 3]>,
 ) -> Result<Started, SceneError>
 where
-    P: BoundaryProblem + Clone + 'static,
+    P: IntoEquations,
     M: Method + Clone + 'static,
 {
+    let problem = problem.into_equations();
     let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
     let system = BoundarySystem::new(problem, method, meshes)?;
     let z = match start {

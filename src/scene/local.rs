@@ -205,5 +205,5 @@ where
         switch: false,
     };
     let z = orbits.adopt(&solution)?.z;
-    GrazingPoint::at::<H, M>(&mut orbits, &z, &special.parameters)
+    GrazingPoint::at(&mut orbits, &z, &special.parameters)
 }

@@ -32,7 +32,7 @@ fn defining<T: Scalar>([x, u]: [T; 2], image: Vector2<T>, by_state: Matrix2<T>) 
 
 /// The defining system, and its derivative by state and voltage: dual numbers of dual numbers.
 fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f64>), String> {
-    let [x, u, voltage] = [0, 1, 2].map(|k| seeded::<f64, 3>(z[k], k, 0));
+    let [x, u, voltage] = [0, 1, 2].map(|k| seeded::<f64, 8>(z[k], k, 0));
     let (x, period) = ([x, u], period(voltage, tolerance));
     let equations = Vector3::from(defining(x, period.image(x)?, period.derivative(x)?));
     let derivatives = Matrix3::from_fn(|i, k| parts(&equations[i])[k]);

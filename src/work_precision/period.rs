@@ -1,9 +1,9 @@
 //! Mita's actuator below its impacts and with one a period, as maps over a period of the forcing, on any numbers.
 
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
-use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, InMode};
+use crate::core::hybrid::{EventNumber, GuardOf, HybridFlow, HybridSettings, HybridState, InMode};
 use crate::core::scalar::Scalar;
-use crate::core::watch::State;
+use crate::core::watch::{State, Watchable};
 use crate::problems::mita::Actuator;
 use nalgebra::{Matrix2, Vector2};
 use num_dual::Dual;
@@ -44,7 +44,12 @@ impl<T: Scalar> Period<T> {
     pub fn at<U: Scalar>(self, p: Parameters<U>) -> Period<U> {
         Period { impacts: self.impacts, p, tolerance: self.tolerance }
     }
+}
 
+impl<T: EventNumber> Period<T>
+where
+    GuardOf<'static>: Watchable<T>,
+{
     /// The state after a period.
     pub fn image(self, x: [T; 2]) -> Result<Vector2<T>, String> {
         let flow = Settings::new(Scheme::DormandPrince8, self.tolerance);
@@ -66,7 +71,13 @@ impl<T: Scalar> Period<T> {
             _ => Err("the frame slips at the end of the period".into()),
         }
     }
+}
 
+impl<T: Scalar> Period<T>
+where
+    Dual<T>: EventNumber,
+    GuardOf<'static>: Watchable<Dual<T>>,
+{
     /// The derivative of the image by the state, by dual numbers.
     pub fn derivative(self, x: [T; 2]) -> Result<Matrix2<T>, String> {
         let wide = self.at(self.p.map(Dual::from_re));

@@ -7,11 +7,13 @@ use super::plan::{Answer, Method, Plan, WorkPrecisionError};
 use super::plates::{PLATE, PULL_IN};
 use super::scenes::{Counted, GRAZING, PASSING, scene, tracing};
 use crate::core::chunk::{parts, seeded};
+use crate::core::hybrid::{EventNumber, GuardOf};
 use crate::core::sweep::Part;
+use crate::core::watch::Watchable;
 use crate::output::{Clock, Drawn};
 use crate::scene::sweep;
 use nalgebra::SVector;
-use num_dual::DualSVec64;
+use num_dual::{Dual64, DualSVec64};
 use std::array;
 use std::num::NonZeroUsize;
 
@@ -77,13 +79,30 @@ fn pieces() -> Result<Plan, WorkPrecisionError> {
 }
 
 /// The derivative of a period with an impact by its first parameters, in passes of `W` of them.
-fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String> {
+fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String>
+where
+    DualSVec64<W>: EventNumber,
+    GuardOf<'static>: Watchable<DualSVec64<W>>,
+{
     let (mut numbers, period) = (Vec::new(), Period { tolerance, ..IMPACTING });
     for first in (0..count).step_by(W) {
         let p = array::from_fn(|k| seeded::<f64, W>(period.p[k], k, first));
         let image = period.at(p).image(x.map(DualSVec64::from))?;
         let [x, u] = [parts(&image[0]), parts(&image[1])];
-        numbers.extend(x.into_iter().zip(u).flat_map(|(x, u)| [x, u]));
+        let all = x.into_iter().zip(u).take(count - first);
+        numbers.extend(all.flat_map(|(x, u)| [x, u]));
+    }
+    Ok(numbers)
+}
+
+/// The same in a pass for each parameter.
+fn one_by_one(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String> {
+    let (mut numbers, period) = (Vec::new(), Period { tolerance, ..IMPACTING });
+    for parameter in 0..count {
+        let mut p = period.p.map(Dual64::from);
+        p[parameter] = p[parameter].derivative();
+        let image = period.at(p).image(x.map(Dual64::from))?;
+        numbers.extend([image[0].eps, image[1].eps]);
     }
     Ok(numbers)
 }
@@ -111,8 +130,8 @@ fn parameters() -> Result<Plan, WorkPrecisionError> {
     };
     type Find = fn(usize, [f64; 2], f64) -> Result<Vec<f64>, String>;
     let sizes: [(usize, Find, Find); 4] = [
-        (1, duals::<1>, |_, x, _| differences::<1>(x)),
-        (2, duals::<2>, |_, x, _| differences::<2>(x)),
+        (1, one_by_one, |_, x, _| differences::<1>(x)),
+        (2, duals::<4>, |_, x, _| differences::<2>(x)),
         (4, duals::<4>, |_, x, _| differences::<4>(x)),
         (8, duals::<8>, |_, x, _| differences::<8>(x)),
     ];
@@ -125,7 +144,7 @@ fn parameters() -> Result<Plan, WorkPrecisionError> {
     for (count, together, differences) in sizes {
         plan = plan.with([
             method("dual numbers, all parameters at once", count, together),
-            method("dual numbers, one by one", count, duals::<1>),
+            method("dual numbers, one by one", count, one_by_one),
             method("one-sided differences, step 1e-7", count, differences),
         ]);
     }

@@ -2,7 +2,7 @@
 
 use crate::core::flow::{Extrema, Rises, Step};
 use crate::core::hybrid::{
-    Event, GuardOf, HybridObserver, HybridState, HybridSystem, Measure, Mode, Passage,
+    Event, GuardOf, HybridEquations, HybridObserver, HybridState, Measure, Mode, Passage,
     virtual_point,
 };
 use crate::core::scalar_field::FieldIn;
@@ -69,8 +69,8 @@ struct Slow {
 }
 
 /// Watches one period of a hybrid motion.
-pub(super) struct Recorder<'a, S> {
-    system: &'a S,
+pub(super) struct Recorder<'a> {
+    system: &'a dyn HybridEquations,
     /// The measures asked for.
     measures: &'a [Measure],
     /// Numbers of events by guard.
@@ -86,9 +86,9 @@ fn places(modes: &[Mode], name: &str) -> Vec<Option<usize>> {
     modes.iter().map(place).collect()
 }
 
-impl<'a, S: HybridSystem> Recorder<'a, S> {
+impl<'a> Recorder<'a> {
     pub fn new(
-        system: &'a S,
+        system: &'a dyn HybridEquations,
         modes: &[Mode],
         measures: &'a [Measure],
         numbers: &'a [usize],
@@ -183,7 +183,7 @@ fn widen(range: &mut [f64; 2], value: f64) {
     *range = [range[0].min(value), range[1].max(value)];
 }
 
-impl<S: HybridSystem> HybridObserver<f64> for Recorder<'_, S> {
+impl HybridObserver<f64> for Recorder<'_> {
     fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         let last = step.place(end);
         for gauge in &mut self.gauges {

@@ -4,7 +4,7 @@ use super::error::StrobeError;
 use super::period::{Period, Recorder};
 use super::{Layout, Strobed};
 use crate::core::field::Forcing;
-use crate::core::hybrid::{HybridFlow, HybridSettings, HybridState, HybridSystem, Measure};
+use crate::core::hybrid::{HybridEquations, HybridFlow, HybridSettings, HybridState, Measure};
 use num_dual::Dual64;
 
 /// The motion of a hybrid system, looked at once in every period of its forcing.
@@ -24,9 +24,9 @@ use num_dual::Dual64;
 /// assert!((settled.exponent.expect("an exponent").value - exact).abs() < 1e-9);
 /// # Ok::<(), tangency::core::attractor::StrobeError>(())
 /// ```
-pub struct Stroboscope<'a, S> {
-    real: HybridFlow<'a, S, f64>,
-    dual: HybridFlow<'a, S, Dual64>,
+pub struct Stroboscope<'a> {
+    real: HybridFlow<'a, f64>,
+    dual: HybridFlow<'a, Dual64>,
     layout: Layout,
     /// Numbers of events by guard.
     numbers: Vec<usize>,
@@ -35,7 +35,7 @@ pub struct Stroboscope<'a, S> {
     p: Vec<Dual64>,
 }
 
-impl<'a, S: HybridSystem> Stroboscope<'a, S> {
+impl<'a> Stroboscope<'a> {
     /// The motion of a system, of which these measures are taken: its own, and its
     /// [`penetration`](Measure::Penetration).
     ///
@@ -43,7 +43,7 @@ impl<'a, S: HybridSystem> Stroboscope<'a, S> {
     /// [`StrobeError::NoMeasure`] if the system has no such measure, [`StrobeError::Hybrid`] if a setting has
     /// no meaning.
     pub fn of(
-        system: &'a S,
+        system: &'a dyn HybridEquations,
         settings: HybridSettings,
         measures: &[String],
     ) -> Result<Self, StrobeError> {
@@ -84,7 +84,7 @@ impl<'a, S: HybridSystem> Stroboscope<'a, S> {
     }
 }
 
-impl<S: HybridSystem> Strobed for Stroboscope<'_, S> {
+impl Strobed for Stroboscope<'_> {
     fn layout(&self) -> &Layout {
         &self.layout
     }

@@ -8,7 +8,7 @@ use super::problem::{Birth, BoundaryProblem, Ends, Monitor, Observable, Return, 
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, FieldRef, Fields};
+use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
 use crate::core::watch::{WatchIn, Watchable};
 use crate::core::zero::LeftDomain;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
@@ -102,50 +102,54 @@ pub trait Equations:
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
 }
 
-impl<P: BoundaryProblem> Domains for P {
+/// A problem as its user has stated it.
+pub(super) struct Stated<P>(pub P);
+
+impl<P: BoundaryProblem> Domains for Stated<P> {
     fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
-        self.domain(index, x, q)
+        self.0.domain(index, x, q)
     }
 
     fn states_of(&self, index: usize) -> Vec<String> {
-        self.segments().swap_remove(index)
+        self.0.segments().swap_remove(index)
     }
 }
 
-impl<P: BoundaryProblem, T: Scalar> Fields<T> for P {
+impl<P: BoundaryProblem, T: Scalar> Fields<T> for Stated<P> {
     #[inline]
     fn field_of(&self, index: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        self.field(index, t, x, q, f);
+        self.0.field(index, t, x, q, f);
     }
 }
 
-impl<P: BoundaryProblem, T: Scalar> Residual<T> for P {
+impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        FieldRef { fields: self, wide: self, real: self, index: segment, start: T::zero(), p: q }
+        let (fields, wide, start) = (self, Some(self as &dyn Fields<Wide<T>>), T::zero());
+        FieldRef { fields, wide, real: self, index: segment, start, p: q }
     }
 
     fn duration_in(&self, segment: usize, q: &[T]) -> T {
-        self.duration(segment, q)
+        self.0.duration(segment, q)
     }
 
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        self.boundary(ends, q, b);
+        self.0.boundary(ends, q, b);
     }
 
     fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
-        self.integrand(segment, t, x, q, g);
+        self.0.integrand(segment, t, x, q, g);
     }
 }
 
-impl<P: BoundaryProblem, T: Scalar> Watches<T> for P {
+impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
     fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
-        self.observe(observable, segment, t, x, q)
+        self.0.observe(observable, segment, t, x, q)
     }
 }
 
-impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for P {
+impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        self.of_ends(function, ends, q)
+        self.0.of_ends(function, ends, q)
     }
 }
 
@@ -153,12 +157,12 @@ impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for P {
 macro_rules! forward {
     ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         $(fn $name(&self, $($argument: $type),*) -> $result {
-            BoundaryProblem::$name(self, $($argument),*)
+            self.0.$name($($argument),*)
         })*
     };
 }
 
-impl<P: BoundaryProblem + 'static> Equations for P {
+impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
     forward! {
         segments() -> Vec<Vec<String>>;
         parameters() -> Vec<String>;
@@ -174,6 +178,24 @@ impl<P: BoundaryProblem + 'static> Equations for P {
         doubled() -> Option<Arc<dyn Equations>>;
         born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError>;
         check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
+    }
+}
+
+/// What can be discretised: a [`BoundaryProblem`], or equations that are behind their face already.
+pub trait IntoEquations {
+    /// The equations behind their object-safe face.
+    fn into_equations(self) -> Arc<dyn Equations>;
+}
+
+impl<P: BoundaryProblem + 'static> IntoEquations for P {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        Arc::new(Stated(self))
+    }
+}
+
+impl IntoEquations for Arc<dyn Equations> {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        self
     }
 }
 

@@ -22,7 +22,7 @@ mod shooting;
 mod system;
 
 pub use collocation::{Collocation, CollocationWork, PointsError};
-pub use erased::{EndFunctions, Equations, Number, Residual, WatchNumber, Watches};
+pub use erased::{EndFunctions, Equations, IntoEquations, Number, Residual, WatchNumber, Watches};
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
 pub use method::{Block, Interval, Method, Span, Watchlist};

@@ -1,6 +1,6 @@
 //! Boundary-value problems as a user states them.
 
-use super::erased::Equations;
+use super::erased::{Equations, IntoEquations};
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -320,10 +320,10 @@ pub struct Birth<P = Arc<dyn Equations>> {
     pub extras: Vec<f64>,
 }
 
-impl<P: Equations> Birth<P> {
+impl<P: IntoEquations> Birth<P> {
     /// The same with the problem behind its object-safe face.
     pub fn erased(self) -> Birth {
         let Birth { problem, starts, extras } = self;
-        Birth { problem: Arc::new(problem), starts, extras }
+        Birth { problem: problem.into_equations(), starts, extras }
     }
 }

@@ -15,7 +15,8 @@ mod periodic;
 mod profiles;
 mod start;
 
-use super::{BoundaryError, Equations, Mesh, Method};
+use super::erased::Stated;
+use super::{BoundaryError, BoundaryProblem, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
 use equations::{Discretised, Work};
@@ -126,23 +127,11 @@ impl<M: Method> BoundarySystem<M> {
     /// # Errors
     /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit together.
     pub fn new(
-        problem: impl Equations,
+        problem: impl IntoEquations,
         method: M,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        BoundarySystem::of(Arc::new(problem), method, meshes)
-    }
-
-    /// The system of a problem that is shared, on one mesh for each segment.
-    ///
-    /// # Errors
-    /// As [`BoundarySystem::new`].
-    pub fn of(
-        problem: Arc<dyn Equations>,
-        method: M,
-        meshes: Vec<Mesh>,
-    ) -> Result<Self, BoundaryError> {
-        let equations = Discretised::new(problem, method, meshes)?;
+        let equations = Discretised::new(problem.into_equations(), method, meshes)?;
         let Discretised { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.numbers()).collect();
         let names = names_of(&**problem, method, layout);
@@ -179,9 +168,10 @@ impl<M: Method> BoundarySystem<M> {
         &self.equations.problem
     }
 
-    /// The problem as what it was stated as, if it is of this type.
-    pub fn problem_as<P: 'static>(&self) -> Option<&P> {
-        (&*self.equations.problem as &dyn Any).downcast_ref()
+    /// The problem as its user has stated it, if it is of this type.
+    pub fn stated<P: BoundaryProblem + 'static>(&self) -> Option<&P> {
+        let problem: &dyn Any = &*self.equations.problem;
+        problem.downcast_ref::<Stated<P>>().map(|stated| &stated.0)
     }
 
     /// The mesh of each segment.

@@ -14,7 +14,7 @@ use super::stages::Stages;
 use super::step::{Known, Step};
 use super::tableau::{Row, Tableau};
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::Watch;
+use crate::core::watch::WatchIn;
 use num_dual::Dual;
 use std::cell::Cell;
 
@@ -182,11 +182,11 @@ impl Abreast {
     }
 
     /// What can be said about a watched function from its values and slopes at both ends.
-    pub fn outlook<W: Watch>(&self, watch: &W) -> Outlook {
+    pub fn outlook<W: WatchIn<Dual<Lanes>>>(&self, watch: &W) -> Outlook {
         let [time, length] = [self.time, self.length].map(Lanes::from);
         let [start, end] = [0, 1].map(|end| {
             let time = Dual::new(time + length * end as f64, length);
-            watch.value(time, &self.dual_x[end], &self.dual_p)
+            watch.value_in(time, &self.dual_x[end], &self.dual_p)
         });
         Outlook::of([start, end])
     }

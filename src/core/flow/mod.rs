@@ -50,6 +50,7 @@ pub use error::{FlowError, SettingsError};
 pub use extrema::{Extrema, Extremum};
 pub use integrate::{Flow, Statistics};
 pub(in crate::core) use lanes::LANES;
+pub use lanes::Lanes;
 pub(in crate::core) use outlook::Outlook;
 pub(in crate::core) use rises::Rises;
 pub(in crate::core) use roots::{NEGATIVE, Sign};

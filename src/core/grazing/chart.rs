@@ -7,9 +7,10 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
-use crate::core::hybrid::{HybridSystem, InMode};
+use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use crate::core::jet::Jet;
 use crate::core::scalar::Scalar;
+use num_dual::Dual;
 
 /// A time and a state.
 #[derive(Clone, Debug)]
@@ -27,8 +28,8 @@ const ROUNDING: f64 = 1e-14;
 const REACHED: f64 = 1e-6;
 
 /// The section of a grazing point with parameters that are jets: places on it, and motion from them.
-pub(super) struct Chart<'a, H, const C: usize> {
-    pub system: &'a H,
+pub(super) struct Chart<'a, const C: usize> {
+    pub system: &'a dyn HybridEquations,
     pub point: &'a GrazingPoint,
     pub section: &'a Section,
     pub p: Vec<Jet<C>>,
@@ -45,9 +46,14 @@ pub(super) struct Chart<'a, H, const C: usize> {
     short: Flow<Jet<C>>,
 }
 
-impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
+impl<'a, const C: usize> Chart<'a, C>
+where
+    Jet<C>: EventNumber,
+    Dual<Jet<C>>: FieldNumber + GuardNumber,
+    Dual<Dual<Jet<C>>>: GuardNumber,
+{
     pub fn new(
-        (system, point, section): (&'a H, &'a GrazingPoint, &'a Section),
+        (system, point, section): (&'a dyn HybridEquations, &'a GrazingPoint, &'a Section),
         p: Vec<Jet<C>>,
         settings: MapSettings,
     ) -> Result<Self, GrazingError> {
@@ -144,9 +150,10 @@ impl<'a, H: HybridSystem, const C: usize> Chart<'a, H, C> {
     ) -> Result<(), GrazingError> {
         let (system, mode) = (self.system, place.mode);
         let flow = if long { &mut self.long } else { &mut self.short };
-        flow.advance(&InMode { system, mode }, place.t, duration, &mut place.x, &self.p).map_err(
-            |source| GrazingError::Flow { mode: system.modes()[mode].name.clone(), source },
-        )?;
+        let field = Jet::in_mode(system, mode, Jet::from(0.0), &self.p);
+        flow.advance(&field, place.t, duration, &mut place.x, &self.p).map_err(|source| {
+            GrazingError::Flow { mode: system.modes()[mode].name.clone(), source }
+        })?;
         place.t += duration;
         Ok(())
     }

@@ -6,7 +6,7 @@ use super::maps::{Discontinuity, Smooth, Source};
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::HybridEquations;
 use crate::core::jet::{Polynomial, Space};
 
 /// What a local map is to be.
@@ -63,8 +63,8 @@ pub struct LocalMap {
 }
 
 /// The positions of parameters.
-pub(super) fn positions<H: HybridSystem>(
-    system: &H,
+pub(super) fn positions(
+    system: &dyn HybridEquations,
     names: &[&str],
 ) -> Result<Vec<usize>, GrazingError> {
     let known = system.parameters();
@@ -83,8 +83,8 @@ impl LocalMap {
     /// # Errors
     /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return to it, if
     /// no coordinates can be found, or for a name or an order that there is not.
-    pub fn of<H: HybridSystem>(
-        system: &H,
+    pub fn of(
+        system: &dyn HybridEquations,
         point: &GrazingPoint,
         parameters: &[&str],
         settings: MapSettings,
@@ -228,7 +228,7 @@ fn returns(smooth: &Smooth, coordinates: &[String]) -> Result<(), GrazingError> 
 }
 
 /// Refuses a point at which the orbit does not touch.
-fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), GrazingError> {
+fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
     let touch = Surface::Guard(*guard).moving(system, *mode, *time, x, p);
     let (value, rate, time) = (touch.re, touch.eps, *time);

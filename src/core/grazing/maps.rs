@@ -6,14 +6,15 @@ use super::map::MapSettings;
 use super::point::GrazingPoint;
 use super::section::Section;
 use super::surface::Surface;
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use crate::core::jet::{Jet, Polynomial, Space};
+use num_dual::Dual;
 
 /// What a map is computed of: the system at a grazing point with its section, and positions of the parameters
 /// that deviate.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a, H> {
-    pub system: &'a H,
+pub(super) struct Source<'a> {
+    pub system: &'a dyn HybridEquations,
     pub point: &'a GrazingPoint,
     pub section: &'a Section,
     pub parameters: &'a [usize],
@@ -46,7 +47,7 @@ macro_rules! with_room {
     };
 }
 
-impl<'a, H: HybridSystem> Source<'a, H> {
+impl<'a> Source<'a> {
     /// The space of the polynomials: coordinates, then parameters.
     fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
         Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
@@ -67,7 +68,12 @@ impl<'a, H: HybridSystem> Source<'a, H> {
     fn chart<const C: usize>(
         &self,
         space: &'static Space,
-    ) -> Result<(Chart<'a, H, C>, Vec<Jet<C>>), GrazingError> {
+    ) -> Result<(Chart<'a, C>, Vec<Jet<C>>), GrazingError>
+    where
+        Jet<C>: EventNumber,
+        Dual<Jet<C>>: FieldNumber + GuardNumber,
+        Dual<Dual<Jet<C>>>: GuardNumber,
+    {
         let Source { system, point, section, parameters, settings } = *self;
         let count = section.coordinates.len();
         let mut p: Vec<Jet<C>> = point.p.iter().map(|p| Jet::from(*p)).collect();
@@ -79,7 +85,12 @@ impl<'a, H: HybridSystem> Source<'a, H> {
         Ok((Chart::new((system, point, section), p, settings)?, deviations?))
     }
 
-    fn smooth_in<const C: usize>(&self, space: &'static Space) -> Result<Smooth, GrazingError> {
+    fn smooth_in<const C: usize>(&self, space: &'static Space) -> Result<Smooth, GrazingError>
+    where
+        Jet<C>: EventNumber,
+        Dual<Jet<C>>: FieldNumber + GuardNumber,
+        Dual<Dual<Jet<C>>>: GuardNumber,
+    {
         let (mut chart, deviations) = self.chart::<C>(space)?;
         let mut place = chart.on_section(&deviations);
         let penetration = -chart.value(Surface::Guard(self.point.guard), &place);
@@ -103,7 +114,12 @@ impl<'a, H: HybridSystem> Source<'a, H> {
     fn discontinuity_in<const C: usize>(
         &self,
         space: &'static Space,
-    ) -> Result<Discontinuity, GrazingError> {
+    ) -> Result<Discontinuity, GrazingError>
+    where
+        Jet<C>: EventNumber,
+        Dual<Jet<C>>: FieldNumber + GuardNumber,
+        Dual<Dual<Jet<C>>>: GuardNumber,
+    {
         let (mut chart, mut deviations) = self.chart::<C>(space)?;
         let (point, normal) = (self.point, self.section.normal_coordinate());
         let y = std::mem::replace(&mut deviations[normal], Jet::from(0.0));
@@ -132,11 +148,16 @@ impl<'a, H: HybridSystem> Source<'a, H> {
     /// where `G = h/y²` and `dG/dσ = −(dh/dt)/y`.
     fn time_from_surface<const C: usize>(
         &self,
-        chart: &mut Chart<'a, H, C>,
+        chart: &mut Chart<'a, C>,
         normal: usize,
         start: &Place<Jet<C>>,
         y: Jet<C>,
-    ) -> Result<Jet<C>, GrazingError> {
+    ) -> Result<Jet<C>, GrazingError>
+    where
+        Jet<C>: EventNumber,
+        Dual<Jet<C>>: FieldNumber + GuardNumber,
+        Dual<Dual<Jet<C>>>: GuardNumber,
+    {
         let surface = Surface::Guard(self.point.guard);
         let mut sigma = Jet::from((2.0 / self.section.curvature).sqrt());
         // Each iteration doubles the degree that is right.

@@ -3,8 +3,8 @@
 use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::bvp::{
-    Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, Mesh, Monitor, Return,
-    Shooting, Watched,
+    Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh,
+    Monitor, Return, Shooting, Watched,
 };
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
@@ -236,7 +236,7 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     fn grazings(&self) -> Vec<usize> {
-        (self.size() + 1..BoundaryProblem::monitors(self).len()).collect()
+        (self.size() + 1..self.monitors().len()).collect()
     }
 
     fn itinerary(&self) -> String {
@@ -253,11 +253,11 @@ impl BoundaryProblem for LocalOrbit {
             ))),
         };
         let impacts = words.split_whitespace().map(impact).collect::<Result<_, _>>()?;
-        Ok(Arc::new(LocalOrbit { impacts, ..self.clone() }))
+        Ok(LocalOrbit { impacts, ..self.clone() }.into_equations())
     }
 
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
-        Some(Arc::new(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }))
+        Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.
@@ -270,6 +270,6 @@ impl BoundaryProblem for LocalOrbit {
         problem.impacts[touched] = true;
         let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
         extras[touched] = 0.0;
-        Ok(Some(Birth { problem: Arc::new(problem), starts: starts.to_vec(), extras }))
+        Ok(Some(Birth { problem: problem.into_equations(), starts: starts.to_vec(), extras }))
     }
 }

@@ -7,7 +7,7 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::condition::EvaluationError;
 use crate::core::field::Forcing;
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::HybridEquations;
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
 use crate::core::orbit::Leg;
@@ -84,9 +84,9 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// [`GrazingError`], [`NotLocated`](GrazingError::NotLocated) if the iteration does not converge.
-    pub fn located<H: HybridSystem>(
+    pub fn located(
         &self,
-        system: &H,
+        system: &dyn HybridEquations,
         parameter: &str,
     ) -> Result<Self, GrazingError> {
         self.check(system)?;
@@ -104,7 +104,7 @@ impl GrazingPoint {
     }
 
     /// Refuses a point whose numbers do not belong to a system.
-    pub(super) fn check<H: HybridSystem>(&self, system: &H) -> Result<(), GrazingError> {
+    pub(super) fn check(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         if let Forcing::Periodic { phase } = system.forcing()
             && !(phase > 0.0 && phase.is_finite())
         {
@@ -148,9 +148,9 @@ impl GrazingPoint {
 
     /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much both were
     /// missed.
-    fn correct<H: HybridSystem>(
+    fn correct(
         &mut self,
-        system: &H,
+        system: &dyn HybridEquations,
         parameters: &[usize],
     ) -> Result<f64, GrazingError> {
         let settings = MapSettings { order: 1, ..MapSettings::default() };

@@ -4,8 +4,7 @@ use super::error::GrazingError;
 use super::point::GrazingPoint;
 use super::surface::Surface;
 use crate::core::field::Forcing;
-use crate::core::hybrid::HybridSystem;
-use crate::core::scalar::Scalar;
+use crate::core::hybrid::{EventNumber, HybridEquations};
 use num_dual::Dual64;
 
 /// A coordinate on the section.
@@ -42,7 +41,7 @@ fn largest(numbers: &[f64], except: Option<usize>) -> Option<usize> {
 }
 
 /// The gradient of the function of a surface by the states.
-fn gradient<H: HybridSystem>(surface: Surface, system: &H, point: &GrazingPoint) -> Vec<f64> {
+fn gradient(surface: Surface, system: &dyn HybridEquations, point: &GrazingPoint) -> Vec<f64> {
     let p: Vec<Dual64> = point.p.iter().map(|p| Dual64::from(*p)).collect();
     let slope = |i: usize| {
         let mut x: Vec<Dual64> = point.x.iter().map(|x| Dual64::from(*x)).collect();
@@ -53,7 +52,7 @@ fn gradient<H: HybridSystem>(surface: Surface, system: &H, point: &GrazingPoint)
 }
 
 /// The time in which the phase of the forcing grows by 1; 1 without forcing.
-pub(super) fn unit_of_phase<H: HybridSystem, T: Scalar>(system: &H, p: &[T]) -> T {
+pub(super) fn unit_of_phase<T: EventNumber>(system: &dyn HybridEquations, p: &[T]) -> T {
     match system.forcing() {
         Forcing::None => T::one(),
         Forcing::Periodic { phase } => system.period(p) / phase,
@@ -62,7 +61,7 @@ pub(super) fn unit_of_phase<H: HybridSystem, T: Scalar>(system: &H, p: &[T]) -> 
 
 impl Section {
     /// The section of a grazing point, the phase being a coordinate under forcing.
-    pub fn of<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<Self, GrazingError> {
+    pub fn of(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<Self, GrazingError> {
         let (guard, turning) = (Surface::Guard(point.guard), Surface::Turning(point.guard));
         let (h, r) = (gradient(guard, system, point), gradient(turning, system, point));
         let dependent = |pivot: f64| GrazingError::NoSection {

@@ -1,7 +1,6 @@
 //! Surfaces along the motion of a mode: a guard, and where it is least.
 
-use crate::core::hybrid::{HybridSystem, along, rate};
-use crate::core::scalar::Scalar;
+use crate::core::hybrid::{FieldNumber, GuardNumber, HybridEquations, along, rate};
 use num_dual::Dual;
 
 /// A surface in time and state.
@@ -15,14 +14,17 @@ pub(super) enum Surface {
 
 impl Surface {
     /// The function that vanishes there.
-    pub fn value<H: HybridSystem, T: Scalar>(
+    pub fn value<T: FieldNumber + GuardNumber>(
         self,
-        system: &H,
+        system: &dyn HybridEquations,
         mode: usize,
         t: T,
         x: &[T],
         p: &[T],
-    ) -> T {
+    ) -> T
+    where
+        Dual<T>: GuardNumber,
+    {
         match self {
             Surface::Guard(guard) => system.guard(guard, mode, t, x, p),
             Surface::Turning(guard) => rate(system, (guard, mode), t, x, p),
@@ -30,19 +32,23 @@ impl Surface {
     }
 
     /// The function with its rate along the motion of a mode.
-    pub fn moving<H: HybridSystem, T: Scalar>(
+    pub fn moving<T: FieldNumber>(
         self,
-        system: &H,
+        system: &dyn HybridEquations,
         mode: usize,
         t: T,
         x: &[T],
         p: &[T],
-    ) -> Dual<T> {
+    ) -> Dual<T>
+    where
+        Dual<T>: FieldNumber + GuardNumber,
+        Dual<Dual<T>>: GuardNumber,
+    {
         along(system, mode, t, x, p, |t, x, p| self.value(system, mode, t, x, p))
     }
 
     /// Its name, given those of the guards.
-    pub fn name<H: HybridSystem>(self, system: &H) -> String {
+    pub fn name(self, system: &dyn HybridEquations) -> String {
         let (Surface::Guard(guard) | Surface::Turning(guard)) = self;
         let name = &system.guards()[guard].name;
         match self {

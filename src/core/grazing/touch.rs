@@ -2,24 +2,25 @@
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
-use crate::core::bvp::{BoundaryProblem, BoundarySystem, Method, Residual};
+use crate::core::bvp::{BoundarySystem, Equations, Method, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
-use crate::core::hybrid::{HybridSystem, rate};
+use crate::core::hybrid::rate;
 use crate::core::orbit::{HybridOrbit, Leg};
 use crate::core::zero::LeftDomain;
+use std::any::Any;
 
 /// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time.
 const NONE: f64 = 1e-6;
 
 /// An orbit: its problem, the states at which its legs begin, and its numbers.
-struct Orbit<'a, H> {
-    problem: &'a HybridOrbit<H>,
+struct Orbit<'a> {
+    problem: &'a HybridOrbit,
     starts: &'a [f64],
     q: &'a [f64],
 }
 
-impl<H: HybridSystem + Clone + 'static> Orbit<'_, H> {
+impl Orbit<'_> {
     fn legs(&self) -> &[Leg] {
         &self.problem.itinerary().legs
     }
@@ -95,11 +96,7 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// [`GrazingError::NotBorn`] if it does neither.
-    pub fn of<H: HybridSystem + Clone + 'static>(
-        orbit: &HybridOrbit<H>,
-        starts: &[f64],
-        q: &[f64],
-    ) -> Result<Self, GrazingError> {
+    pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let orbit = Orbit { problem: orbit, starts, q };
         for leg in 0..orbit.legs().len() {
             if let Some(point) = orbit.ending(leg)? {
@@ -127,7 +124,7 @@ impl GrazingPoint {
     /// let run = known.fold(run, |run, (name, p)| run.at(name, *p));
     /// let branch = run.along("voltage", 0.01..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
-    /// let point = GrazingPoint::at::<Actuator, _>(&mut orbits, &grazing.state, &grazing.parameters)?;
+    /// let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
     /// let map = LocalMap::of(&Actuator, &point, &["voltage"], MapSettings::default())?;
     /// // At ω = 0.5 the motion jumps.
     /// assert_eq!(map.classified("voltage")?.scenario, Scenario::Jump);
@@ -136,13 +133,14 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn at<H: HybridSystem + Clone + 'static, M: Method>(
+    pub fn at<M: Method>(
         orbits: &mut BoundarySystem<M>,
         state: &[f64],
         parameters: &[f64],
     ) -> Result<Self, GrazingError> {
-        let problem = orbits.problem_as::<HybridOrbit<H>>().cloned().ok_or_else(|| {
-            let reason = "the orbits are those of another hybrid system";
+        let problem: &dyn Any = &**orbits.problem();
+        let problem = problem.downcast_ref::<HybridOrbit>().cloned().ok_or_else(|| {
+            let reason = "the solutions are no orbits of a hybrid system";
             EvaluationError::NotApplicable(reason.into())
         })?;
         let (x, mut starts) = ([state, parameters].concat(), Vec::new());

@@ -1,7 +1,7 @@
 //! Motion beyond a surface, as if the surface were not there.
 
-use super::leg::{GuardOf, InMode, along, rate};
-use super::system::HybridSystem;
+use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
+use super::leg::{GuardOf, along, rate};
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
@@ -28,19 +28,24 @@ const TOLERANCE: f64 = 1e-13;
 /// let (time, x) = virtual_point(&ImpactOscillator, guard, start, &p, 6.0).expect("it turns");
 /// assert!((time - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && (x[0] - 1.0).abs() < 1e-12);
 /// ```
-pub fn virtual_point<H: HybridSystem, T: Scalar>(
-    system: &H,
+pub fn virtual_point<T: EventNumber>(
+    system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
     (t, x): (T, &[T]),
     p: &[T],
     within: f64,
-) -> Option<(T, Vec<T>)> {
+) -> Option<(T, Vec<T>)>
+where
+    Dual<T>: FieldNumber + GuardNumber,
+    Dual<Dual<T>>: GuardNumber,
+{
     let guess = first_turn(system, (guard, mode), (t, x), p, within)?;
     let (mut t, mut x) = (t, x.to_vec());
     let mut flow = Flow::<T>::new(Settings::new(Scheme::DormandPrince8, TOLERANCE)).ok()?;
     let mut step = T::constant(guess);
     for _ in 0..ROUNDS + T::NDERIV {
-        flow.advance(&InMode { system, mode }, t, step, &mut x, p).ok()?;
+        let field = T::in_mode(system, mode, T::zero(), p);
+        flow.advance(&field, t, step, &mut x, field.p).ok()?;
         t += step;
         let turning = turning(system, (guard, mode), t, &x, p);
         if turning.eps.real().is_nan() || turning.eps.real() <= 0.0 {
@@ -52,20 +57,25 @@ pub fn virtual_point<H: HybridSystem, T: Scalar>(
 }
 
 /// After what time a guard that falls stops falling; none if it rises already.
-fn first_turn<H: HybridSystem, T: Scalar>(
-    system: &H,
+fn first_turn<T: EventNumber>(
+    system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
     (t, x): (T, &[T]),
     p: &[T],
     within: f64,
-) -> Option<f64> {
+) -> Option<f64>
+where
+    Dual<T>: GuardNumber,
+{
     if rate(system, (guard, mode), t, x, p).real() >= 0.0 {
         return Some(0.0);
     }
     let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
     let (mut x, p, watch) = (real(x), real(p), GuardOf { system, guard, mode });
-    let (mut flow, mut extrema, mut turn) = (Flow::<f64>::default(), Extrema::default(), None);
-    let outcome = flow.observe(&InMode { system, mode }, t.real(), within, &mut x, &p, |step| {
+    let (mut flow, mut turn) = (Flow::<f64>::default(), None);
+    let mut extrema = Extrema::<f64>::default();
+    let field = f64::in_mode(system, mode, 0.0, &p);
+    let outcome = flow.observe(&field, t.real(), within, &mut x, field.p, |step| {
         extrema.search(&watch, step, |extremum| {
             turn.get_or_insert(within * extremum.place);
         });
@@ -77,12 +87,16 @@ fn first_turn<H: HybridSystem, T: Scalar>(
 }
 
 /// The rate of a guard, and how fast that changes, along the motion of a mode.
-fn turning<H: HybridSystem, T: Scalar>(
-    system: &H,
+fn turning<T: EventNumber>(
+    system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
     t: T,
     x: &[T],
     p: &[T],
-) -> Dual<T> {
+) -> Dual<T>
+where
+    Dual<T>: FieldNumber + GuardNumber,
+    Dual<Dual<T>>: GuardNumber,
+{
     along(system, mode, t, x, p, |t, x, p| rate(system, (guard, mode), t, x, p))
 }

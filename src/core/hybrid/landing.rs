@@ -1,12 +1,13 @@
 //! Which guard ends a mode within a step, and where.
 
+use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
 use super::leg::GuardOf;
 use super::simulation::INSTANT;
-use super::system::HybridSystem;
-use crate::core::field::VectorField;
 use crate::core::flow::{Root, Roots, Step};
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
 /// Guards that vanish within this part of a step do so together.
@@ -24,12 +25,12 @@ pub(super) struct Landing<T> {
 const LEGS: f64 = 4.0;
 
 /// What looks for the end of a leg in its steps.
-pub(super) struct Lookout<'l, 'a, S, T> {
-    pub system: &'a S,
+pub(super) struct Lookout<'l, 'a, T> {
+    pub system: &'a dyn HybridEquations,
     pub mode: usize,
     /// The guards to look at.
     pub watched: &'l [usize],
-    pub roots: &'l mut [Roots<T, GuardOf<'a, S>>],
+    pub roots: &'l mut [Roots<T, GuardOf<'a>>],
     /// Time and state where the leg ends are written here.
     pub event: &'l mut Event<T>,
     /// How long the step was in which the leg ends is written here.
@@ -40,16 +41,19 @@ pub(super) struct Lookout<'l, 'a, S, T> {
     pub leg: (T, T),
 }
 
-impl<S: HybridSystem, T: Scalar> Lookout<'_, '_, S, T> {
+impl<'a, T: EventNumber> Lookout<'_, 'a, T>
+where
+    GuardOf<'a>: Watchable<T>,
+{
     /// Where the leg ends in a step, if it does.
-    pub fn landing<F: VectorField>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
+    pub fn landing<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
         let landing = first(self.watched, self.roots, step)
             .filter(|landing| !lifts((self.system, self.mode), landing, step, self.p))?;
         self.arrive(step, landing, step.length())
     }
 
     /// Where the leg ends in a step that goes to the root of a guard, as is known.
-    pub fn reach<F: VectorField>(
+    pub fn reach<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         (guard, fraction): (usize, f64),
@@ -60,7 +64,7 @@ impl<S: HybridSystem, T: Scalar> Lookout<'_, '_, S, T> {
     }
 
     /// Writes down where the leg ends; without the event, the step would have had this length.
-    fn arrive<F: VectorField>(
+    fn arrive<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
         landing: Landing<T>,
@@ -84,8 +88,8 @@ const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
 /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
 /// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
-fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
-    (system, mode): (&S, usize),
+fn lifts<F: FieldIn<T>, T: Scalar>(
+    (system, mode): (&dyn HybridEquations, usize),
     landing: &Landing<T>,
     step: &mut Step<F, T>,
     p: &[f64],
@@ -105,11 +109,14 @@ fn lifts<S: HybridSystem, F: VectorField, T: Scalar>(
 }
 
 /// The first of these guards to fall through zero in a step; of several together the one stated first.
-fn first<S: HybridSystem, F: VectorField, T: Scalar>(
+fn first<'a, F: FieldIn<T>, T: Scalar>(
     watched: &[usize],
-    roots: &mut [Roots<T, GuardOf<S>>],
+    roots: &mut [Roots<T, GuardOf<'a>>],
     step: &mut Step<F, T>,
-) -> Option<Landing<T>> {
+) -> Option<Landing<T>>
+where
+    GuardOf<'a>: Watchable<T>,
+{
     let mut found: Option<Landing<T>> = None;
     for &guard in watched {
         let _ = roots[guard].search(step, |_, root| {

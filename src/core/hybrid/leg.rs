@@ -1,12 +1,13 @@
 //! One mode as a vector field, and one guard as a watched function.
 
+use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use super::simulation::HybridFlow;
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
+use crate::core::watch::{WatchIn, Watchable};
 use crate::core::zero::{LeftDomain, Names};
-use num_dual::Dual;
+use num_dual::{Dual, Dual2};
 
 /// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
 /// tells how fast things change.
@@ -44,8 +45,8 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
 }
 
 /// A function of time and states along the motion of a mode, with its rate `d/dt`.
-pub(in crate::core) fn along<S: HybridSystem, T: Scalar>(
-    system: &S,
+pub(in crate::core) fn along<T: FieldNumber>(
+    system: &dyn HybridEquations,
     mode: usize,
     t: T,
     x: &[T],
@@ -60,33 +61,46 @@ pub(in crate::core) fn along<S: HybridSystem, T: Scalar>(
 }
 
 /// How fast a guard changes along the motion of its mode, `dh/dt = h_t + h_x f`.
-pub(in crate::core) fn rate<H: HybridSystem, T: Scalar>(
-    system: &H,
+pub(in crate::core) fn rate<T: FieldNumber>(
+    system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
     t: T,
     x: &[T],
     p: &[T],
-) -> T {
+) -> T
+where
+    Dual<T>: GuardNumber,
+{
     along(system, mode, t, x, p, |t, x, p| system.guard(guard, mode, t, x, p)).eps
 }
 
 /// One guard as a function to be watched along the flow of one of its modes.
-pub struct GuardOf<'a, S> {
+pub struct GuardOf<'a> {
     /// The hybrid system.
-    pub system: &'a S,
+    pub system: &'a dyn HybridEquations,
     /// The guard.
     pub guard: usize,
     /// The mode.
     pub mode: usize,
 }
 
-impl<S: HybridSystem> Watch for GuardOf<'_, S> {
-    fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
+impl<T: GuardNumber> WatchIn<T> for GuardOf<'_> {
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
         self.system.guard(self.guard, self.mode, t, x, p)
     }
 }
 
-impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
+impl<T: Scalar> Watchable<T> for GuardOf<'_>
+where
+    Dual<T>: GuardNumber,
+    Dual2<T>: GuardNumber,
+{
+    fn state_index(&self) -> Option<usize> {
+        None
+    }
+}
+
+impl<T: EventNumber> HybridFlow<'_, T> {
     /// Prepares the flow for a leg that lasts no longer than this.
     pub(super) fn prepare_leg(&mut self, left: f64) {
         let period = match self.system.forcing() {

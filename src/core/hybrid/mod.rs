@@ -17,6 +17,7 @@
 
 mod beyond;
 mod chatter;
+mod erased;
 mod error;
 mod event;
 mod fleet;
@@ -30,6 +31,9 @@ mod simulation;
 mod system;
 
 pub use beyond::virtual_point;
+pub use erased::{
+    EventNumber, FieldNumber, GuardNumber, Guards, HybridEquations, MeasureNumber, Measures, Resets,
+};
 pub use error::{After, HybridError};
 pub use event::{Event, History, HybridObserver, Piece};
 pub use fleet::{Fleet, FleetObserver, Member};

@@ -4,11 +4,11 @@
 //! are those of `q` periods before, and the same events came in both. Without forcing it is looked at just after
 //! the events of one guard.
 
+use super::erased::HybridEquations;
 use super::error::HybridError;
 use super::event::Event;
 use super::repetition::{Nearness, Repetition};
 use super::simulation::{HybridFlow, HybridState};
-use super::system::HybridSystem;
 use crate::core::field::Forcing;
 use std::ops::ControlFlow;
 
@@ -49,7 +49,7 @@ impl Cycle {
     }
 
     /// How many events of one name there are, accumulations not counted.
-    pub fn count<S: HybridSystem>(&self, system: &S, name: &str) -> usize {
+    pub fn count(&self, system: &dyn HybridEquations, name: &str) -> usize {
         let guards = system.guards();
         let named = |leg: &&CycleLeg| leg.exit.is_some_and(|exit| guards[exit].name == name);
         self.legs.iter().filter(named).filter(|leg| !leg.accumulation).count()
@@ -135,9 +135,9 @@ impl Recurrence {
     ///
     /// # Errors
     /// [`RecurrenceError`] if the motion ends, or does not repeat.
-    pub fn find<S: HybridSystem>(
+    pub fn find(
         &self,
-        flow: &mut HybridFlow<S, f64>,
+        flow: &mut HybridFlow<f64>,
         start: HybridState<f64>,
         p: &[f64],
     ) -> Result<Cycle, RecurrenceError> {
@@ -148,9 +148,9 @@ impl Recurrence {
     }
 
     /// Looks at the motion once in every period of the forcing.
-    fn strobed<S: HybridSystem>(
+    fn strobed(
         &self,
-        flow: &mut HybridFlow<S, f64>,
+        flow: &mut HybridFlow<f64>,
         mut state: HybridState<f64>,
         period: f64,
         p: &[f64],
@@ -179,9 +179,9 @@ impl Recurrence {
     }
 
     /// Looks at the motion just after every event of the guard that comes first.
-    fn returning<S: HybridSystem>(
+    fn returning(
         &self,
-        flow: &mut HybridFlow<S, f64>,
+        flow: &mut HybridFlow<f64>,
         mut state: HybridState<f64>,
         p: &[f64],
     ) -> Result<Cycle, RecurrenceError> {
@@ -224,8 +224,8 @@ impl Recurrence {
 }
 
 /// The legs of `q` periods.
-fn cycle<S: HybridSystem>(
-    flow: &mut HybridFlow<S, f64>,
+fn cycle(
+    flow: &mut HybridFlow<f64>,
     mut state: HybridState<f64>,
     q: usize,
     period: f64,

@@ -1,14 +1,18 @@
 //! Where motion goes on when events have accumulated.
 
 use super::chatter::Accumulation;
+use super::erased::EventNumber;
 use super::error::HybridError;
 use super::event::{Event, HybridObserver};
+use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridState, Run};
-use super::system::HybridSystem;
-use crate::core::scalar::Scalar;
+use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
-impl<S: HybridSystem, T: Scalar> HybridFlow<'_, S, T> {
+impl<'a, T: EventNumber> HybridFlow<'a, T>
+where
+    GuardOf<'a>: Watchable<T>,
+{
     /// Goes on from the accumulation of the events of a guard, unless another event of its mode comes before.
     pub(super) fn settle<O: HybridObserver<T>>(
         &mut self,

@@ -1,13 +1,15 @@
 //! Event-driven simulation.
 
 use super::chatter::{Accumulation, Series};
+use super::erased::{EventNumber, HybridEquations};
 use super::error::{After, HybridError};
 use super::event::{Event, HybridObserver};
 use super::landing::{Landing, Lookout};
-use super::leg::{GuardOf, InMode};
-use super::system::{Guard, HybridSystem, Mode};
+use super::leg::GuardOf;
+use super::system::{Guard, Mode};
 use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics};
 use crate::core::scalar::Scalar;
+use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
 /// Time stands still while it moves by less than this.
@@ -97,15 +99,15 @@ pub struct HybridStatistics {
 /// assert!((ball.x[1].eps - 1.5).abs() < 1e-10 && statistics.events == 1);
 /// # Ok::<(), tangency::core::hybrid::HybridError>(())
 /// ```
-pub struct HybridFlow<'a, S, T: Scalar> {
-    pub(super) system: &'a S,
+pub struct HybridFlow<'a, T: Scalar> {
+    pub(super) system: &'a dyn HybridEquations,
     pub(super) modes: Vec<Mode>,
     pub(super) guards: Vec<Guard>,
     /// The guards of each mode.
     pub(super) watched: Vec<Vec<usize>>,
     pub(super) settings: HybridSettings,
     pub(super) flow: Flow<T>,
-    pub(super) roots: Vec<Roots<T, GuardOf<'a, S>>>,
+    pub(super) roots: Vec<Roots<T, GuardOf<'a>>>,
     /// The last events of each guard in each mode.
     pub(super) series: Vec<Series<T>>,
     pub(super) event: Event<T>,
@@ -127,12 +129,18 @@ pub(super) struct Run<'a, T, O> {
     pub still: (f64, usize),
 }
 
-impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
+impl<'a, T: EventNumber> HybridFlow<'a, T>
+where
+    GuardOf<'a>: Watchable<T>,
+{
     /// The motion of a system with these settings.
     ///
     /// # Errors
     /// [`HybridError::Settings`] if a setting of the flow has no meaning.
-    pub fn new(system: &'a S, settings: HybridSettings) -> Result<Self, HybridError> {
+    pub fn new(
+        system: &'a dyn HybridEquations,
+        settings: HybridSettings,
+    ) -> Result<Self, HybridError> {
         let (modes, guards) = (system.modes(), system.guards());
         let roots = (0..guards.len()).map(|guard| Roots::of(GuardOf { system, guard, mode: 0 }));
         let roots = roots.collect();
@@ -158,7 +166,7 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
     }
 
     /// The system.
-    pub fn system(&self) -> &'a S {
+    pub fn system(&self) -> &'a dyn HybridEquations {
         self.system
     }
 
@@ -282,7 +290,7 @@ impl<'a, S: HybridSystem, T: Scalar> HybridFlow<'a, S, T> {
         let mut landing = None;
         lookout.event.before.clear();
         lookout.event.before.extend_from_slice(&state.x);
-        let field = InMode { system, mode };
+        let field = T::in_mode(system, mode, T::zero(), run.p);
         let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
             landing = lookout.landing(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);

@@ -6,14 +6,14 @@
 
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, BoundaryProblem, Residual};
+use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, HybridSystem, rate};
-use crate::core::scalar::Scalar;
-use crate::core::watch::Watch;
+use crate::core::hybrid::{Cycle, GuardNumber, HybridEquations, rate};
+use crate::core::watch::{WatchIn, Watchable};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// Where an orbit comes nearest to a guard.
 struct Touch {
@@ -26,15 +26,21 @@ struct Touch {
 }
 
 /// A guard along a segment.
-struct OnLeg<'a, H> {
-    orbit: &'a HybridOrbit<H>,
+struct OnLeg<'a> {
+    orbit: &'a HybridOrbit,
     leg: usize,
     guard: usize,
 }
 
-impl<H: HybridSystem> Watch for OnLeg<'_, H> {
-    fn value<T: Scalar>(&self, t: T, x: &[T], q: &[T]) -> T {
+impl<T: GuardNumber> WatchIn<T> for OnLeg<'_> {
+    fn value_in(&self, t: T, x: &[T], q: &[T]) -> T {
         self.orbit.guard_on(self.leg, self.guard, t, x, q)
+    }
+}
+
+impl Watchable<f64> for OnLeg<'_> {
+    fn state_index(&self) -> Option<usize> {
+        None
     }
 }
 
@@ -43,12 +49,26 @@ const NUDGE: f64 = 1e-6;
 /// No more events than this follow at once.
 const MOST_LEGS: usize = 32;
 
-impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
+impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
     ///
     /// # Errors
     /// [`EvaluationError`] if the cycle holds a series of infinitely many events, which is no itinerary.
-    pub fn of_cycle(system: H, cycle: &Cycle) -> Result<Birth<Self>, EvaluationError> {
+    pub fn of_cycle(
+        system: impl HybridEquations + 'static,
+        cycle: &Cycle,
+    ) -> Result<Birth<Self>, EvaluationError> {
+        HybridOrbit::of_shared_cycle(Arc::new(system), cycle)
+    }
+
+    /// The same for a system that is shared.
+    ///
+    /// # Errors
+    /// As [`HybridOrbit::of_cycle`].
+    pub fn of_shared_cycle(
+        system: Arc<dyn HybridEquations>,
+        cycle: &Cycle,
+    ) -> Result<Birth<Self>, EvaluationError> {
         if cycle.legs.iter().any(|leg| leg.accumulation) {
             let reason =
                 "the simulated motion chatters completely: infinitely many events are no itinerary";
@@ -58,7 +78,7 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
         let itinerary = Itinerary { legs, periods: cycle.periods };
         let starts = cycle.legs.iter().flat_map(|leg| leg.start.clone()).collect();
         let durations = cycle.legs.iter().map(|leg| leg.duration);
-        let problem = HybridOrbit::of(system, itinerary);
+        let problem = HybridOrbit::shared(system, itinerary);
         // The time of the start comes first where it is an unknown.
         let extras = match problem.extras().len().checked_sub(cycle.legs.len()) {
             None => Vec::new(),
@@ -98,7 +118,7 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
         states.extend(&touch.x);
         let begins: f64 = self.time(touch.leg, q);
         if self.itinerary().is_smooth() {
-            durations.push(self.duration(0, q));
+            durations.push(self.duration_in(0, q));
         } else {
             let old = self.durations(extras);
             durations.push(old[touch.leg] - touch.since);
@@ -138,14 +158,14 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
     /// The local minimum of a guard on a leg that is nearest to zero, with the state there.
     fn dip(
         &self,
-        watch: &OnLeg<H>,
+        watch: &OnLeg,
         start: &[f64],
         q: &[f64],
     ) -> Result<Option<Touch>, EvaluationError> {
         let (mut x, leg) = (start.to_vec(), watch.leg);
         let (mut extrema, mut found) = (Extrema::default(), None::<(f64, f64)>);
         let field = Residual::<f64>::on_segment(self, leg, q);
-        let duration = self.duration(leg, q);
+        let duration = self.duration_in(leg, q);
         let mut flow = Flow::<f64>::default();
         let outcome = flow.observe(&field, 0.0, duration, &mut x, field.p, |step| {
             extrema.search(watch, step, |extremum| {

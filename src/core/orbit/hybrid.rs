@@ -1,11 +1,11 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, BoundaryProblem, Ends, Equations, Monitor, Return, Unknown};
-use crate::core::condition::EvaluationError;
-use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use super::smooth::Smooth;
+use crate::core::bvp::Ends;
+use crate::core::field::VectorField;
+use crate::core::hybrid::{EventNumber, Guard, GuardNumber, HybridEquations, Mode};
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
 /// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with one segment
@@ -24,23 +24,33 @@ use std::sync::Arc;
 ///
 /// An orbit without events is one segment that closes after `q` periods (or after a period that is unknown,
 /// with a phase condition).
-#[derive(Clone, Debug)]
-pub struct HybridOrbit<H> {
-    system: H,
-    itinerary: Itinerary,
-    modes: Vec<Mode>,
-    guards: Vec<Guard>,
-    parameters: Vec<String>,
-    forced: bool,
+#[derive(Clone)]
+pub struct HybridOrbit {
+    pub(super) system: Arc<dyn HybridEquations>,
+    pub(super) itinerary: Itinerary,
+    pub(super) modes: Vec<Mode>,
+    pub(super) guards: Vec<Guard>,
+    pub(super) parameters: Vec<String>,
+    pub(super) forced: bool,
     /// Where the states of each leg begin among those of all legs, and their number at the end.
-    places: Vec<usize>,
+    pub(super) places: Vec<usize>,
     /// Whether the penetration is recorded.
     penetration: bool,
 }
 
-impl<H: HybridSystem> HybridOrbit<H> {
+impl HybridOrbit {
     /// The orbits of a system with an itinerary.
-    pub fn of(system: H, itinerary: Itinerary) -> Self {
+    pub fn of(system: impl HybridEquations + 'static, itinerary: Itinerary) -> Self {
+        HybridOrbit::shared(Arc::new(system), itinerary)
+    }
+
+    /// The periodic orbits of a vector field, over several periods of its forcing.
+    pub fn smooth_of(field: impl VectorField + 'static, periods: usize) -> Self {
+        HybridOrbit::of(Smooth(field), Itinerary::smooth(0, periods))
+    }
+
+    /// The orbits of a system that is shared, with an itinerary.
+    pub fn shared(system: Arc<dyn HybridEquations>, itinerary: Itinerary) -> Self {
         let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
         let forced = system.forcing().is_periodic();
         let mut places = vec![0];
@@ -72,17 +82,14 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// Orbits of the same system with another itinerary.
-    pub(super) fn like(&self, itinerary: Itinerary) -> Self
-    where
-        H: Clone,
-    {
-        let orbit = HybridOrbit::of(self.system.clone(), itinerary);
+    pub(super) fn like(&self, itinerary: Itinerary) -> Self {
+        let orbit = HybridOrbit::shared(self.system.clone(), itinerary);
         HybridOrbit { penetration: self.penetration, ..orbit }
     }
 
     /// The system itself.
-    pub fn system(&self) -> &H {
-        &self.system
+    pub fn system(&self) -> &dyn HybridEquations {
+        &*self.system
     }
 
     /// What the orbits go through.
@@ -117,7 +124,7 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// A guard at a time since the beginning of a leg.
-    pub(super) fn guard_on<T: Scalar>(
+    pub(super) fn guard_on<T: GuardNumber>(
         &self,
         leg: usize,
         guard: usize,
@@ -129,11 +136,11 @@ impl<H: HybridSystem> HybridOrbit<H> {
         self.system.guard(guard, mode, self.time(leg, q) + t, x, self.split(q).0)
     }
 
-    fn legs(&self) -> &[Leg] {
+    pub(super) fn legs(&self) -> &[Leg] {
         &self.itinerary.legs
     }
 
-    fn smooth(&self) -> bool {
+    pub(super) fn smooth(&self) -> bool {
         self.itinerary.is_smooth()
     }
 
@@ -164,12 +171,12 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// The time that a cycle takes under forcing.
-    fn cycle<T: Scalar>(&self, p: &[T]) -> T {
+    pub(super) fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
         self.system.period(p) * self.itinerary.periods as f64
     }
 
     /// Conditions of a cycle with events.
-    fn events<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+    pub(super) fn events<T: EventNumber>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         let (p, extras) = self.split(q);
         let (count, all) = (self.legs().len(), self.places[self.legs().len()]);
         for (s, leg) in self.legs().iter().enumerate() {
@@ -177,7 +184,8 @@ impl<H: HybridSystem> HybridOrbit<H> {
             let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
             let time = self.time(s, q) + self.durations(extras)[s];
             let after = &mut b[self.of_leg(next)];
-            self.system.reset(exit, (leg.mode, self.legs()[next].mode), time, x, p, after);
+            let modes = (leg.mode, self.legs()[next].mode);
+            self.system.reset(exit, modes, time, x, p, after);
             for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
                 *b = *start - *b;
             }
@@ -187,107 +195,5 @@ impl<H: HybridSystem> HybridOrbit<H> {
             let cycle = self.cycle(p);
             b[all + count] = self.durations(extras).iter().fold(cycle, |rest, l| rest - *l);
         }
-    }
-}
-
-impl<H: HybridSystem + Clone + 'static> BoundaryProblem for HybridOrbit<H> {
-    fn segments(&self) -> Vec<Vec<String>> {
-        self.legs().iter().map(|leg| self.modes[leg.mode].states.clone()).collect()
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        self.parameters.clone()
-    }
-
-    fn extras(&self) -> Vec<String> {
-        match (self.smooth(), self.forced) {
-            (true, true) => Vec::new(),
-            (true, false) => vec!["period".into()],
-            (false, forced) => {
-                let start = forced.then(|| "start".to_string());
-                let durations = (0..self.legs().len()).map(|s| format!("duration[{s}]"));
-                start.into_iter().chain(durations).collect()
-            }
-        }
-    }
-
-    fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        let (p, mode) = (self.split(q).0, self.legs()[segment].mode);
-        self.system.field(mode, self.time(segment, q) + t, x, p, f);
-    }
-
-    fn duration<T: Scalar>(&self, segment: usize, q: &[T]) -> T {
-        let (p, extras) = self.split(q);
-        match (self.smooth(), self.forced) {
-            (true, true) => self.cycle(p),
-            _ => self.durations(extras)[segment],
-        }
-    }
-
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        match self.smooth() {
-            true => {
-                let ends = ends.start.iter().zip(ends.end);
-                b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
-            }
-            false => self.events(ends, q, b),
-        }
-    }
-
-    fn phase(&self) -> bool {
-        self.smooth() && !self.forced
-    }
-
-    /// The first leg's states return, and under forcing the time of the start, modulo the forcing's periods.
-    fn returns(&self) -> Vec<Return> {
-        let mut returns = Return::of_states(self.places[1]);
-        if self.forced && !self.smooth() {
-            let condition = self.places[self.legs().len()] + self.legs().len();
-            returns.push(Return { condition, unknown: Unknown::Extra(0) });
-        }
-        returns
-    }
-
-    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
-        self.check_events(ends, q)
-    }
-
-    fn watch<T: Scalar>(&self, function: usize, segment: usize, t: T, x: &[T], q: &[T]) -> T {
-        self.guard_on(segment, function, t, x, q)
-    }
-
-    fn of_ends<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        self.number(function, ends, q)
-    }
-
-    fn monitors(&self) -> Vec<(String, Monitor)> {
-        self.all_monitors()
-    }
-
-    fn grazings(&self) -> Vec<usize> {
-        self.grazing_monitors()
-    }
-
-    fn itinerary(&self) -> String {
-        self.itinerary.in_words(&self.modes, &self.guards)
-    }
-
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
-        let itinerary = Itinerary::read(words, &self.system)
-            .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
-        Ok(Arc::new(self.like(itinerary)))
-    }
-
-    fn doubled(&self) -> Option<Arc<dyn Equations>> {
-        let doubled = || Arc::new(self.like(self.itinerary.repeated(2)));
-        (!self.smooth()).then(|| doubled() as Arc<dyn Equations>)
-    }
-
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
-        Ok(Some(self.born(starts, q)?.erased()))
-    }
-
-    fn domain(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
-        self.system.domain(self.legs()[segment].mode, x, self.split(q).0)
     }
 }

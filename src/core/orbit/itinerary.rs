@@ -1,6 +1,6 @@
 //! Itineraries: what a hybrid orbit goes through.
 
-use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use crate::core::hybrid::{Guard, HybridEquations, Mode};
 use std::fmt::{Display, Formatter, Write};
 
 /// A leg of an itinerary: motion in a mode until a guard vanishes.
@@ -104,7 +104,7 @@ impl Itinerary {
     ///
     /// # Errors
     /// [`ItineraryError`] if it has no meaning for the system.
-    pub fn read<H: HybridSystem>(text: &str, system: &H) -> Result<Self, ItineraryError> {
+    pub fn read(text: &str, system: &dyn HybridEquations) -> Result<Self, ItineraryError> {
         let (periods, words) = match text.split_once('*') {
             Some((periods, words)) => (periods.trim().parse().unwrap_or(0), words),
             None => (1, text),
@@ -134,7 +134,7 @@ impl Itinerary {
     }
 
     /// The itinerary in the words of a system, as [`read`](Self::read) understands it.
-    pub fn written<H: HybridSystem>(&self, system: &H) -> String {
+    pub fn written(&self, system: &dyn HybridEquations) -> String {
         self.in_words(&system.modes(), &system.guards())
     }
 

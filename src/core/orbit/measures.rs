@@ -2,9 +2,12 @@
 
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{Ends, Monitor, Observable, Watched};
-use crate::core::hybrid::{HybridSystem, Measure, Passage, rate, virtual_point};
+use crate::core::hybrid::{
+    EventNumber, FieldNumber, GuardNumber, Measure, MeasureNumber, Passage, rate, virtual_point,
+};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
+use num_dual::Dual;
 
 /// Functions of the states at the ends: the least approach speed, the shortest duration, the penetration of the
 /// event that is approached most slowly, and from here on the system's own.
@@ -19,7 +22,7 @@ const SURE: f64 = 1e-4;
 /// Names of the monitors that are positive on admissible orbits.
 const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
 
-impl<H: HybridSystem> HybridOrbit<H> {
+impl HybridOrbit {
     /// All monitors by name. Guards are the functions that are watched.
     pub(super) fn all_monitors(&self) -> Vec<(String, Monitor)> {
         let measures = self.system().measures();
@@ -129,7 +132,12 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// How far motion would go beyond the event that it approaches most slowly.
-    fn penetration<T: Scalar>(&self, ends: Ends<T>, q: &[T]) -> T {
+    fn penetration<T>(&self, ends: Ends<T>, q: &[T]) -> T
+    where
+        T: EventNumber,
+        Dual<T>: FieldNumber + GuardNumber,
+        Dual<Dual<T>>: GuardNumber,
+    {
         let (p, system) = (self.split(q).0, self.system());
         let speed = |(event, time, x): &(_, T, &[T])| -rate(system, *event, *time, x, p).real();
         let durations = self.durations(self.split(q).1).iter();
@@ -144,7 +152,12 @@ impl<H: HybridSystem> HybridOrbit<H> {
     }
 
     /// A function of the states at the ends of all legs.
-    pub(super) fn number<T: Scalar>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+    pub(super) fn number<T>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T
+    where
+        T: EventNumber + MeasureNumber,
+        Dual<T>: FieldNumber + GuardNumber,
+        Dual<Dual<T>>: GuardNumber,
+    {
         let (p, extras) = self.split(q);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
@@ -163,7 +176,8 @@ impl<H: HybridSystem> HybridOrbit<H> {
                 };
                 let legs: Vec<Passage<T>> =
                     self.itinerary().legs.iter().enumerate().map(passage).collect();
-                self.system().measure(own - OWN, &legs, self.itinerary().periods, p)
+                let periods = self.itinerary().periods;
+                self.system().measure(own - OWN, &legs, periods, p)
             }
         }
     }

@@ -13,13 +13,16 @@
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
 
 mod birth;
+mod equations;
 mod hybrid;
 mod itinerary;
 mod measures;
 mod periodic;
 mod simulation;
+mod smooth;
 
 pub use hybrid::HybridOrbit;
 pub use itinerary::{Itinerary, ItineraryError, Leg};
-pub use periodic::{Orbit, by_collocation, by_shooting};
+pub use periodic::{by_collocation, by_shooting};
 pub use simulation::{PeriodicMotion, Simulation, SimulationError};
+pub use smooth::Smooth;

@@ -1,101 +1,8 @@
-//! Periodic orbits as boundary-value problems.
+//! Periodic orbits of vector fields, discretised.
 
-use crate::core::bvp::{
-    BoundaryError, BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Monitor,
-    Return, Shooting,
-};
-use crate::core::field::{VectorField, extremes};
-use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
-
-/// The periodic orbits of a vector field. Monitors: `period`, and `max_x` and `min_x` of each state `x`, the
-/// extremes of the orbit and not of a mesh.
-///
-/// ```
-/// use tangency::core::bvp::BoundaryProblem;
-/// use tangency::core::orbit::Orbit;
-/// use tangency::problems::{classic::Lure, mita::Block};
-/// // The period of an autonomous field is an unknown, and a phase condition goes with it.
-/// assert_eq!(Orbit::of(Lure).extras(), ["period"]);
-/// assert!(Orbit::of(Lure).phase() && !Orbit::of(Block).phase());
-/// ```
-#[derive(Clone, Debug)]
-pub struct Orbit<F> {
-    field: F,
-    states: Vec<String>,
-    parameters: Vec<String>,
-    forced: bool,
-}
-
-impl<F: VectorField> Orbit<F> {
-    /// The periodic orbits of a field.
-    pub fn of(field: F) -> Self {
-        let names = field.names();
-        let forced = field.forcing().is_periodic();
-        let states = names.unknowns.into_iter().map(|state| state.name).collect();
-        Orbit { field, states, parameters: names.parameters, forced }
-    }
-
-    /// The field itself.
-    pub fn vector_field(&self) -> &F {
-        &self.field
-    }
-}
-
-impl<F: VectorField> BoundaryProblem for Orbit<F> {
-    fn segments(&self) -> Vec<Vec<String>> {
-        vec![self.states.clone()]
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        self.parameters.clone()
-    }
-
-    fn extras(&self) -> Vec<String> {
-        if self.forced { Vec::new() } else { vec!["period".into()] }
-    }
-
-    fn field<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        self.field.field(t, x, &q[..self.parameters.len()], f);
-    }
-
-    fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
-        let (p, extras) = q.split_at(self.parameters.len());
-        match extras {
-            [period] => *period,
-            _ => self.field.period(p),
-        }
-    }
-
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        for (b, (start, end)) in b.iter_mut().zip(ends.start.iter().zip(ends.end)) {
-            *b = *start - *end;
-        }
-    }
-
-    fn phase(&self) -> bool {
-        !self.forced
-    }
-
-    fn returns(&self) -> Vec<Return> {
-        Return::of_states(self.states.len())
-    }
-
-    fn monitors(&self) -> Vec<(String, Monitor)> {
-        let extreme = |(k, name): (usize, String)| match k % 2 {
-            0 => (name, Monitor::maximum(0, k / 2)),
-            _ => (name, Monitor::minimum(0, k / 2)),
-        };
-        let period = ("period".to_string(), Monitor::Duration);
-        std::iter::once(period)
-            .chain(extremes(&self.states).into_iter().enumerate().map(extreme))
-            .collect()
-    }
-
-    fn domain(&self, _segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
-        self.field.domain(x, &q[..self.parameters.len()])
-    }
-}
+use super::hybrid::HybridOrbit;
+use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Mesh, Method, Shooting};
+use crate::core::field::VectorField;
 
 /// Periodic orbits by collocation on a number of intervals.
 ///
@@ -171,5 +78,6 @@ fn discretised<F: VectorField + 'static, M: Method>(
     if intervals == 0 {
         return Err(BoundaryError::NoIntervals { segment: 0 });
     }
-    BoundarySystem::new(Orbit::of(field), method, vec![Mesh::uniform(intervals)])
+    let orbit = HybridOrbit::smooth_of(field, 1);
+    BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
 }

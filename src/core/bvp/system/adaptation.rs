@@ -162,7 +162,7 @@ impl<M: Method> BoundarySystem<M> {
         let reference =
             (!reference.is_empty()).then(|| equations.carried(&onto, reference)).transpose()?;
         let (problem, method) = (before.equations.problem, before.equations.method);
-        let mut system = BoundarySystem::of(problem, method, meshes)?;
+        let mut system = BoundarySystem::new(problem, method, meshes)?;
         if let Some(reference) = reference {
             system.set_reference(&reference)?;
         }

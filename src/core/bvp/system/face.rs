@@ -280,7 +280,7 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
         if too_fine || self.refinements >= MOST_REFINEMENTS {
             return None;
         }
-        let mut system = BoundarySystem::of(self.problem().clone(), method, meshes).ok()?;
+        let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
         system.refinements = self.refinements + 1;
         system.linearisation.active.clone_from(&self.linearisation.active);
         let Discretised { method, meshes, layout, .. } = &system.equations;

@@ -61,7 +61,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
             self.meshes().iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
         if doubled || (same_method && !finer) {
             let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-            *self = BoundarySystem::of(problem, method, meshes)?;
+            *self = BoundarySystem::new(problem, method, meshes)?;
         } else {
             solution.state = self.resampled(&solution, degree, meshes)?;
             solution.tangent = None;
@@ -86,7 +86,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), EvaluationError> {
         let intervals = self.meshes()[0].intervals();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-        *self = BoundarySystem::of(problem, self.equations.method.clone(), meshes)?;
+        *self = BoundarySystem::new(problem, self.equations.method.clone(), meshes)?;
         Ok(())
     }
 
@@ -200,11 +200,11 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         let problem = self.problem().clone();
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         if degree == 1 {
-            self.sampled_from(BoundarySystem::of(problem, Shooting::default(), meshes)?, &x)
+            self.sampled_from(BoundarySystem::new(problem, Shooting::default(), meshes)?, &x)
         } else {
             let method =
                 Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
-            self.sampled_from(BoundarySystem::of(problem, method, meshes)?, &x)
+            self.sampled_from(BoundarySystem::new(problem, method, meshes)?, &x)
         }
     }
 

@@ -18,7 +18,7 @@ pub(in crate::core) const LANES: usize = 8;
 /// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison, or a decision by
 /// the real part, can only be one for all, and sees the first lane.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::core) struct Lanes(f64x8);
+pub struct Lanes(f64x8);
 
 impl Lanes {
     /// One number in all lanes.

@@ -4,10 +4,10 @@ mod berth;
 mod steps;
 
 use self::berth::{Berth, Next, Outcome};
+use super::erased::HybridEquations;
 use super::error::HybridError;
 use super::event::Event;
 use super::simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
-use super::system::HybridSystem;
 use crate::core::flow::{Abreast, LANES, Outlook};
 use std::ops::ControlFlow;
 
@@ -71,8 +71,8 @@ pub trait FleetObserver {
 /// assert!(results.iter().all(Result::is_ok) && twice.0 == [2; 20]);
 /// # Ok::<(), tangency::core::hybrid::HybridError>(())
 /// ```
-pub struct Fleet<'a, S> {
-    worker: HybridFlow<'a, S, f64>,
+pub struct Fleet<'a> {
+    worker: HybridFlow<'a, f64>,
     abreast: Option<Abreast>,
     /// What is seen of the guards of a mode in the last step.
     outlooks: Vec<Outlook>,
@@ -81,12 +81,15 @@ pub struct Fleet<'a, S> {
     berths: Vec<Berth>,
 }
 
-impl<'a, S: HybridSystem> Fleet<'a, S> {
+impl<'a> Fleet<'a> {
     /// The motions of a system with these settings.
     ///
     /// # Errors
     /// [`HybridError::Settings`] if a setting of the flow has no meaning.
-    pub fn new(system: &'a S, settings: HybridSettings) -> Result<Self, HybridError> {
+    pub fn new(
+        system: &'a dyn HybridEquations,
+        settings: HybridSettings,
+    ) -> Result<Self, HybridError> {
         let worker = HybridFlow::new(system, settings)?;
         let abreast = Abreast::new(&settings.flow).filter(|_| system.in_lanes());
         let (outlooks, loud, berths) = Default::default();

@@ -2,14 +2,15 @@
 
 use super::berth::{Berth, Next, Outcome};
 use super::{Fleet, FleetObserver};
-use crate::core::flow::{LANES, Reached, Sign, Step};
+use crate::core::flow::{LANES, Lanes, Reached, Sign, Step};
 use crate::core::hybrid::chatter::Series;
+use crate::core::hybrid::erased::{FieldNumber, HybridEquations};
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
 use crate::core::hybrid::landing::{Landing, Lookout};
-use crate::core::hybrid::leg::{GuardOf, InMode};
+use crate::core::hybrid::leg::GuardOf;
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
-use crate::core::hybrid::system::HybridSystem;
+use crate::core::scalar_field::FieldRef;
 use std::ops::ControlFlow;
 
 /// Shows the events of one member.
@@ -22,7 +23,7 @@ impl<O: FleetObserver> HybridObserver<f64> for Shown<'_, O> {
     }
 }
 
-impl<S: HybridSystem> Fleet<'_, S> {
+impl Fleet<'_> {
     /// Does with a member what is not done abreast.
     pub(super) fn go(
         &mut self,
@@ -67,7 +68,7 @@ impl<S: HybridSystem> Fleet<'_, S> {
         number: usize,
         observer: &mut O,
         act: impl FnOnce(
-            &mut HybridFlow<S, f64>,
+            &mut HybridFlow<f64>,
             &mut HybridState<f64>,
             &mut Run<f64, Shown<O>>,
         ) -> Result<R, HybridError>,
@@ -99,7 +100,7 @@ impl<S: HybridSystem> Fleet<'_, S> {
         worker.prepare_leg(left);
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
-        let (field, span) = (InMode { system, mode }, [state.time, left]);
+        let (field, span) = (f64::in_mode(system, mode, 0.0, p), [state.time, left]);
         abreast.is_some() && worker.flow.set_out(&field, span, &state.x, p, course).is_ok()
     }
 
@@ -112,7 +113,8 @@ impl<S: HybridSystem> Fleet<'_, S> {
             lanes.load(lane, &berth.course, &berth.p);
         }
         let system = worker.system;
-        let errors = lanes.attempt(&InMode { system, mode }, &worker.settings.flow);
+        let field = Lanes::in_mode(system, mode, Lanes::splat(0.0), &[]);
+        let errors = lanes.attempt(&field, &worker.settings.flow);
         lanes.look();
         outlooks.clear();
         let guards = worker.watched[mode].iter();
@@ -166,7 +168,10 @@ impl<S: HybridSystem> Fleet<'_, S> {
             return self.go(number, Next::Leg, observer);
         }
         let x = course.state();
-        if steps >= most || x.iter().any(|x| !x.is_finite()) || system.domain(mode, x, p).is_err() {
+        if steps >= most
+            || x.iter().any(|x| !x.is_finite())
+            || system.domain_of(mode, x, p).is_err()
+        {
             return self.go(number, Next::Alone, observer);
         }
         if course.is_over() {
@@ -204,12 +209,12 @@ impl<S: HybridSystem> Fleet<'_, S> {
         &mut self,
         mode: usize,
         (lane, number): (usize, usize),
-        find: impl FnOnce(&mut Lookout<S, f64>, &mut Step<InMode<S>, f64>) -> Option<R>,
+        find: impl FnOnce(&mut Lookout<f64>, &mut Step<FieldRef<f64>, f64>) -> Option<R>,
     ) -> Option<R> {
         let Fleet { worker, abreast, loud, berths, .. } = self;
         let Berth { state, p, end, course, signs, pace, .. } = &mut berths[number];
         let HybridFlow { system, flow, roots, event, watched, .. } = worker;
-        let system: &S = system;
+        let system: &dyn HybridEquations = *system;
         watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| {
             roots[*guard].resume(GuardOf { system, guard: *guard, mode }, *sign)
         });
@@ -217,7 +222,8 @@ impl<S: HybridSystem> Fleet<'_, S> {
         let leg = (state.time, *end - state.time);
         let mut lookout = Lookout { system, mode, watched: loud, roots, event, pace, p, leg };
         let (mut found, abreast) = (None, abreast.as_ref()?);
-        flow.show_lane(&InMode { system, mode }, p, (abreast, lane, course), |step| {
+        let field = f64::in_mode(system, mode, 0.0, p);
+        flow.show_lane(&field, p, (abreast, lane, course), |step| {
             found = find(&mut lookout, step);
         });
         watched[mode].iter().zip(signs).for_each(|(guard, sign)| *sign = roots[*guard].sign());

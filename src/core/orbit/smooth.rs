@@ -1,0 +1,68 @@
+//! Vector fields as hybrid systems: one mode and no guard.
+
+use crate::core::field::{Forcing, VectorField};
+use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use crate::core::scalar::Scalar;
+use crate::core::zero::LeftDomain;
+
+/// A vector field as a hybrid system with one mode, which no guard ends.
+///
+/// ```
+/// use tangency::core::hybrid::HybridSystem;
+/// use tangency::core::orbit::Smooth;
+/// use tangency::problems::classic::Lure;
+/// assert_eq!(Smooth(Lure).modes()[0].states, ["x", "y", "z"]);
+/// assert!(Smooth(Lure).guards().is_empty());
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Smooth<F>(pub F);
+
+impl<F: VectorField> HybridSystem for Smooth<F> {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("flow", self.0.names().unknowns.into_iter().map(|state| state.name))]
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        Vec::new()
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.0.names().parameters
+    }
+
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.0.field(t, x, p, f);
+    }
+
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
+        T::one()
+    }
+
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        after.copy_from_slice(x);
+    }
+
+    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        mode
+    }
+
+    fn forcing(&self) -> Forcing {
+        self.0.forcing()
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        self.0.period(p)
+    }
+
+    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        self.0.domain(x, p)
+    }
+}
