@@ -1,8 +1,6 @@
 //! Promise: the errors of work-precision diagrams, orders of convergence included, are those of their page.
 
-mod common;
-
-use common::falls_with_order;
+use crate::common::falls_with_order;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
