@@ -1,5 +1,4 @@
 //! How long the condensation of a chain takes, by interval: factor, solve, solve with the transposed matrix.
-#![allow(missing_docs)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tangency::core::linear::Chain;

@@ -1,5 +1,4 @@
 //! What an interval of collocation costs: evaluation, linearisation, elimination and solution.
-#![allow(missing_docs)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};

@@ -1,5 +1,4 @@
 //! How long the core takes: one Newton solution, a branch of a discretised field, a curve of folds.
-#![allow(missing_docs)]
 
 #[path = "../tests/common/mod.rs"]
 mod common;

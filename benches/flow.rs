@@ -1,5 +1,4 @@
 //! How long a flow takes: one period of Mita's stick field to 5e-12, in each scheme and scalar type.
-#![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_dual::{Dual, DualSVec64};

@@ -1,7 +1,6 @@
 //! What branches of impacting orbits cost: `mita-type-1`, and the grazing curve with both codimension-two points;
 //! and beside each as many evaluations of the field as it takes, in plain flows of one period. Tracing is
 //! dominated by flow evaluations: the rest is linear algebra of a few unknowns.
-#![allow(missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

@@ -1,5 +1,4 @@
 //! What a plate costs: a trace through pull-in, and its pieces by the number of functions.
-#![allow(missing_docs)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

@@ -94,19 +94,3 @@ fn part(a: [f64; 2], b: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     }
     (from < to).then_some([from, to])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_cut_where_it_leaves() {
-        let points = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0], [3.0, 0.5]];
-        let open = [f64::NEG_INFINITY, f64::INFINITY];
-        let found: Vec<_> =
-            pieces(&points, [open, [0.0, 1.0]]).into_iter().filter(|p| !p.is_empty()).collect();
-        let left = vec![[0.0, 0.0], [0.5, 1.0]];
-        let right = vec![[1.5, 1.0], [2.0, 0.0], [3.0, 0.5]];
-        assert_eq!(found, [left, right]);
-    }
-}

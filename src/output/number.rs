@@ -32,34 +32,3 @@ pub fn significant(value: f64, digits: usize) -> String {
     let decimals = usize::try_from(kept - 1 - exponent).unwrap_or(0);
     format!("{value:.decimals$}")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn forms() {
-        for (value, text) in [
-            (-0.0, "0"),
-            (1200.0, "1200"),
-            (1e14, "100000000000000"),
-            (1e15, "1e15"),
-            (1e-5, "0.00001"),
-            (9.9e-6, "9.9e-6"),
-            (0.999_999_999_999_999_9, "1"),
-            (f64::MAX, "1.79769313486232e308"),
-        ] {
-            assert_eq!(significant(value, 15), text);
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn within_half_a_unit_of_the_last_digit(value in -1e20..1e20_f64, scale in -30..30_i32) {
-            let value = value * 10f64.powi(scale);
-            let read: f64 = significant(value, 15).parse().unwrap();
-            prop_assert!((read - value).abs() <= 5.1e-15 * value.abs());
-        }
-    }
-}

@@ -1,6 +1,6 @@
 //! Promise: after a warm-up, no Newton iteration allocates.
 
-use crate::allocations::allocations;
+use crate::allocation::allocations::allocations;
 use crate::common::{Bratu, Columns, Oxidation};
 use tangency::core::bifurcation::{BranchPoint, Fold, Hopf};
 use tangency::core::condition::Condition;

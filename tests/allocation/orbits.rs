@@ -1,8 +1,8 @@
 //! Promise: after a warm-up, no Newton iteration on periodic orbits allocates.
 
-use crate::allocations::allocations;
+use crate::allocation::allocations::allocations;
 use crate::common::ellipse;
-use crate::cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
+use crate::orbits::cycles::{Bautin, ForcedSpiral, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bifurcation::{Fold, Hopf};
 use tangency::core::continuation::{Continuation, Kind};

@@ -2,8 +2,8 @@
 //! where attractors are lost.
 
 use crate::common::close;
-use crate::points::{actuator, oscillator, settings};
-use crate::systems::impact_oscillator::ClosedForm;
+use crate::grazing::points::{actuator, oscillator, settings};
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use tangency::core::attractor::{
     CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
 };

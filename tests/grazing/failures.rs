@@ -1,8 +1,8 @@
 //! Promise: a local map says when it is used too far from grazing, and why where there is none.
 
 use crate::common::close;
-use crate::points::{actuator, oscillator, settings};
-use crate::systems::impact_oscillator::ClosedForm;
+use crate::grazing::points::{actuator, oscillator, settings};
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::{PI, TAU};
 use tangency::core::field::Forcing;
 use tangency::core::grazing::{GrazingError, GrazingPoint, LocalMap, MapSettings};

@@ -2,8 +2,8 @@
 //! and can be reached from points that were located before, printed, iterated and differentiated.
 
 use crate::common::{agree, close};
-use crate::points::{actuator, oscillator, settings, simulated};
-use crate::systems::impact_oscillator::{ClosedForm, flow};
+use crate::grazing::points::{actuator, oscillator, settings, simulated};
+use crate::hybrid::systems::impact_oscillator::{ClosedForm, flow};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;

@@ -3,9 +3,9 @@
 //! those of the literature and of closed forms.
 
 use crate::common::{close, solved};
-use crate::points::{actuator, along_grazings, oscillator, settings};
-use crate::systems::impact_oscillator::{ClosedForm, flow, resonance};
-use crate::systems::multipliers;
+use crate::grazing::points::{actuator, along_grazings, oscillator, settings};
+use crate::hybrid::systems::impact_oscillator::{ClosedForm, flow, resonance};
+use crate::hybrid::systems::multipliers;
 use std::f64::consts::PI;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};

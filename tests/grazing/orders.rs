@@ -2,7 +2,7 @@
 //! the distance from grazing: with slip after the impact, through other impacts, for a guard that moves and
 //! depends on several states, and without forcing.
 
-use crate::points::{Touching, actuator, settings, simulated};
+use crate::grazing::points::{Touching, actuator, settings, simulated};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};

@@ -1,8 +1,8 @@
 //! What motions settle on: cycles and their exponents against multipliers, chaos against exact exponents, chatter.
 
 use crate::common::{close, solved};
-use crate::systems::bouncing_ball::BouncingBall;
-use crate::systems::impact_oscillator::ClosedForm;
+use crate::hybrid::systems::bouncing_ball::BouncingBall;
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;

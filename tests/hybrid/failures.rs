@@ -2,8 +2,8 @@
 //! that only just touches a surface is not lost.
 
 use crate::common::close;
-use crate::systems::bouncing_ball::{self, BouncingBall};
-use crate::systems::impact_oscillator::ClosedForm;
+use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
 use tangency::core::flow::FlowError;
 use tangency::core::hybrid::{

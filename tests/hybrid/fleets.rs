@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Event, Fleet, FleetObserver, HybridError, HybridFlow, HybridSettings, HybridState,
-    HybridStatistics, Member,
+    Event, Fleet, FleetObserver, Guard, HybridError, HybridFlow, HybridSettings, HybridState,
+    HybridStatistics, HybridSystem, Member, Mode,
 };
+use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
 
 /// Follows members for as many periods, and counts their events.
@@ -117,6 +118,74 @@ fn errors_of_members_are_those_of_their_motions() {
                 alone.map(|_| ()).map_err(|e| e.to_string()),
                 result.map_err(|e| e.to_string())
             );
+        }
+    }
+}
+
+/// `x' = sin a`, `y' = cos a`: after a time of 1 states from 0 are the functions themselves.
+struct Circular;
+
+impl HybridSystem for Circular {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("free", ["x", "y"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        Vec::new()
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["a".into()]
+    }
+    fn field<T: Scalar>(&self, _mode: usize, _t: T, _x: &[T], p: &[T], f: &mut [T]) {
+        (f[0], f[1]) = (p[0].sin(), p[0].cos());
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
+        T::one()
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        after.copy_from_slice(x);
+    }
+    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        mode
+    }
+}
+
+/// Ends where members arrive.
+struct Once;
+
+impl FleetObserver for Once {
+    fn arrived(
+        &mut self,
+        _member: usize,
+        _state: &mut HybridState<f64>,
+        _statistics: &HybridStatistics,
+    ) -> ControlFlow<()> {
+        ControlFlow::Break(())
+    }
+}
+
+/// In all quadrants, and for numbers too large to be reduced exactly.
+#[test]
+fn sines_of_a_fleet_are_those_of_real_numbers() {
+    let quadrants = (-4000..4000).map(|k| 0.08 * f64::from(k) + 1e-3);
+    let large = [1e6, -3e8, 1.0, f64::INFINITY, 0.0, 2e5, 7.0, -1.0];
+    let angles: Vec<f64> = quadrants.chain(large).collect();
+    let state = HybridState { mode: 0, time: 0.0, x: vec![0.0; 2] };
+    let member = |a: &f64| Member { state: state.clone(), p: vec![*a] };
+    let mut fleet: Vec<Member> = angles.iter().map(member).collect();
+    let mut many = Fleet::new(&Circular, settings(Scheme::DormandPrince8)).expect("settings");
+    let results = many.advance(&mut fleet, |_| 1.0, &mut Once);
+    for ((a, member), result) in angles.iter().zip(&fleet).zip(&results) {
+        assert_eq!(result.is_ok(), a.is_finite(), "{a}");
+        if let ([x, y], Ok(())) = (&member.state.x[..], result) {
+            assert!((x - a.sin()).abs() < 1e-15 && (y - a.cos()).abs() < 1e-15, "{a}: {x} {y}");
         }
     }
 }

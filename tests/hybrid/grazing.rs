@@ -2,9 +2,9 @@
 //! comes with it, and the branch of orbits with the event begins there.
 
 use crate::common::close;
-use crate::systems::dry_impact::{self, DryImpact};
-use crate::systems::impact_oscillator::{ClosedForm, resonance};
-use crate::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
+use crate::hybrid::systems::dry_impact::{self, DryImpact};
+use crate::hybrid::systems::impact_oscillator::{ClosedForm, resonance};
+use crate::hybrid::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Point};
 
 /// The branch without impacts to its grazing, with the label of that.

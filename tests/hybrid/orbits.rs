@@ -2,15 +2,15 @@
 //! 1e-10, by collocation and by shooting.
 
 use crate::common::close;
-use crate::systems::belt;
-use crate::systems::bouncing_ball;
-use crate::systems::coulomb;
-use crate::systems::dry_impact::{self, DryImpact};
-use crate::systems::impact_oscillator::ClosedForm;
-use crate::systems::multipliers;
-use crate::systems::orbits::{ASIDE, DIGITS, Solved, by_both, found, impacting, resting};
-use crate::systems::piecewise;
-use crate::systems::reference::Reference;
+use crate::hybrid::systems::belt;
+use crate::hybrid::systems::bouncing_ball;
+use crate::hybrid::systems::coulomb;
+use crate::hybrid::systems::dry_impact::{self, DryImpact};
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
+use crate::hybrid::systems::multipliers;
+use crate::hybrid::systems::orbits::{ASIDE, DIGITS, Solved, by_both, found, impacting, resting};
+use crate::hybrid::systems::piecewise;
+use crate::hybrid::systems::reference::Reference;
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::Kind;
 

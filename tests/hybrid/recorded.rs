@@ -2,8 +2,8 @@
 //! monitor whether they reach it or not; and the multipliers that are kept with points are those of the closed form.
 
 use crate::common::close;
-use crate::systems::impact_oscillator::ClosedForm;
-use crate::systems::multipliers;
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
+use crate::hybrid::systems::multipliers;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};

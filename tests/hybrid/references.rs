@@ -2,13 +2,13 @@
 //! printed in the literature, and the equations themselves can tell without any solver of this crate.
 
 use crate::common::close;
-use crate::systems::belt::{self, Belt};
-use crate::systems::bouncing_ball::{self, BouncingBall};
-use crate::systems::coulomb::{self, Coulomb};
-use crate::systems::dry_impact::{self, DryImpact};
-use crate::systems::impact_oscillator::{ClosedForm, damped, resonance};
-use crate::systems::piecewise::{self, Piecewise};
-use crate::systems::{defect, event, multipliers};
+use crate::hybrid::systems::belt::{self, Belt};
+use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
+use crate::hybrid::systems::coulomb::{self, Coulomb};
+use crate::hybrid::systems::dry_impact::{self, DryImpact};
+use crate::hybrid::systems::impact_oscillator::{ClosedForm, damped, resonance};
+use crate::hybrid::systems::piecewise::{self, Piecewise};
+use crate::hybrid::systems::{defect, event, multipliers};
 use num_dual::{Dual64, DualNum, DualSVec64};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};

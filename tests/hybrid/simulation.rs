@@ -2,12 +2,12 @@
 //! included, and so are their derivatives.
 
 use crate::common::close;
-use crate::systems::belt::{self, Belt};
-use crate::systems::bouncing_ball::{self, BouncingBall};
-use crate::systems::coulomb::{self, Coulomb};
-use crate::systems::dry_impact::{self, DryImpact};
-use crate::systems::impact_oscillator::{self, ClosedForm};
-use crate::systems::piecewise::{self, Piecewise};
+use crate::hybrid::systems::belt::{self, Belt};
+use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
+use crate::hybrid::systems::coulomb::{self, Coulomb};
+use crate::hybrid::systems::dry_impact::{self, DryImpact};
+use crate::hybrid::systems::impact_oscillator::{self, ClosedForm};
+use crate::hybrid::systems::piecewise::{self, Piecewise};
 use num_dual::{Dual64, DualSVec64};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};

@@ -1,7 +1,9 @@
 //! Promise: boundary-value problems are discretised and continued like any other zero problem.
 
-use crate::boundary::{Eigenvalue, FOLD, Glued, TrivialBranch, VanDerPol, collocated, strings};
 use crate::common::{agree, close, difference, dot, ellipse, solved};
+use crate::orbits::boundary::{
+    Eigenvalue, FOLD, Glued, TrivialBranch, VanDerPol, collocated, strings,
+};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use tangency::core::bvp::{

@@ -1,10 +1,14 @@
 //! Promise: collocation converges with the orders of theory, its meshes follow the solution, and a mesh that
 //! is too coarse says so.
 
-use crate::boundary::{FOLD, Glued, VanDerPol, collocated, strings};
 use crate::common::{close, ellipse, falls_with_order, solved};
-use std::time::Instant;
-use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method};
+use crate::orbits::boundary::{FOLD, Glued, VanDerPol, collocated, strings};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use tangency::core::bvp::{
+    BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, Mesh, Method, Observable, Span,
+    Watchlist,
+};
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Border, Slot, System};
@@ -323,30 +327,120 @@ fn steps_allocate_nothing() {
     assert_eq!(counted.count_total, 0);
 }
 
-/// Eight times the intervals cost about eight times as much.
+/// A problem with its evaluations counted.
+#[derive(Clone)]
+struct Counted(Bratu, Arc<AtomicUsize>);
+
+impl BoundaryProblem for Counted {
+    fn segments(&self) -> Vec<Vec<String>> {
+        self.0.segments()
+    }
+    fn parameters(&self) -> Vec<String> {
+        self.0.parameters()
+    }
+    fn field<T: Scalar>(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.1.fetch_add(1, Relaxed);
+        self.0.field(segment, t, x, q, f);
+    }
+    fn duration<T: Scalar>(&self, segment: usize, q: &[T]) -> T {
+        self.0.duration(segment, q)
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        self.0.boundary(ends, q, b);
+    }
+}
+
+/// Eight times the intervals are eight times the evaluations and the memory.
 #[test]
 fn cost_is_linear_in_the_intervals() {
-    let seconds = [100, 800].map(|intervals| {
-        let mut system = collocated(Bratu, 4, intervals);
-        let mut x = system.sampled(&[], |_, tau, x| x[0] = tau * (1.0 - tau));
-        let n = x.len();
-        x.push(1.0);
-        let mut right = vec![1.0; n];
-        let mut run = |shift: f64| {
-            x[n] = 1.0 + shift;
+    let [few, many] = [100, 800].map(|intervals| {
+        let evaluations = Arc::new(AtomicUsize::new(0));
+        let memory = allocation_counter::measure(|| {
+            let mut system = collocated(Counted(Bratu, Arc::clone(&evaluations)), 4, intervals);
+            let mut x = system.sampled(&[], |_, tau, x| x[0] = tau * (1.0 - tau));
+            let n = x.len();
+            x.push(1.0);
+            evaluations.store(0, Relaxed);
             system.assemble(&x).unwrap();
             system.factor(Slot::Curve, Border::NONE).unwrap();
-            right.fill(1.0);
-            system.solve(Slot::Curve, &mut right);
-        };
-        run(0.0);
-        // The fastest of several runs: the machine does other things as well.
-        let time = |k: i32| {
-            let start = Instant::now();
-            run(f64::from(k) * 1e-6);
-            start.elapsed().as_secs_f64()
-        };
-        (1..30).map(time).fold(f64::INFINITY, f64::min)
+            system.solve(Slot::Curve, &mut vec![1.0; n]);
+        });
+        [evaluations.load(Relaxed) as f64, memory.bytes_max as f64]
     });
-    assert!(seconds[1] < 16.0 * seconds[0], "{seconds:?}");
+    for (few, many) in few.into_iter().zip(many) {
+        assert!((7.0..8.5).contains(&(many / few)), "{few} {many}");
+    }
+}
+
+/// The nodes are Lobatto points: for `m = 3` the inner ones are `(1 ± 1/√5)/2`.
+#[test]
+fn nodes_are_lobatto_points() {
+    let inner = 0.5 * (1.0 - 0.2_f64.sqrt());
+    let exact = [0.0, inner, 1.0 - inner, 1.0];
+    for (node, exact) in Collocation::new(3).unwrap().places().iter().zip(exact) {
+        assert!((node - exact).abs() < 1e-16);
+    }
+}
+
+/// The error polynomial of two points is `s(s − ½)(s − 1)/6`, largest at the Gauss points: `√3/216`.
+#[test]
+fn error_constant_of_two_points() {
+    let constant = Collocation::new(2).unwrap().error_constant().unwrap();
+    assert!((constant - 3.0_f64.sqrt() / 216.0).abs() < 1e-17);
+}
+
+/// `x' = m tᵐ⁻¹`.
+struct Power(usize);
+
+impl BoundaryProblem for Power {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![vec!["x".into()]]
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["duration".into()]
+    }
+    fn field<T: Scalar>(&self, _segment: usize, t: T, _x: &[T], _q: &[T], f: &mut [T]) {
+        f[0] = t.powi(self.0 as i32 - 1) * self.0 as f64;
+    }
+    fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
+        q[0]
+    }
+    fn boundary<T: Scalar>(&self, _ends: Ends<T>, _q: &[T], _b: &mut [T]) {}
+}
+
+const WHOLE: Span = Span { segment: 0, start: 0.0, end: 1.0 };
+
+/// A polynomial of degree `m` solves its equations at `m` points, and is known between the nodes.
+#[test]
+fn polynomials_of_the_degree_solve_their_equations() {
+    for m in 2..=7 {
+        let collocation = Collocation::new(m).unwrap();
+        let nodes: Vec<f64> = collocation.places().iter().map(|s| s.powi(m as i32)).collect();
+        let interval = Interval { problem: &Power(m), span: WHOLE, nodes: &nodes, q: &[1.0] };
+        let (mut residual, mut x) = (vec![f64::NAN; m], [f64::NAN]);
+        collocation.residual(interval, &mut Default::default(), &mut residual).unwrap();
+        assert!(residual.iter().all(|r| r.abs() < 2e-14), "{residual:?}");
+        for place in [0.1, 0.5, 0.8] {
+            collocation.value(interval, place, &mut Default::default(), &mut x).unwrap();
+            assert!((x[0] - place.powi(m as i32)).abs() < 1e-14, "{x:?}");
+        }
+    }
+}
+
+/// A Chebyshev polynomial of degree 7: all six inner extrema are found, and both ends.
+#[test]
+fn every_stationary_place_is_found() {
+    let mut collocation = Collocation::new(7).unwrap();
+    let chebyshev = |s: &f64| (7.0 * (2.0 * s - 1.0).acos()).cos();
+    let nodes: Vec<f64> = collocation.places().iter().map(chebyshev).collect();
+    let interval = Interval { problem: &Power(7), span: WHOLE, nodes: &nodes, q: &[1.0] };
+    let watched = Watchlist { extrema: &[Observable::State(0)], rises: &[] };
+    let mut found = Vec::new();
+    collocation.extrema(interval, watched, None, &mut |_, place, _| found.push(place)).unwrap();
+    found.sort_by(f64::total_cmp);
+    let exact = |k: usize| 0.5 * (1.0 - (std::f64::consts::PI * k as f64 / 7.0).cos());
+    assert_eq!(found.len(), 8, "{found:?}");
+    for (k, s) in found.iter().enumerate() {
+        assert!((s - exact(k)).abs() < 1e-13, "{s}");
+    }
 }

@@ -2,7 +2,7 @@
 //! and held along curves in two parameters.
 
 use crate::common::{close, ellipse, first, values};
-use crate::cycles::{
+use crate::orbits::cycles::{
     Bautin, ForcedSpiral, PitchforkOfCycles, collocated, equilibria, label, precisely_shot, shot,
 };
 use std::f64::consts::TAU;

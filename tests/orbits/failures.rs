@@ -2,7 +2,7 @@
 //! there is.
 
 use crate::common::{close, ellipse, first, solved};
-use crate::cycles::{Saddle, collocated, equilibria, label, shot};
+use crate::orbits::cycles::{Saddle, collocated, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};

@@ -2,7 +2,7 @@
 //! apart is never needed.
 
 use crate::common::{close, ellipse, solved};
-use crate::cycles::{Saddle, collocated, label, precisely_shot, shot};
+use crate::orbits::cycles::{Saddle, collocated, label, precisely_shot, shot};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
@@ -11,7 +11,7 @@ use tangency::problems::classic::Lure;
 
 /// Orbits of period one at some values of α.
 fn orbits(alphas: &[f64]) -> Branch {
-    let rest = crate::cycles::equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
+    let rest = crate::orbits::cycles::equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
     let mut system = precisely_shot(Lure, 1);
     let marks = Continuation::of(&mut system).restart(&rest, label(&rest, Kind::HB));
     let marks = alphas.iter().fold(marks, |c, alpha| c.mark("alpha", *alpha));

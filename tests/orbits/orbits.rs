@@ -2,7 +2,7 @@
 //! published values and with each other.
 
 use crate::common::{close, first};
-use crate::cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
+use crate::orbits::cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
 use tangency::core::zero::System;

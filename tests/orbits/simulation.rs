@@ -2,7 +2,7 @@
 //! none says why.
 
 use crate::common::{close, first, solved};
-use crate::cycles::{Saddle, collocated, equilibria, label, precisely_shot, shot};
+use crate::orbits::cycles::{Saddle, collocated, equilibria, label, precisely_shot, shot};
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::field::VectorField;
 use tangency::core::orbit::{Simulation, SimulationError};

@@ -1,6 +1,6 @@
 //! What default settings promise of pull-in: loads to 1e-8, deflections to 1e-6, and an honest `error`.
 
-use crate::models::{IN_PLANE, assert_close, pull_in, through_pull_in};
+use crate::plates::models::{IN_PLANE, assert_close, pull_in, through_pull_in};
 use tangency::core::continuation::{Continuation, Kind, Settings, SpecialPoint};
 use tangency::core::zero::System;
 use tangency::problems::plate::{InPlane, Ritz, RitzSettings, Units};

@@ -1,6 +1,6 @@
 //! Where methods fail on the plate: what fails, when, and what is said then.
 
-use crate::models::{
+use crate::plates::models::{
     assert_within, at, at_rest, folds_from, plate, pull_in, refined_to, system, through_pull_in,
     value,
 };

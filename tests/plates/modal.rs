@@ -1,6 +1,6 @@
 //! The modal model of the plate against independently computed values and against the full model.
 
-use crate::models::{
+use crate::plates::models::{
     ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters,
 };
 use approx::assert_relative_eq;

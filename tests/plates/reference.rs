@@ -1,7 +1,7 @@
 //! Every reference value of the plate as a special point of a curve that is continued: pull-in as curves
 //! of folds, frequencies and deflections as marks, buckling as branch points that are switched at.
 
-use crate::models::{
+use crate::plates::models::{
     assert_close, assert_within, at, at_rest, decimals, folds_from, linear, plate, pull_in,
     refined_to, system, through_pull_in, value,
 };
@@ -262,7 +262,7 @@ fn frequencies_about_deflected_plates() {
 #[test]
 fn the_squared_frequency_falls_with_slope_minus_two_along_the_branch() {
     for supports in ["SSSS", "CCCC"] {
-        for in_plane in crate::models::IN_PLANE {
+        for in_plane in crate::plates::models::IN_PLANE {
             for gap_ratio in [0.0, 0.5, 1.0, 2.0] {
                 let mut system = system(&plate(supports, in_plane), 1.0);
                 let mut curve = at_rest(&mut *system, &[("gap_ratio", gap_ratio)])

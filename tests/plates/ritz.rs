@@ -1,6 +1,8 @@
 //! The full Ritz model of the plate against exact and independently computed values.
 
-use crate::models::{ASPECT, FORCE, FORCE_X, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters};
+use crate::plates::models::{
+    ASPECT, FORCE, FORCE_X, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters,
+};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::zero::{Border, Slot, System};
@@ -724,4 +726,25 @@ fn what_has_no_meaning_is_refused_by_name() {
     let mut settings = settings("SSSS");
     settings.orders = orders(0, 6);
     assert!(matches!(Ritz::new(settings).err(), Some(PlateError::Orders { count: 0, .. })));
+}
+
+/// Projections on the functions are transposed expansions in them: with the load direct, the equations are the
+/// derivative of an energy.
+#[test]
+fn the_jacobian_is_symmetric() {
+    for (supports, symmetric) in [("SSSS", true), ("CSCF", false)] {
+        let mut settings = settings(supports);
+        settings.symmetric = symmetric;
+        settings.orders = Some(Orders { transverse: [3, 4], in_plane: [5, 4] });
+        let (mut plate, x) = deflected(settings);
+        let n = plate.names().dimension();
+        let mut jacobian = vec![0.0; n * n];
+        plate.assemble(&x).unwrap();
+        plate.jacobian(&mut jacobian);
+        let largest = jacobian.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+        for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            let difference = jacobian[i * n + j] - jacobian[j * n + i];
+            assert!(difference.abs() < 1e-13 * largest, "{supports} ({i}, {j}): {difference:e}");
+        }
+    }
 }

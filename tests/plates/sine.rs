@@ -1,9 +1,9 @@
 //! The sine model of a simply supported plate against values from independent formulations.
 
-use crate::models::{
+use crate::plates::models::{
     ASPECT, FORCE_X, FORCE_Y, GAP_RATIO, LOAD, NU, PRESSURE, SHEAR, all_parameters,
 };
-use crate::plate_fold::{equilibrium, fold, one_mode_start};
+use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
 use tangency::core::dense::Dense;
 use tangency::core::quadrature::gauss_legendre;
@@ -498,4 +498,28 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
     assert_eq!(refused(&[0.1; 3], &[(NU, 0.5)]).as_deref(), Some("nu"));
     assert_eq!(refused(&[0.1; 3], &[(NU, f64::NAN)]).as_deref(), Some("nu"));
     assert_eq!(refused(&[0.1; 3], &[(SHEAR, 1.0)]).as_deref(), Some("edge_shear"));
+}
+
+#[test]
+fn the_order_of_modes_is_that_of_section_3_2() {
+    let modes = |count| SinePlate::new(settings(count)).expect("valid settings").modes();
+    let expected = [
+        [(1, 1), (1, 3), (3, 1), (3, 3), (1, 5)],
+        [(5, 1), (3, 5), (5, 3), (1, 7), (5, 5)],
+        [(7, 1), (3, 7), (7, 3), (5, 7), (7, 5)],
+    ];
+    assert_eq!(modes(15), expected.concat());
+    // Longer lists only append.
+    let long = modes(900);
+    for count in [1, 2, 16, 40, 200, 500] {
+        assert_eq!(modes(count), long[..count]);
+    }
+}
+
+#[test]
+fn a_state_without_finite_eigenvalues_has_no_vibration() {
+    let plate = SinePlate::new(SineSettings { projection: Projection::Multiplied, ..settings(3) });
+    let plate = plate.expect("valid settings");
+    assert_eq!(plate.vibration(&[f64::INFINITY; 3], &plate.defaults()), None);
+    assert_eq!(plate.vibration(&[f64::NAN; 3], &plate.defaults()), None);
 }

@@ -1,7 +1,7 @@
 //! Strips: the limit of the long plate.
 
-use crate::models::LOAD;
-use crate::plate_fold::{equilibrium, fold, one_mode_start};
+use crate::plates::models::LOAD;
+use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use tangency::core::dense::Dense;
 use tangency::core::zero::{System, ZeroProblem};
 use tangency::problems::plate::strip::{Ends, Strip, StripError, StripSettings};

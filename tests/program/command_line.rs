@@ -397,3 +397,50 @@ fn an_interrupted_trace_is_kept() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     assert!(stdout(&output).contains("  LP  "));
 }
+
+/// Clap checks its own arguments where they are shown.
+#[test]
+fn every_command_explains_its_arguments() {
+    let folder = folder();
+    let help = tangency(folder.path(), &["--help"]);
+    let text = stdout(&help);
+    let commands: Vec<&str> = text
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1)
+        .map_while(|line| line.split_whitespace().next())
+        .collect();
+    assert!(commands.contains(&"trace") && commands.contains(&"work-precision"), "{commands:?}");
+    for command in commands {
+        let output = tangency(folder.path(), &[command, "--help"]);
+        assert!(output.status.success() && stdout(&output).contains("Usage:"), "{command}");
+    }
+}
+
+#[test]
+fn arguments_are_read_in_all_their_parts() {
+    let folder = folder();
+    let start =
+        |start: &str| tangency(folder.path(), &["trace", "plate-clamped", "--start", start]);
+    // A file in a folder, with and without a branch.
+    for text in ["c/x.ron:12", "c/x.ron:branch/2"] {
+        let output = start(text);
+        assert!(failure(&output, 1).contains("c/x.ron"), "{output:?}");
+    }
+    let output = start("a.ron:plate/9");
+    let message = failure(&output, 1);
+    assert!(message.contains("a.ron") && message.contains('9'), "{message}");
+    for text in ["a.ron", "a.ron:", "a.ron:x", ":3", "a.ron:0", "a.ron:/3", "a.ron:b/-1"] {
+        failure(&start(text), 2);
+    }
+    let set = |text: &str| tangency(folder.path(), &["trace", "plate-clamped", "--set", text]);
+    for text in ["load", "=3", "load=", " = "] {
+        let output = set(text);
+        let expected = format!("`{text}` is not of the form NAME=VALUE");
+        assert!(failure(&output, 2).contains(&expected), "{output:?}");
+    }
+    // Spaces and a second equals sign belong to the value.
+    let output = set("k = a=b");
+    let message = failure(&output, 1);
+    assert!(message.contains("`k`"), "{message}");
+}

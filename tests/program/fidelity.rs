@@ -1,8 +1,9 @@
 //! Promise: a scene that states an accuracy is traced with the cheapest discretisation that meets it.
 
+use crate::program::scenarios::built_in;
 use tangency::core::continuation::{Branch, Kind, SpecialPoint};
 use tangency::output::Chosen;
-use tangency::scene::{BUILT_IN, Scene, SceneError, execute};
+use tangency::scene::{Scene, SceneError, execute};
 
 const PLATE: &str = r#"Scene(
     title: "Plate through pull-in",
@@ -106,7 +107,7 @@ fn plates_are_as_accurate_as_asked_and_no_more() {
     let mut count = Count::default();
     let edges = ["SSSS", "CCCC", "CSCS", "CCSS", "SCSC"];
     let in_plane = ["immovable", "slide", "straight"];
-    for case in 0..25 {
+    for case in (0..25).step_by(4) {
         let accuracy = 10f64.powf(-between(2.0, 7.0, fraction(case, 1)));
         let gap = between(0.2, 2.5, fraction(case, 2));
         let aspect = between(1.0, 2.5, fraction(case, 3));
@@ -124,14 +125,14 @@ fn plates_are_as_accurate_as_asked_and_no_more() {
         let reference = [("refinement", (1e-2 * accuracy).to_string())];
         count.take(&what, accuracy, chosen_and_true(&with(PLATE, &settings), accuracy, &reference));
     }
-    count.finish(25);
+    count.finish(7);
 }
 
 /// Grazings, folds and period doublings of Mita's actuator by shooting and by collocation, 1e-3 to 1e-9.
 #[test]
 fn orbits_with_impacts_are_as_accurate_as_asked_and_no_more() {
     let mut count = Count::default();
-    for case in 0..25 {
+    for case in (0..25).step_by(6) {
         let accuracy = 10f64.powf(-between(3.0, 9.0, fraction(case, 1)));
         let frequency = between(0.44, 0.52, fraction(case, 2));
         let method = if case % 5 == 4 { "collocation" } else { "shooting" };
@@ -144,11 +145,7 @@ fn orbits_with_impacts_are_as_accurate_as_asked_and_no_more() {
         ];
         count.take(&what, accuracy, chosen_and_true(&with(MITA, &settings), accuracy, &reference));
     }
-    count.finish(25);
-}
-
-fn built_in(name: &str) -> Scene {
-    Scene::parse(BUILT_IN.iter().find(|scene| scene.name == name).unwrap().text).unwrap()
+    count.finish(5);
 }
 
 /// A deflection that vanishes has no digits, and is not asked for any.

@@ -1,7 +1,7 @@
 //! Promise: an itinerary without a meaning, one that does not close, and a motion that has none are refused with
 //! what is wrong.
 
-use crate::scenarios::with;
+use crate::program::scenarios::with;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};

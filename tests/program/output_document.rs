@@ -1,5 +1,6 @@
 //! Documents: what is saved is what is loaded, and what makes no sense is refused by place and value.
 
+use crate::program::scenarios::any_text;
 use proptest::prelude::*;
 use tangency::core::continuation::{Branch, End, Kind};
 use tangency::output::{Document, FileError, FormatError, UnknownPoint, example_branch};
@@ -40,7 +41,7 @@ proptest! {
         values in numbers(41 * 3),
         special in numbers(4 * 7),
         unstable in prop::option::of(0_usize..9),
-        texts in prop::collection::vec(any::<String>(), 4),
+        texts in prop::collection::vec(any_text(), 4),
     ) {
         let mut document = document();
         document.title = texts[0].clone();
@@ -71,7 +72,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_makes_the_reader_panic(text in any::<String>()) {
+    fn no_text_makes_the_reader_panic(text in any_text()) {
         prop_assert!(Document::parse(&text).is_err());
     }
 }

@@ -1,5 +1,4 @@
 //! The README says what is so: its code is the files' code, its output is the program's.
-#![cfg(unix)]
 
 use std::path::Path;
 use std::process::Command;

@@ -1,6 +1,6 @@
 //! Scenes: the built-in ones, changes by name, and texts that are no scenes.
 
-use crate::scenarios::{built_in, refusal, traced, with};
+use crate::program::scenarios::{any_text, built_in, refusal, traced, with};
 use proptest::prelude::*;
 use tangency::core::continuation::{End, Kind};
 use tangency::output::{Document, draw, figures};
@@ -309,7 +309,7 @@ proptest! {
 
     /// No text makes the reader panic.
     #[test]
-    fn no_text_makes_the_reader_panic(text in any::<String>()) {
+    fn no_text_makes_the_reader_panic(text in any_text()) {
         let _ = Scene::parse(&text);
     }
 
@@ -333,7 +333,7 @@ proptest! {
 
     /// No name or value makes a change panic.
     #[test]
-    fn no_change_makes_a_scene_panic(name in any::<String>(), value in any::<String>()) {
+    fn no_change_makes_a_scene_panic(name in any_text(), value in any_text()) {
         let mut scene = built_in("plate-supported");
         let _ = scene.set(&name, "1");
         let _ = scene.set("gap_ratio", &value);

@@ -2,7 +2,7 @@
 //! multipliers, folds and doublings, and the curves of these that begin at points of codimension two.
 
 use crate::common::close;
-use crate::scenarios::{built_in, column, refusal, traced, with};
+use crate::program::scenarios::{built_in, column, refusal, traced, with};
 use tangency::core::continuation::{Branch, Kind};
 use tangency::core::sweep::Part;
 use tangency::output::{Document, FigureError, SweepTable, figures};

@@ -2,7 +2,7 @@
 //! two branches meet in a grazing it has one row.
 
 use crate::common::close;
-use crate::scenarios::{built_in, column, traced, with};
+use crate::program::scenarios::{built_in, column, traced, with};
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, End, Kind};
 use tangency::core::flow::work;

@@ -2,7 +2,7 @@
 //! methods, and are changed and restarted by name.
 
 use crate::common::close;
-use crate::scenarios::{built_in, column, refusal, traced, with};
+use crate::program::scenarios::{built_in, column, refusal, traced, with};
 use tangency::core::continuation::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};

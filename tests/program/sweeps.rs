@@ -1,7 +1,7 @@
 //! `tangency sweep` and `tangency merge` as a user meets them: files that others read, interruption, parts.
 
 use crate::common::close;
-use crate::scenarios::{built_in, traced};
+use crate::program::scenarios::{built_in, traced};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

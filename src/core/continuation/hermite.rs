@@ -49,23 +49,3 @@ fn interpolated(knots: &[Knot], u: f64, datum: impl Fn(usize) -> [f64; 2]) -> f6
     }
     (0..count).rev().fold(0.0, |sum, k| sum * (u - place(k)) + differences[k])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A quintic is its own interpolation through three knots, at any speed along it.
-    #[test]
-    fn quintics_are_reproduced() {
-        let value = |u: f64| [u, 1.0 - u + 2.0 * u.powi(3) - 0.5 * u.powi(5)];
-        let slope = |u: f64| [1.0, -1.0 + 6.0 * u.powi(2) - 2.5 * u.powi(4)];
-        let at = [0.0, -0.3, -0.7];
-        let (values, slopes) = (at.map(value), at.map(|u| slope(u).map(|s| 3.0 * s)));
-        let knots: Vec<Knot> = (0..3)
-            .map(|k| Knot { u: at[k], x: &values[k], tangent: &slopes[k], speed: 3.0 })
-            .collect();
-        let found = hermite(&knots, 0.4);
-        let exact = value(0.4);
-        assert!((found[0] - exact[0]).abs() < 1e-14 && (found[1] - exact[1]).abs() < 1e-13);
-    }
-}

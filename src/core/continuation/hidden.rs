@@ -72,17 +72,3 @@ fn extremum(at: [f64; 3], values: [f64; 3]) -> Option<(f64, f64)> {
     let offset = -0.5 * middle / curvature;
     offset.is_finite().then(|| (at[1] + offset, values[1] + 0.5 * middle * offset))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_parabola_has_its_extremum() {
-        let f = |x: f64| 2.0 * (x - 0.3).powi(2) - 0.1;
-        let at = [-0.5, 0.0, 0.7];
-        let (place, value) = extremum(at, at.map(f)).unwrap();
-        assert!((place - 0.3).abs() < 1e-15 && (value + 0.1).abs() < 1e-15);
-        assert_eq!(extremum(at, [1.0, 1.0, 1.0]), None);
-    }
-}

@@ -179,29 +179,3 @@ fn group_norms(names: &Names, z: &[f64]) -> Vec<f64> {
         })
         .collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_change_of_units_scales_the_weights() {
-        let names = Names::new([("u", 2), ("v", 1)], ["p"]);
-        let metric = |u: f64, p: f64| {
-            Metric::new(
-                &names,
-                &[0.0, 0.0, 3.0],
-                &[u, 2.0 * u, 1.0],
-                &[[0.0, 10.0 * p]],
-                &[0.0],
-                &[p],
-                &[],
-            )
-            .weights(&names)
-        };
-        let (here, there) = (metric(1.0, 1.0), metric(1e3, 1e-2));
-        for (i, factor) in [1e3, 1e3, 1.0, 1e-2].into_iter().enumerate() {
-            assert!((here[i] / (there[i] * factor * factor) - 1.0).abs() < 1e-12);
-        }
-    }
-}

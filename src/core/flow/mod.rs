@@ -22,8 +22,6 @@
 //! [`Scalar`]: crate::core::scalar::Scalar
 
 mod abreast;
-#[cfg(test)]
-mod conditions;
 mod control;
 mod course;
 mod error;

@@ -234,17 +234,3 @@ fn dashes(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     }
     dashes
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dashes_follow_the_corners_and_end_with_the_line() {
-        let corner = [[0.0, 0.0], [5.0, 0.0], [5.0, 10.0]];
-        let expected =
-            vec![vec![[0.0, 0.0], [5.0, 0.0], [5.0, 2.0]], vec![[5.0, 6.5], [5.0, 10.0]]];
-        assert_eq!(dashes(&corner), expected);
-        assert!(dashes(&[]).is_empty() && dashes(&[[1.0, 1.0]]).is_empty());
-    }
-}

@@ -87,26 +87,3 @@ pub(super) fn sampled(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     };
     points.windows(2).flat_map(between).chain(points.last().copied()).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn labels_keep_off_the_curve_and_off_each_other() {
-        let curve = sampled(&[[0.0, 50.0], [200.0, 50.0]]);
-        let size = [16.0, 10.0];
-        let marks = [([100.0, 50.0], "LP", size), ([104.0, 50.0], "BP", size)];
-        let places = place(&marks, &curve, [0.0, 0.0, 200.0, 100.0]);
-        let [Some(first), Some(second)] = places[..] else { panic!("{places:?}") };
-        assert!((first[1] - 50.0).abs() > 6.0 && (second[1] - 50.0).abs() > 6.0);
-        assert!(!overlap(around(first, size), around(second, size)));
-    }
-
-    #[test]
-    fn a_label_that_repeats_another_in_the_same_place_is_left_out() {
-        let marks = [([9.0, 9.0], "EP", [4.0, 4.0]), ([9.0, 9.0], "EP", [4.0, 4.0])];
-        let places = place(&marks, &[], [-99.0, -99.0, 99.0, 99.0]);
-        assert!(places[0].is_some() && places[1].is_none());
-    }
-}

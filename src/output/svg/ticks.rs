@@ -90,35 +90,3 @@ fn power_of_ten(exponent: i32) -> String {
     };
     format!("×10{}", exponent.to_string().chars().map(superscript).collect::<String>())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn labels(low: f64, high: f64) -> (Vec<String>, String) {
-        let ticks = Ticks::new([low, high], 6.0).unwrap();
-        (ticks.ticks.into_iter().map(|(_, label)| label).collect(), ticks.factor)
-    }
-
-    #[test]
-    fn labels_are_round_and_have_the_same_decimals() {
-        assert_eq!(labels(0.0, 1.0).0, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(-100.0, 100.0).0, ["−100", "−50", "0", "50", "100"]);
-        assert_eq!(labels(172.963, 172.964).0.first().unwrap(), "172.9630");
-    }
-
-    #[test]
-    fn very_large_and_very_small_values_share_a_power_of_ten() {
-        assert_eq!(labels(0.0, 4e-9).1, "×10⁻⁹");
-        assert_eq!(labels(0.0, 6e-9).0, ["0", "1", "2", "3", "4", "5", "6"]);
-        assert_eq!(labels(0.0, 3e7).1, "×10⁶");
-    }
-
-    #[test]
-    fn no_range_is_too_small_and_an_infinite_one_is_refused() {
-        assert!(!labels(3.0, 3.0).0.is_empty());
-        assert!(!labels(0.0, 0.0).0.is_empty());
-        assert!(!labels(0.0, 5e-324).0.is_empty());
-        assert!(Ticks::new([-f64::MAX, f64::MAX], 6.0).is_err());
-    }
-}

@@ -168,35 +168,3 @@ pub fn pairs(points: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     }
     products
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn projection_is_the_transpose_of_expansion() {
-        let x: Vec<f64> = (0..15).map(|i| f64::from(i * i % 7) - 2.5).collect();
-        let y: Vec<f64> = (0..28).map(|i| f64::from(i * 5 % 11) - 4.5).collect();
-        let product = Product { x: &x, y: &y, points: [5, 7] };
-        let c: Vec<f64> = (0..12).map(|i| f64::from(i) * 0.25 - 1.0).collect();
-        let g: Vec<f64> = (0..35).map(|i| f64::from(i * 3 % 13) - 6.0).collect();
-        let (mut half, mut field, mut back) = (vec![0.0; 21], vec![0.0; 35], vec![0.0; 12]);
-        product.expand(&c, &mut half, &mut field);
-        product.project(&g, &mut half, &mut back);
-        let inner = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-        assert!((inner(&field, &g) - inner(&c, &back)).abs() < 1e-9);
-    }
-
-    #[test]
-    fn rules_are_exact_and_sum_to_one() {
-        for symmetric in [true, false] {
-            for rule in [Rule::exact(20, symmetric), Rule::halves(11, symmetric)] {
-                let power = |n: i32| -> f64 {
-                    rule.nodes.iter().zip(&rule.weights).map(|(x, w)| w * x.powi(n)).sum()
-                };
-                assert!((power(0) - 1.0).abs() < 1e-14);
-                assert!((power(20) - 1.0 / 21.0).abs() < 1e-14);
-            }
-        }
-    }
-}

@@ -146,32 +146,3 @@ pub(super) fn signed_root<T: Scalar>(square: T) -> T {
 pub(super) fn reals<T: Scalar>(x: &[T]) -> Vec<f64> {
     x.iter().map(Scalar::real).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Repeated eigenvalues, with and without as many eigenvectors, above a simple lowest one.
-    #[test]
-    fn the_lowest_of_repeated_eigenvalues_is_found() {
-        for coupling in [0.0, 1.0] {
-            let mut jacobian = DMatrix::from_diagonal(&DVector::from_column_slice(&[
-                9.0, 9.0, 2.0, 9.0, 4.0, 4.0,
-            ]));
-            jacobian[(0, 1)] = coupling;
-            let mass = DMatrix::identity(6, 6) * 0.5;
-            let lowest = lowest_general(&jacobian, &mass).unwrap();
-            for vector in [&lowest.left, &lowest.right] {
-                assert!((vector[2].abs() - 1.0).abs() < 1e-12, "{vector:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn complex_and_infinite_eigenvalues_are_refused() {
-        let mass = DMatrix::identity(2, 2);
-        let turning = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, 1.0, 1.0]);
-        assert!(lowest_general(&turning, &mass).is_none());
-        assert!(lowest_general(&(turning * f64::INFINITY), &mass).is_none());
-    }
-}

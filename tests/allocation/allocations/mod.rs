@@ -1,5 +1,4 @@
-//! What Newton's method allocates once it has been warmed up. A module of its own, since the counter replaces
-//! the allocator of every program that it is part of.
+//! What Newton's method allocates once it has been warmed up.
 
 use tangency::core::condition::Condition;
 use tangency::core::extended::Extended;

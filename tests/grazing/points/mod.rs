@@ -1,6 +1,6 @@
 //! Grazing orbits, shared by tests of local maps.
 
-use crate::systems::impact_oscillator::ClosedForm;
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
 use tangency::core::flow::{Flow, Scheme, Settings};
 use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};

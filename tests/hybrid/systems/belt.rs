@@ -24,8 +24,6 @@ impl Belt {
     pub const OVERTAKE: usize = 1;
     /// The belt's velocity is reached from below.
     pub const CATCH: usize = 2;
-    /// The belt's velocity is reached from above.
-    pub const SLOW: usize = 3;
 }
 
 impl HybridSystem for Belt {

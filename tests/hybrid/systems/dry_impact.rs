@@ -23,8 +23,6 @@ impl DryImpact {
     pub const DOWN: usize = 2;
     /// The stop hits the mass.
     pub const HIT: usize = 0;
-    /// The spring overcomes friction upwards and downwards.
-    pub const SLIP: [usize; 2] = [1, 2];
     /// Upward or downward motion ends.
     pub const TURN: usize = 3;
     /// The parameters of the reference, with `k = 5.5`.

@@ -1,6 +1,5 @@
 //! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside its
 //! equations.
-#![allow(dead_code, reason = "each of the programs that share it uses a part")]
 
 pub mod belt;
 pub mod bouncing_ball;

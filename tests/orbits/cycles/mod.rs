@@ -1,5 +1,4 @@
 //! Vector fields with known periodic orbits, and ways to get to them, shared by tests.
-#![allow(dead_code, reason = "each of the programs that share it uses a part")]
 
 use tangency::core::bvp::{BoundarySystem, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind};

@@ -1,7 +1,7 @@
 //! Equilibria and folds of plates and strips, found by the plainest of methods: independent of the
 //! solvers under test elsewhere.
 
-use crate::models::LOAD;
+use crate::plates::models::LOAD;
 use tangency::core::dense::Dense;
 use tangency::core::zero::{Border, Slot, System, ZeroProblem};
 

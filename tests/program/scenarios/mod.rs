@@ -1,5 +1,8 @@
 //! Scenes as a user runs them, shared by tests.
 
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock, Mutex, OnceLock};
 use tangency::core::continuation::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, execute};
@@ -19,11 +22,20 @@ pub fn with(name: &str, changes: &[(&str, &str)]) -> Scene {
     scene
 }
 
+/// Documents of scenes, each traced by the first test that needs it.
+static TRACED: LazyLock<Mutex<BTreeMap<String, Arc<OnceLock<Document>>>>> =
+    LazyLock::new(Mutex::default);
+
 /// The document of a scene that runs to its end.
 pub fn traced(scene: &Scene) -> Document {
-    let outcome = execute(scene, None, &mut ());
-    assert_eq!(outcome.error, None);
-    outcome.document
+    let key = format!("{scene:?}");
+    let document = Arc::clone(TRACED.lock().unwrap().entry(key).or_default());
+    let trace = || {
+        let outcome = execute(scene, None, &mut ());
+        assert_eq!(outcome.error, None);
+        outcome.document
+    };
+    document.get_or_init(trace).clone()
 }
 
 /// What is said of a text that is no scene.
@@ -36,4 +48,9 @@ pub fn column(document: &Document, branch: &str, kind: Kind, name: &str) -> Vec<
     let branch = document.branch(branch).unwrap();
     let column = branch.column(name).unwrap();
     branch.of_kind(kind).map(|point| point.value(column).unwrap()).collect()
+}
+
+/// Any text of up to 64 characters.
+pub fn any_text() -> impl Strategy<Value = String> {
+    proptest::collection::vec(any::<char>(), 0..64).prop_map(String::from_iter)
 }

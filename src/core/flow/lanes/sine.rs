@@ -66,30 +66,3 @@ impl Lanes {
         (Lanes(near.select(found[0], sine)), Lanes(near.select(found[1], cosine)))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sines_of_all_quadrants_are_those_of_real_numbers() {
-        for k in -4000..4000 {
-            let x: [f64; 8] = std::array::from_fn(|i| 0.01 * f64::from(8 * k + i as i32) + 1e-3);
-            let (sine, cosine) = Lanes::from(x).circular();
-            for (i, x) in x.into_iter().enumerate() {
-                assert!((sine.each()[i] - x.sin()).abs() < 2.3e-16, "sin {x}");
-                assert!((cosine.each()[i] - x.cos()).abs() < 2.3e-16, "cos {x}");
-            }
-        }
-    }
-
-    #[test]
-    fn sines_of_large_numbers_are_those_of_real_numbers() {
-        let x = [1e6, -3e8, 1.0, f64::INFINITY, 0.0, 2e5, 7.0, -1.0];
-        let (sine, cosine) = Lanes::from(x).circular();
-        for (i, x) in x.into_iter().enumerate() {
-            let same = |a: f64, b: f64| a == b || a.is_nan() && b.is_nan();
-            assert!(same(sine.each()[i], x.sin()) && same(cosine.each()[i], x.cos()));
-        }
-    }
-}

@@ -44,12 +44,10 @@ fn ends_in_row(map: &'static RobustnessMap, panel: usize, method: &str, x: f64, 
 
 #[test]
 fn no_method_of_the_library_is_silently_wrong() {
-    let mut reported = 0;
     for map in &*NOW {
         for tried in map.panels.iter().flat_map(|panel| &panel.methods).filter(|t| !t.naive) {
             for cell in &tried.cells {
                 let outcome = &map.outcomes[cell.outcome];
-                reported += usize::from(outcome.class == Class::Reported);
                 assert!(
                     outcome.class != Class::Silent,
                     "{}, {}, {cell:?}: {}",
@@ -73,7 +71,6 @@ fn no_method_of_the_library_is_silently_wrong() {
             }
         }
     }
-    assert!(reported > 500, "{reported}");
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! Promises of systems with impacts, and of their orbits.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod attractors;
 mod failures;
 mod fleets;
@@ -12,5 +9,5 @@ mod orbits;
 mod recorded;
 mod references;
 mod simulation;
-mod systems;
+pub mod systems;
 mod watched;

@@ -1,8 +1,13 @@
 //! The order conditions of the tableaux, tree by tree (Butcher; Hairer, Nørsett and Wanner 1993,
 //! theorem II.2.13, and for Rosenbrock methods Hairer and Wanner 1996, theorem IV.7.4).
 
-use super::rodas::{COUPLING, ERROR, GAMMA, NODES, ROWS, STAGES, TIME};
-use super::tableau::{ORDER_EIGHT, ORDER_FIVE, Row, Tableau};
+#[path = "../../src/core/flow/rodas.rs"]
+mod rodas;
+#[path = "../../src/core/flow/tableau.rs"]
+mod tableau;
+
+use rodas::{COUPLING, DENSE, ERROR, GAMMA, NODES, ROWS, STAGES, TIME};
+use tableau::{ORDER_EIGHT, ORDER_FIVE, Row, Tableau};
 
 /// Coefficients of up to 43 are rounded to 16 digits.
 const ROUNDING: f64 = 1e-14;
@@ -130,6 +135,46 @@ fn nodes_are_sums_of_rows() {
     }
 }
 
+/// `x' = λ x` over one step with `z = hλ`.
+fn growth(tableau: &Tableau, z: f64) -> f64 {
+    let mut slopes = vec![z];
+    let state =
+        |row: Row, slopes: &[f64]| 1.0 + row.iter().map(|(j, a)| a * slopes[*j]).sum::<f64>();
+    for row in tableau.rows {
+        slopes.push(z * state(row, &slopes));
+    }
+    state(tableau.weights, &slopes)
+}
+
+#[test]
+fn stability_ends_where_the_tableaux_say() {
+    for tableau in [&ORDER_EIGHT, &ORDER_FIVE] {
+        let [inside, outside] =
+            [0.97, 1.03].map(|part| growth(tableau, -part * tableau.stability).abs());
+        assert!(inside < 1.0 && outside > 1.0, "{}: {inside} {outside}", tableau.order);
+    }
+}
+
+/// Where the slope is constant, nothing but the Hermite part of dense output is left; the slope at the end of the step is
+/// in the error of the pair of order 5 only; and the step control is stable.
+#[test]
+fn what_follows_the_weights_is_consistent() {
+    for (tableau, end_in_error) in [(&ORDER_EIGHT, false), (&ORDER_FIVE, true)] {
+        for row in tableau.dense {
+            let sum: f64 = row.iter().map(|(_, d)| d).sum();
+            let size = row.iter().fold(1.0, |size: f64, (_, d)| size.max(d.abs()));
+            assert!(sum.abs() < 1e-13 * size, "{sum}");
+            assert!(
+                row.iter().all(|(stage, _)| *stage <= tableau.end() + tableau.extra_rows.len())
+            );
+        }
+        assert_eq!(tableau.end_in_error(), end_in_error);
+        let (least, most) = tableau.ratios;
+        assert!(0.0 < least && least < 1.0 && 1.0 < most);
+        assert!((0.0..1.0 / tableau.order as f64).contains(&tableau.memory));
+    }
+}
+
 /// `α = A Γ`, `β = α + Γ` and `b = m Γ` with `Γ⁻¹ = I/γ − C`.
 #[test]
 fn the_rosenbrock_method_has_its_order() {
@@ -157,6 +202,10 @@ fn the_rosenbrock_method_has_its_order() {
         assert!(violation(order, &error, (&alpha, &beta), true) < 1e-12, "estimate {order}");
     }
     assert!(violation(5, &error, (&alpha, &beta), true) > 1e-5);
+    for row in &DENSE {
+        let sum: f64 = row.iter().zip(&gamma).map(|(h, row)| h * row.iter().sum::<f64>()).sum();
+        assert!(sum.abs() < 1e-12, "{sum}");
+    }
     for i in 0..STAGES {
         assert!((alpha[i].iter().sum::<f64>() - NODES[i]).abs() < 1e-13, "node {i}");
         assert!((gamma[i].iter().sum::<f64>() - TIME[i]).abs() < 1e-12, "time {i}");

@@ -1,14 +1,12 @@
 //! Promises of boundary-value problems and smooth periodic orbits.
 
-#[path = "../common/mod.rs"]
-mod common;
-
-mod boundary;
+pub mod boundary;
 mod boundary_values;
 mod collocation;
 mod curves;
-mod cycles;
+pub mod cycles;
 mod failures;
 mod multipliers;
 mod orbits;
+mod shooting;
 mod simulation;

@@ -3,9 +3,10 @@
 mod accuracy;
 mod cost;
 mod failures;
+mod functions;
 mod modal;
-mod models;
-mod plate_fold;
+pub mod models;
+pub mod plate_fold;
 mod reference;
 mod ritz;
 mod sine;

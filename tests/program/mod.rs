@@ -1,17 +1,18 @@
 //! Promises of the program: commands, scenes, documents and figures.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod command_line;
 mod fidelity;
 mod itineraries;
 mod output_document;
 mod output_figures;
+mod output_svg;
+#[cfg(unix)]
 mod readme;
-mod scenarios;
+mod robustness;
+pub mod scenarios;
 mod scenes;
 mod scenes_near_grazing;
 mod scenes_of_impacts;
 mod scenes_of_orbits;
 mod sweeps;
+mod work_precision;

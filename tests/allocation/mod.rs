@@ -1,0 +1,5 @@
+//! Promises about memory, counted in the thread of each test.
+
+mod allocations;
+mod equilibria;
+mod orbits;

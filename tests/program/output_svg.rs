@@ -1,0 +1,186 @@
+//! Promise: numbers, axes, lines and labels of figures are what a reader expects.
+
+use proptest::prelude::*;
+use tangency::output::{
+    Document, Figure, FigureError, Mark, Series, Style, Symbol, diagram, draw, example_branch,
+    significant, suggest,
+};
+
+#[test]
+fn numbers_have_their_shortest_form() {
+    for (value, text) in [
+        (-0.0, "0"),
+        (1200.0, "1200"),
+        (1e14, "100000000000000"),
+        (1e15, "1e15"),
+        (1e-5, "0.00001"),
+        (9.9e-6, "9.9e-6"),
+        (0.999_999_999_999_999_9, "1"),
+        (f64::MAX, "1.79769313486232e308"),
+    ] {
+        assert_eq!(significant(value, 15), text);
+    }
+}
+
+proptest! {
+    #[test]
+    fn within_half_a_unit_of_the_last_digit(value in -1e20..1e20_f64, scale in -30..30_i32) {
+        let value = value * 10f64.powi(scale);
+        let read: f64 = significant(value, 15).parse().unwrap();
+        prop_assert!((read - value).abs() <= 5.1e-15 * value.abs());
+    }
+}
+
+/// The texts of an SVG with their places, in pixels.
+fn texts(svg: &str) -> Vec<([f64; 2], String)> {
+    let elements = svg.split("<text ").skip(1);
+    let text = |element: &str| {
+        let (attributes, rest) = element.split_once('>').expect("a text");
+        let number = |name: &str| {
+            let (_, value) = attributes.split_once(&format!("{name}=\"")).expect("an attribute");
+            value.split('"').next().and_then(|value| value.parse::<f64>().ok()).expect("a number")
+        };
+        let content = rest.split("</text>").next().unwrap_or_default().trim().to_string();
+        ([0.1 * number("x"), 0.1 * number("y")], content)
+    };
+    elements.map(text).collect()
+}
+
+/// The lines of a colour in an SVG, in pixels.
+fn lines(svg: &str, colour: &str) -> Vec<Vec<[f64; 2]>> {
+    let stroke = format!("stroke=\"{colour}\"");
+    let elements = svg.split("<polyline ").skip(1).filter(|element| element.contains(&stroke));
+    let line = |element: &str| {
+        let (_, points) = element.split_once("points=\"").expect("points");
+        let points = points.split('"').next().unwrap_or_default().split_whitespace();
+        let point = |text: &str| {
+            let (x, y) = text.split_once(',').expect("two coordinates");
+            [x, y].map(|value| 0.1 * value.parse::<f64>().expect("a coordinate"))
+        };
+        points.map(point).collect()
+    };
+    elements.map(line).collect()
+}
+
+/// The colour of the first curve.
+const FIRST: &str = "#0072B2";
+
+fn drawn(style: Style, points: &[[f64; 2]]) -> Figure {
+    Figure::new("", "", "").with(Series::new("a", style, points.iter().copied()))
+}
+
+/// The texts at the horizontal axis of a figure with data from `low` to `high`.
+fn labels(low: f64, high: f64) -> Vec<String> {
+    let svg = draw(&[drawn(Style::Solid, &[[low, 0.0], [high, 1.0]])]).unwrap();
+    let texts = texts(&svg);
+    let lowest = texts.iter().map(|([_, y], _)| *y).fold(f64::NEG_INFINITY, f64::max);
+    // The labels of the vertical axis are above.
+    let found = texts.into_iter().filter(|([_, y], _)| lowest - y < 40.0);
+    found.map(|(_, text)| text).collect()
+}
+
+#[test]
+fn labels_of_axes_are_round_and_have_the_same_decimals() {
+    let has = |found: &[String], expected: &[&str]| {
+        assert!(expected.iter().all(|text| found.iter().any(|f| f == text)), "{found:?}");
+    };
+    has(&labels(0.0, 1.0), &["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+    has(&labels(-100.0, 100.0), &["−100", "−50", "0", "50", "100"]);
+    has(&labels(172.963, 172.964), &["172.9630", "172.9640"]);
+    has(&labels(0.0, 6e-9), &["0", "1", "2", "3", "4", "5", "6"]);
+    // Very large and very small values share a power of ten.
+    assert!(labels(0.0, 4e-9).iter().any(|text| text.contains("×10⁻⁹")));
+    assert!(labels(0.0, 3e7).iter().any(|text| text.contains("×10⁶")));
+}
+
+#[test]
+fn no_range_is_too_small_and_an_infinite_one_is_refused() {
+    for [low, high] in [[3.0, 3.0], [0.0, 0.0], [0.0, 5e-324]] {
+        assert!(!labels(low, high).is_empty());
+    }
+    let wide = draw(&[drawn(Style::Solid, &[[-f64::MAX, 0.0], [f64::MAX, 1.0]])]);
+    assert!(matches!(wide, Err(FigureError::TooWide { .. })), "{wide:?}");
+}
+
+#[test]
+fn dashes_follow_the_corners_and_end_with_the_line() {
+    let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+    let [solid, dashed] = [Style::Solid, Style::Dashed]
+        .map(|style| lines(&draw(&[drawn(style, &corner)]).unwrap(), FIRST));
+    let [whole] = &solid[..] else { panic!("{solid:?}") };
+    let length = |line: &[[f64; 2]]| -> f64 {
+        line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
+    };
+    assert!(dashed.len() > 5 && dashed[0][0] == whole[0]);
+    let (last, all) = dashed.split_last().unwrap();
+    assert!(all.iter().all(|dash| (length(dash) - 7.0).abs() < 0.25), "{dashed:?}");
+    assert!(length(last) < 7.25);
+    for pair in dashed.windows(2) {
+        let (end, start) = (pair[0][pair[0].len() - 1], pair[1][0]);
+        // Gaps are straight but for the one about the corner.
+        let gap = (start[0] - end[0]).abs() + (start[1] - end[1]).abs();
+        assert!((gap - 4.5).abs() < 0.25, "{gap}");
+    }
+    // A dash that goes round the corner has it as a point.
+    let on = |p: &[f64; 2]| (p[0] - whole[1][0]).abs() < 0.1 || (p[1] - whole[1][1]).abs() < 0.1;
+    assert!(dashed.iter().flatten().all(on), "{dashed:?}");
+    // A single point has no dash.
+    assert!(lines(&draw(&[drawn(Style::Dashed, &[[1.0, 1.0]])]).unwrap(), FIRST).len() <= 1);
+}
+
+#[test]
+fn labels_keep_off_the_curve_and_off_each_other() {
+    let mark = |x: f64, label: &str| Mark {
+        at: [x, 0.5],
+        label: label.into(),
+        meaning: "marked".into(),
+        symbol: Symbol::Disc,
+    };
+    let mut figure = drawn(Style::Solid, &[[0.0, 0.5], [1.0, 0.5]]);
+    figure.marks = vec![mark(0.50, "LP"), mark(0.51, "BP")];
+    let svg = draw(&[figure.clone()]).unwrap();
+    let curve = lines(&svg, FIRST)[0][0][1];
+    let place = |svg: &str, label: &str| -> Vec<[f64; 2]> {
+        texts(svg).into_iter().filter(|(_, text)| text == label).map(|(at, _)| at).collect()
+    };
+    let ([first], [second]) = (&place(&svg, "LP")[..], &place(&svg, "BP")[..]) else {
+        panic!("{:?}", texts(&svg))
+    };
+    // The top of a text of ten pixels is given.
+    for [_, y] in [first, second] {
+        assert!(*y > curve || y + 10.0 < curve, "{y} {curve}");
+    }
+    let apart = [first[0] - second[0], first[1] - second[1]].map(f64::abs);
+    assert!(apart[0] > 14.0 || apart[1] > 9.0, "{apart:?}");
+    // A label that repeats another in the same place is left out.
+    figure.marks = vec![mark(0.5, "EP"), mark(0.5, "EP")];
+    assert_eq!(place(&draw(&[figure]).unwrap(), "EP").len(), 1);
+}
+
+/// The branch `load = u (1 − u)²` is cut where it leaves the range.
+#[test]
+fn a_line_is_cut_where_it_leaves() {
+    let mut document = Document::new("Pull-in", vec![example_branch()]);
+    document.plot.ranges = vec![("load".into(), 0.0, 0.1)];
+    let figure = diagram(&[("a", &document)], None, None).unwrap();
+    let pieces: Vec<&Series> = figure.series.iter().filter(|s| !s.points.is_empty()).collect();
+    assert_eq!(pieces.len(), 2, "{pieces:?}");
+    let ends = |series: &Series| [series.points[0], series.points[series.points.len() - 1]];
+    let ([_, leaves], [enters, _]) = (ends(pieces[0]), ends(pieces[1]));
+    for [load, _] in [leaves, enters] {
+        assert!((load - 0.1).abs() < 1e-12, "{load}");
+    }
+    assert!(leaves[1] < 1.0 / 3.0 && enters[1] > 1.0 / 3.0);
+    assert!(pieces.iter().all(|s| s.points.iter().all(|[load, _]| *load <= 0.1 + 1e-12)));
+}
+
+/// Insertions, deletions, replacements and swaps of neighbours count, up to a third of the letters; case does not.
+#[test]
+fn names_are_suggested_by_their_distance() {
+    assert_eq!(suggest("laod", ["load"]), Some("load"));
+    assert_eq!(suggest("Λ", ["λ"]), Some("λ"));
+    assert_eq!(suggest("kitten", ["sitting"]), None, "three changes of six letters");
+    assert_eq!(suggest("kittingen", ["sittingxx"]), Some("sittingxx"), "three of nine");
+    assert_eq!(suggest("", ["abc"]), None);
+    assert_eq!(suggest("abcd", ["abxy", "abxd"]), Some("abxd"));
+}
