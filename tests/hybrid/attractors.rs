@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use tangency::core::attractor::{
     CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
 };
-use tangency::core::bvp::{Birth, BoundaryProblem, BoundarySystem, Mesh, Shooting};
+use tangency::core::bvp::{Birth, BoundarySystem, Mesh, Shooting};
 use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
@@ -124,7 +124,7 @@ fn exponents_of_cycles_are_logarithms_of_multipliers() {
         let recurrence = Recurrence { transient: 3000.0, ..Recurrence::default() };
         let cycle = recurrence.find(&mut flow, at(0, &[0.1, -0.2]), &p).unwrap();
         let Birth { problem, starts, extras } = HybridOrbit::of_cycle(Actuator, &cycle).unwrap();
-        let meshes = problem.segments().iter().map(|_| Mesh::uniform(1)).collect();
+        let meshes = problem.itinerary().legs.iter().map(|_| Mesh::uniform(1)).collect();
         let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
         let mut system = BoundarySystem::new(problem, method, meshes).unwrap();
         let z = system.flowed(&starts, &extras, &p).unwrap();
@@ -298,7 +298,7 @@ fn a_chaotic_band_ends_in_a_crisis() {
     let settling = Settling { transient: 3000, exponent: 0, ..Settling::default() };
     let start = at(0, &[0.1, -0.2]);
     let p = mita(0.0, 0.45);
-    let find = |motion: &mut Stroboscope<_>, between| {
+    let find = |motion: &mut Stroboscope, between| {
         settling.crisis(motion, start.clone(), &p, &CrisisSearch::of(0, between, 2e-5))
     };
     let crisis = find(&mut motion, [0.24, 0.2345]).unwrap();

@@ -14,10 +14,11 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Cycle, Event, Guard, History, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
-    Recurrence,
+    Cycle, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
+    HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
 };
 use tangency::core::scalar::Scalar;
+use tangency::core::watch::Watchable;
 use tangency::problems::classic::ImpactOscillator;
 
 fn settings(tolerance: f64) -> HybridSettings {
@@ -31,18 +32,21 @@ fn at<T: Scalar>(mode: usize, time: f64, x: &[f64]) -> HybridState<T> {
 }
 
 /// The events of a motion with the flow's tolerance 1e-13, and its last state.
-fn followed<S: HybridSystem, T: Scalar>(
-    system: &S,
+fn followed<'a, T: EventNumber>(
+    system: &'a dyn HybridEquations,
     mut state: HybridState<T>,
     duration: T,
     p: &[T],
-) -> (Vec<Event<T>>, HybridState<T>) {
+) -> (Vec<Event<T>>, HybridState<T>)
+where
+    GuardOf<'a>: Watchable<T>,
+{
     let mut flow = HybridFlow::new(system, settings(1e-13)).unwrap();
     let events = flow.events(&mut state, duration, p).unwrap();
     (events, state)
 }
 
-fn found<S: HybridSystem>(system: &S, start: HybridState<f64>, p: &[f64]) -> Cycle {
+fn found(system: &dyn HybridEquations, start: HybridState<f64>, p: &[f64]) -> Cycle {
     let mut flow = HybridFlow::new(system, settings(1e-13)).unwrap();
     let recurrence = Recurrence { tolerance: 1e-11, transient: 300.0, ..Recurrence::default() };
     recurrence.find(&mut flow, start, p).unwrap()
@@ -58,7 +62,7 @@ fn product(a: Matrix, b: Matrix) -> Matrix {
 /// `S = R + (f⁺ − R f⁻) hᵀ/(hᵀ f⁻)`, and that of differences.
 #[test]
 fn derivatives_through_an_event_are_those_of_the_saltation_matrix() {
-    type Two = DualSVec64<2>;
+    type Two = DualSVec64<4>;
     let p = [0.3, 1.0, 0.8, 0.1, 1.0];
     let (start, duration) = ([0.9, 0.5], 2.0);
     let state = HybridState {

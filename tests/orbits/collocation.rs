@@ -6,8 +6,8 @@ use crate::orbits::boundary::{FOLD, Glued, VanDerPol, collocated, strings};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tangency::core::bvp::{
-    BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, Mesh, Method, Observable, Span,
-    Watchlist,
+    BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, IntoEquations, Mesh, Method,
+    Observable, Span, Watchlist,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::scalar::Scalar;
@@ -416,7 +416,8 @@ fn polynomials_of_the_degree_solve_their_equations() {
     for m in 2..=7 {
         let collocation = Collocation::new(m).unwrap();
         let nodes: Vec<f64> = collocation.places().iter().map(|s| s.powi(m as i32)).collect();
-        let interval = Interval { problem: &Power(m), span: WHOLE, nodes: &nodes, q: &[1.0] };
+        let problem = Power(m).into_equations();
+        let interval = Interval { problem: &*problem, span: WHOLE, nodes: &nodes, q: &[1.0] };
         let (mut residual, mut x) = (vec![f64::NAN; m], [f64::NAN]);
         collocation.residual(interval, &mut Default::default(), &mut residual).unwrap();
         assert!(residual.iter().all(|r| r.abs() < 2e-14), "{residual:?}");
@@ -433,7 +434,8 @@ fn every_stationary_place_is_found() {
     let mut collocation = Collocation::new(7).unwrap();
     let chebyshev = |s: &f64| (7.0 * (2.0 * s - 1.0).acos()).cos();
     let nodes: Vec<f64> = collocation.places().iter().map(chebyshev).collect();
-    let interval = Interval { problem: &Power(7), span: WHOLE, nodes: &nodes, q: &[1.0] };
+    let problem = Power(7).into_equations();
+    let interval = Interval { problem: &*problem, span: WHOLE, nodes: &nodes, q: &[1.0] };
     let watched = Watchlist { extrema: &[Observable::State(0)], rises: &[] };
     let mut found = Vec::new();
     collocation.extrema(interval, watched, None, &mut |_, place, _| found.push(place)).unwrap();

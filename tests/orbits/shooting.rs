@@ -2,7 +2,8 @@
 
 use num_dual::Dual64;
 use tangency::core::bvp::{
-    Block, BoundaryProblem, Ends, Interval, Method, Observable, Shooting, Span, Watchlist,
+    Block, BoundaryProblem, Ends, Interval, IntoEquations, Method, Observable, Shooting, Span,
+    Watchlist,
 };
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::scalar::Scalar;
@@ -39,7 +40,7 @@ const NODES: [f64; 4] = [0.3, -0.2, 0.5, 0.1];
 #[test]
 fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
     for extra in [0, 2, 5, 12] {
-        let problem = Oscillator(extra);
+        let problem = Oscillator(extra).into_equations();
         let mut q = vec![1.3, 0.1, 0.4, 2.0];
         q.resize(4 + extra, 0.0);
         for count in 0..=q.len() {
@@ -48,7 +49,7 @@ fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
             let (mut residual, mut nodes) = ([0.0; 2], [f64::NAN; 8]);
             let mut numbers = vec![f64::NAN; 2 * count];
             let block = Block { residual: &mut residual, nodes: &mut nodes, numbers: &mut numbers };
-            let interval = Interval { problem: &problem, span: SPAN, nodes: &NODES, q: &q };
+            let interval = Interval { problem: &*problem, span: SPAN, nodes: &NODES, q: &q };
             shooting.linearise(interval, &active, block).unwrap();
             for direction in 0..4 + count {
                 let mut dual: Vec<Dual64> = NODES.map(Dual64::from).to_vec();
@@ -58,7 +59,7 @@ fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
                 let mut r = [Dual64::from(0.0); 2];
                 let mut work = Flow::default();
                 let (states, q) = dual.split_at(4);
-                let interval = Interval { problem: &problem, span: SPAN, nodes: states, q };
+                let interval = Interval { problem: &*problem, span: SPAN, nodes: states, q };
                 shooting.residual(interval, &mut work, &mut r).unwrap();
                 for (i, r) in r.iter().enumerate() {
                     let part = match direction.checked_sub(4) {
@@ -77,12 +78,12 @@ fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
 /// an interval, its extrema at π and 2π between `t = 2` and `t = 7`, and its rise at 3π/2.
 #[test]
 fn values_and_extrema_are_those_of_the_trajectory() {
-    let (problem, q) = (Oscillator(0), [1.0, 0.0, 0.0, 4.0]);
+    let (problem, q) = (Oscillator(0).into_equations(), [1.0, 0.0, 0.0, 4.0]);
     let span = Span { segment: 1, start: 0.25, end: 0.875 };
     let nodes = [2f64.cos(), -2f64.sin(), 7f64.cos(), -7f64.sin()];
     let mut shooting = Shooting::default();
     let (mut x, mut work) = ([0.0; 2], Flow::default());
-    let interval = Interval { problem: &problem, span, nodes: &nodes, q: &q };
+    let interval = Interval { problem: &*problem, span, nodes: &nodes, q: &q };
     shooting.residual(interval, &mut work, &mut x).unwrap();
     assert!(x[0].abs().max(x[1].abs()) < 2e-12, "{x:?}");
     for place in [0.0, 0.3, 1.0] {
@@ -121,10 +122,11 @@ fn finer_shooting_ends_where_rounding_begins() {
 
 #[test]
 fn leaving_the_domain_is_an_error_of_every_evaluation() {
-    let (problem, q, nodes) = (Oscillator(0), [1.0, 0.0, 1e3, 2.0], [9.0, 9.0, 0.0, 0.0]);
+    let (problem, q, nodes) =
+        (Oscillator(0).into_equations(), [1.0, 0.0, 1e3, 2.0], [9.0, 9.0, 0.0, 0.0]);
     let mut shooting = Shooting::default();
     let (mut x, mut work) = ([0.0; 2], Flow::default());
-    let interval = Interval { problem: &problem, span: SPAN, nodes: &nodes, q: &q };
+    let interval = Interval { problem: &*problem, span: SPAN, nodes: &nodes, q: &q };
     let error = shooting.residual(interval, &mut work, &mut x).unwrap_err();
     assert!(error.quantity.starts_with("x at t = "), "{error}");
     let (mut nodes_part, mut r) = ([0.0; 8], [0.0; 2]);

@@ -5,7 +5,9 @@ use super::impact_oscillator::ClosedForm;
 use super::reference::Reference;
 use crate::common::solved;
 use std::f64::consts::{PI, TAU};
-use tangency::core::bvp::{BoundarySystem, Collocation, Equations, Mesh, Method, Number, Shooting};
+use tangency::core::bvp::{
+    BoundarySystem, Collocation, IntoEquations, Mesh, Method, Number, Shooting,
+};
 use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -79,10 +81,11 @@ pub fn resting(stiffness: f64) -> [Start; 2] {
 }
 
 fn discretised<M: Method>(
-    problem: impl Equations,
+    problem: impl IntoEquations,
     method: M,
     intervals: usize,
 ) -> BoundarySystem<M> {
+    let problem = problem.into_equations();
     let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
     BoundarySystem::new(problem, method, meshes).unwrap()
 }
