@@ -16,6 +16,7 @@ pub mod jet;
 pub mod kind;
 pub mod linear;
 pub mod motion;
+pub mod names;
 pub mod newton;
 pub mod orbit;
 pub mod quadrature;

@@ -10,10 +10,10 @@ use crate::core::grazing::{
     ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
 };
 use crate::core::hybrid::HybridSystem;
+use crate::core::names::UnknownName;
 use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::solution::Solution;
 use crate::core::zero::System;
-use crate::output::UnknownName;
 use serde::{Deserialize, Serialize};
 
 /// The local map of which a run follows fixed or periodic points: that at a grazing which an earlier run has
@@ -112,33 +112,36 @@ impl Local {
     }
 }
 
-impl Discretisation {
-    /// The local map of a system at a special point.
-    pub(super) fn local_map<H>(
+impl Local {
+    /// The map of a system at a special point, expanded to an order.
+    pub(super) fn map<H>(
         &self,
-        system: H,
-        local: &Local,
+        system: &H,
+        discretisation: Discretisation,
+        order: usize,
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError>
     where
         H: HybridSystem + Clone + 'static,
     {
-        let point = match self.method.unwrap_or(Discretised::USUAL_HYBRID) {
+        let Discretisation { method, degree, intervals, segments, .. } = discretisation;
+        let point = match method {
             Discretised::Collocation => {
-                let method = Collocation::new(self.degree)
+                let method = Collocation::new(degree)
                     .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
-                grazing_point(&system, method, self.intervals, branch, special)
+                grazing_point(system, method, intervals, branch, special)
             }
             Discretised::Shooting => {
-                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
-                grazing_point(&system, method, self.segments, branch, special)
+                let Discretisation { scheme, flow_tolerance, .. } = discretisation;
+                let method = Shooting::new(scheme, flow_tolerance)?;
+                grazing_point(system, method, segments, branch, special)
             }
         }?;
-        touches(&system, &point)?;
-        let point = point.located(&system, &local.parameters[0])?;
-        let names: Vec<&str> = local.parameters.iter().map(String::as_str).collect();
-        let settings = MapSettings { order: self.order, ..MapSettings::default() };
-        LocalMap::of(&system, &point, &names, settings)
+        touches(system, &point)?;
+        let point = point.located(system, &self.parameters[0])?;
+        let names: Vec<&str> = self.parameters.iter().map(String::as_str).collect();
+        let settings = MapSettings { order, ..MapSettings::default() };
+        LocalMap::of(system, &point, &names, settings)
     }
 }
 

@@ -6,8 +6,8 @@ use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint
 use crate::core::hybrid::{
     History, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Piece,
 };
+use crate::core::names::UnknownName;
 use crate::core::zero::Profile;
-use crate::output::UnknownName;
 
 /// A simulated history as a branch of one point, and the state in which it ends.
 pub(super) struct Simulation {
