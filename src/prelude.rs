@@ -9,9 +9,10 @@ pub use crate::core::bvp::{
 };
 pub use crate::core::continuation::{Branch, Continuation, Kind, SpecialPoint};
 pub use crate::core::dense::Dense;
-pub use crate::core::field::{Equilibria, VectorField};
+pub use crate::core::field::{Equilibria, Forcing, VectorField};
 pub use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
 pub use crate::core::orbit::{HybridOrbit, Itinerary, Orbit};
 pub use crate::core::scalar::Scalar;
 pub use crate::core::zero::{LeftDomain, Names, System, ZeroProblem};
+#[cfg(feature = "scene")]
 pub use crate::scene::Catalogue;

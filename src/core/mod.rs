@@ -23,6 +23,7 @@ pub mod quadrature;
 pub mod scalar;
 pub mod scalar_field;
 pub mod solution;
+#[cfg(feature = "scene")]
 pub mod sweep;
 pub mod watch;
 pub mod zero;
