@@ -90,12 +90,23 @@
 //! line. How the core is put together, with pictures, is told in `docs/core.md`, and what periodic orbits and
 //! boundary-value problems add to it in `docs/orbits.md`, impacts in `docs/hybrid.md` and `docs/grazing.md`, what motions settle on in `docs/sweeps.md`, which method to choose in `docs/speed-and-accuracy.md`; the way in for users is the README.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod core;
+#[cfg(feature = "scene")]
 pub mod output;
+pub mod prelude;
 pub mod problems;
+#[cfg(feature = "cli")]
 pub mod robustness;
+#[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "cli")]
 pub mod work_precision;
+
+pub use num_dual;
+#[cfg(feature = "scene")]
+pub use scene::Catalogue;
 
 /// The README's code, as documentation tests.
 #[cfg(doctest)]

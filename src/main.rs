@@ -1,9 +1,5 @@
-//! The command line: `tangency points FILE`, `tangency plot FILE…`.
+//! The command line with the built-in problems and scenes.
 
-mod cli;
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    cli::main()
+fn main() -> std::process::ExitCode {
+    tangency::cli::run(tangency::Catalogue::built_in())
 }

@@ -1,12 +1,11 @@
 //! Why a command failed.
 
+use crate::core::names::UnknownName;
+use crate::output::{FigureError, FileError, MergeError, ReportError, UnknownPoint};
+use crate::robustness::RobustnessError;
+use crate::scene::SceneError;
+use crate::work_precision::WorkPrecisionError;
 use std::path::PathBuf;
-use tangency::output::{
-    FigureError, FileError, MergeError, ReportError, UnknownName, UnknownPoint,
-};
-use tangency::robustness::RobustnessError;
-use tangency::scene::SceneError;
-use tangency::work_precision::WorkPrecisionError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -33,7 +32,7 @@ pub enum CommandError {
         cause: Box<SceneError>,
     },
     /// There is no built-in scene of this name, and no such file.
-    #[error("{0}; a scene is a built-in name (see `tangency scenes`) or the path of a RON file")]
+    #[error("{0}; a scene is one of these names (see `tangency scenes`) or the path of a RON file")]
     UnknownScene(UnknownName),
     /// The point to start from does not exist.
     #[error("{}: {cause}", file.display())]

@@ -1,4 +1,4 @@
-//! Arguments, exit codes and messages; no mathematics.
+//! The command line: arguments, exit codes and messages; no mathematics.
 
 mod error;
 mod plot;
@@ -11,6 +11,7 @@ mod trace;
 mod watch;
 mod work_precision;
 
+use crate::scene::Catalogue;
 use clap::{Parser, Subcommand};
 use error::CommandError;
 use std::io::Write;
@@ -36,19 +37,29 @@ enum Command {
     Merge(sweep::Merge),
 }
 
-/// Runs the command line. The exit code is 0 on success,
-/// 1 after an error, 2 for arguments that cannot be understood.
-pub fn main() -> ExitCode {
+/// Runs the command line on the arguments of the program, with the problems and scenes of a catalogue: the `main` of a
+/// program. The exit code is 0 on success, 1 after an error, 2 for arguments that cannot be understood.
+///
+/// ```no_run
+/// use crate::Catalogue;
+/// use crate::problems::classic::ParallelPlate;
+/// fn main() -> std::process::ExitCode {
+///     let scene = "Scene(title: \"pull-in\", problem: MyPlate(), parameters: [(\"load\", 0)],
+///         runs: [Run(name: \"plate\", along: [(name: \"load\", low: 0)])])";
+///     tangency::cli::run(Catalogue::built_in().zero("MyPlate", ParallelPlate).scene("plate", scene))
+/// }
+/// ```
+pub fn run(catalogue: Catalogue) -> ExitCode {
     let arguments = Arguments::parse();
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
-        Command::Scenes(scenes) => scenes.run(&mut out),
+        Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::WorkPrecision(diagrams) => diagrams.run(&mut out),
         Command::Robustness(maps) => maps.run(&mut out),
-        Command::Trace(trace) => trace.run(&mut out),
+        Command::Trace(trace) => trace.run(&catalogue, &mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),
-        Command::Sweep(sweep) => sweep.run(&mut out),
+        Command::Sweep(sweep) => sweep.run(&catalogue, &mut out),
         Command::Merge(merge) => merge.run(&mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {

@@ -1,10 +1,10 @@
 //! `tangency plot FILE…`: the diagram of one or several documents.
 
 use super::CommandError;
+use crate::output::{Document, Sweeps, draw, figures, write_atomically};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use tangency::output::{Document, Sweeps, draw, figures, write_atomically};
 
 /// Draw the branches of one or several documents as SVG
 #[derive(Debug, Args)]

@@ -1,10 +1,10 @@
 //! `tangency points FILE`: the table of special points.
 
 use super::CommandError;
+use crate::output::{Document, csv};
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
-use tangency::output::{Document, csv};
 
 /// Print the special points of a document as comma-separated values
 #[derive(Debug, Args)]

@@ -1,10 +1,11 @@
 //! The common part of commands that make reports: listing, choosing by name, saving, updating a page.
 
 use super::CommandError;
+use crate::core::names::UnknownName;
+use crate::output::{FileError, Report, write_atomically};
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
-use tangency::output::{FileError, Report, UnknownName, write_atomically};
 
 /// The choice of reports, and the target folder.
 #[derive(Debug, Args)]

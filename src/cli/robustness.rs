@@ -2,9 +2,9 @@
 
 use super::CommandError;
 use super::report::{Reports, Wanted};
+use crate::robustness::{MAPS, map};
 use clap::Args;
 use std::io::Write;
-use tangency::robustness::{MAPS, map};
 
 /// Map where methods succeed, report failures, or are silently wrong, as SVG, Markdown and RON
 #[derive(Debug, Args)]

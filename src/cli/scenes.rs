@@ -1,20 +1,21 @@
-//! `tangency scenes`: the built-in scenes.
+//! `tangency scenes`: the scenes that have a name.
 
 use super::CommandError;
+use crate::scene::Catalogue;
 use clap::Args;
 use std::io::Write;
-use tangency::scene::BUILT_IN;
 
-/// List the built-in scenes, one line each
+/// List the scenes that have a name, one line each
 #[derive(Debug, Args)]
 pub struct Scenes {}
 
 impl Scenes {
     /// Writes one line for each scene.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        let width = BUILT_IN.iter().map(|scene| scene.name.len()).max().unwrap_or(0);
-        for scene in BUILT_IN {
-            writeln!(out, "{:width$}  {}", scene.name, scene.summary)?;
+    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+        let scenes = catalogue.scenes();
+        let width = scenes.iter().map(|scene| scene.name.len()).max().unwrap_or(0);
+        for scene in scenes {
+            writeln!(out, "{:width$}  {}", scene.name, catalogue.summary(scene))?;
         }
         Ok(())
     }

@@ -3,6 +3,11 @@
 use super::CommandError;
 use super::trace::SceneAt;
 use super::watch::{Watch, interrupted};
+use crate::core::sweep::{Found, Part};
+use crate::output::{
+    Document, FileError, SweepTable, Sweeps, draw, figures, merge, write_atomically,
+};
+use crate::scene::{Catalogue, Scene, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -11,11 +16,6 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::{Duration, Instant};
-use tangency::core::sweep::{Found, Part};
-use tangency::output::{
-    Document, FileError, SweepTable, Sweeps, draw, figures, merge, write_atomically,
-};
-use tangency::scene::{Scene, SweepWatch, execute, sweep};
 
 /// Find what motions settle on, over parameters and starts, on all cores
 ///
@@ -67,8 +67,8 @@ impl FromStr for Share {
 
 impl Sweep {
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or Ctrl-C.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read()?;
+    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, scene) = self.scene.read(catalogue)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: name });
         }

@@ -3,13 +3,14 @@
 use super::CommandError;
 use super::plot::same_file;
 use super::watch::Watch;
+use crate::core::flow::work;
+use crate::core::names::UnknownName;
+use crate::output::{Document, FileError, draw, figures, write_atomically};
+use crate::scene::{Catalogue, Scene, SceneError, StartPoint, execute};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use tangency::core::flow::work;
-use tangency::output::{Document, FileError, UnknownName, draw, figures, write_atomically};
-use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 
 /// Trace a scene, and save its branches
 #[derive(Debug, Args)]
@@ -36,9 +37,9 @@ pub struct SceneAt {
 
 impl SceneAt {
     /// The name of the scene's results, and the scene with what was changed.
-    pub fn read(&self) -> Result<(String, Scene), CommandError> {
-        let (name, text) = self.text()?;
-        let mut scene = Scene::parse(&text).map_err(|cause| self.at_fault(cause))?;
+    pub fn read(&self, catalogue: &Catalogue) -> Result<(String, Scene), CommandError> {
+        let (name, text) = self.text(catalogue)?;
+        let mut scene = catalogue.parse(&text).map_err(|cause| self.at_fault(cause))?;
         for Setting { name, value } in &self.settings {
             scene.set(name, value).map_err(|cause| self.at_fault(cause))?;
         }
@@ -51,15 +52,15 @@ impl SceneAt {
         CommandError::Scene { place: self.scene.clone(), cause: Box::new(cause) }
     }
 
-    /// The name of the scene and its text: a built-in one, or a file.
-    fn text(&self) -> Result<(String, String), CommandError> {
-        if let Some(scene) = BUILT_IN.iter().find(|scene| scene.name == self.scene) {
-            return Ok((scene.name.into(), scene.text.into()));
+    /// The name of the scene and its text: one of the catalogue, or a file.
+    fn text(&self, catalogue: &Catalogue) -> Result<(String, String), CommandError> {
+        if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
+            return Ok((scene.name.clone(), scene.text.clone()));
         }
         let path = Path::new(&self.scene);
         let is_path = path.extension().is_some() || path.components().count() > 1;
         if !is_path && !path.exists() {
-            let names = BUILT_IN.iter().map(|scene| scene.name);
+            let names = catalogue.scenes().iter().map(|scene| scene.name.as_str());
             let unknown = UnknownName::new("scene", &self.scene, names);
             return Err(CommandError::UnknownScene(unknown));
         }
@@ -83,8 +84,8 @@ impl SceneAt {
 
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read()?;
+    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, scene) = self.scene.read(catalogue)?;
         let start = self.start.as_ref().map(Start::point).transpose()?;
         let document = self.scene.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;

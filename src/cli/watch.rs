@@ -1,14 +1,14 @@
 //! Watching a trace: lines of special points, a progress bar on a terminal, Ctrl-C.
 
 use super::CommandError;
+use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
+use crate::output::Screen;
+use crate::scene::{Run, SceneObserver};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use tangency::core::continuation::{Branch, Observer, Point, SpecialPoint};
-use tangency::output::Screen;
-use tangency::scene::{Run, SceneObserver};
 
 /// Set by Ctrl-C; looked at after every point. A second Ctrl-C ends the program at once.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

@@ -2,9 +2,9 @@
 
 use super::CommandError;
 use super::report::{Reports, Wanted};
+use crate::work_precision::{DIAGRAMS, Effort, measure};
 use clap::Args;
 use std::io::Write;
-use tangency::work_precision::{DIAGRAMS, Effort, measure};
 
 /// Measure error against CPU time of methods, as SVG, Markdown and RON
 #[derive(Debug, Args)]

@@ -52,6 +52,11 @@ pub trait VectorField: Send + Sync {
     /// The names of the states and of the parameters; their number is the field's size.
     fn names(&self) -> Names;
 
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The field `f(t, x, p)`, written into `f` (as long as `x`).
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]);
 

@@ -16,12 +16,14 @@ pub mod jet;
 pub mod kind;
 pub mod linear;
 pub mod motion;
+pub mod names;
 pub mod newton;
 pub mod orbit;
 pub mod quadrature;
 pub mod scalar;
 pub mod scalar_field;
 pub mod solution;
+#[cfg(feature = "scene")]
 pub mod sweep;
 pub mod watch;
 pub mod zero;

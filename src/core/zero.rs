@@ -170,6 +170,11 @@ pub trait ZeroProblem {
     /// The names of unknowns, parameters and monitors; their number is the problem's size.
     fn names(&self) -> Names;
 
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The residual `F(z, p)`, written into `r` (as long as `z`).
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]);
 

@@ -3,9 +3,9 @@
 use super::check;
 use super::chosen::Chosen;
 use super::error::{FileError, FormatError, UnknownPoint};
-use super::suggest::UnknownName;
 use super::write::write_atomically;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
+use crate::core::names::UnknownName;
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};

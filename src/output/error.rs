@@ -1,8 +1,8 @@
 //! What can go wrong on the way out and back in.
 
 use super::document::FORMAT;
-use super::suggest::UnknownName;
 use crate::core::continuation::Kind;
+use crate::core::names::UnknownName;
 use std::path::PathBuf;
 
 /// A file that cannot be read, understood or written.

@@ -6,8 +6,8 @@ use super::document::{Against, Document, Enlargement};
 use super::error::FigureError;
 use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
-use super::suggest::UnknownName;
 use super::sweeps::{Sweeps, scatter};
+use crate::core::names::UnknownName;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the first document
 /// names, and one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points

@@ -5,8 +5,8 @@ use super::document::Document;
 use super::error::{FigureError, UnknownPoint};
 use super::figure::{Figure, Series, Style};
 use super::number::significant;
-use super::suggest::UnknownName;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
+use crate::core::names::UnknownName;
 use crate::core::zero::Profile;
 
 /// A figure does not show more curves than this unless their points are named one by one.

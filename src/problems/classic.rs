@@ -29,14 +29,13 @@ use crate::core::zero::Names;
 #[derive(Clone, Copy, Debug)]
 pub struct Lure;
 
-impl Lure {
-    /// The default values of the parameters.
-    pub const DEFAULTS: [f64; 2] = [1.2, 1.0];
-}
-
 impl VectorField for Lure {
     fn names(&self) -> Names {
         Names::new(["x", "y", "z"], ["alpha", "beta"])
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        vec![1.2, 1.0]
     }
 
     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
@@ -60,14 +59,13 @@ impl VectorField for Lure {
 #[derive(Clone, Copy, Debug)]
 pub struct Isothermal;
 
-impl Isothermal {
-    /// The default value of the parameter.
-    pub const DEFAULTS: [f64; 1] = [14.0];
-}
-
 impl VectorField for Isothermal {
     fn names(&self) -> Names {
         Names::new(["y1", "y2", "y3"], ["lambda"])
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        vec![14.0]
     }
 
     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
@@ -91,11 +89,6 @@ impl VectorField for Isothermal {
 #[derive(Clone, Copy, Debug)]
 pub struct Bratu;
 
-impl Bratu {
-    /// The default value of the parameter.
-    pub const DEFAULTS: [f64; 1] = [0.0];
-}
-
 impl BoundaryProblem for Bratu {
     fn segments(&self) -> Vec<Vec<String>> {
         vec![vec!["u".into(), "v".into()]]
@@ -103,6 +96,10 @@ impl BoundaryProblem for Bratu {
 
     fn parameters(&self) -> Vec<String> {
         vec!["lambda".into()]
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        vec![0.0]
     }
 
     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {

@@ -1,4 +1,74 @@
-//! The scenes that come with the program.
+//! The problems and scenes of this library.
+
+use super::catalogue::Catalogue;
+use super::discretisation::ProblemSettings;
+use super::kinds::with_defaults;
+use super::problem::Model;
+use super::slot::{Slots, slots};
+use super::{ProblemError, SceneError};
+use crate::core::zero::System;
+use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
+use crate::problems::mita::{Actuator, Block};
+use crate::problems::plate::PlateSettings;
+
+/// Adds the problems of this library.
+pub(super) fn problems(catalogue: Catalogue) -> Catalogue {
+    catalogue
+        .model("Plate", Plate)
+        .hybrid("Mita", Actuator)
+        .field("Block", Block)
+        .hybrid("ImpactOscillator", ImpactOscillator)
+        .field("Lure", Lure)
+        .field("Isothermal", Isothermal)
+        .boundary("Bratu", Bratu)
+}
+
+/// An electrically actuated microplate.
+struct Plate;
+
+impl Model for Plate {
+    type Settings = PlateSettings;
+    const KIND: &'static str = "a plate, whose equations are static";
+
+    fn parameters(&self, plate: &PlateSettings) -> Vec<(String, Option<f64>)> {
+        let names = plate.units.names().iter().map(|name| name.to_string());
+        with_defaults(names.collect(), plate.units.defaults())
+    }
+
+    fn ladder(
+        &self,
+        plate: &PlateSettings,
+        p: &[f64],
+        reach: &[f64],
+    ) -> Result<Vec<PlateSettings>, SceneError> {
+        Ok(plate.ladder(p, reach).map_err(ProblemError::new)?)
+    }
+
+    fn system(
+        &self,
+        plate: &PlateSettings,
+        p: &[f64],
+        reach: &[f64],
+    ) -> Result<Box<dyn System>, SceneError> {
+        Ok(plate.system(p, reach).map_err(ProblemError::new)?)
+    }
+}
+
+impl ProblemSettings for PlateSettings {
+    fn slots(&mut self) -> Slots<'_> {
+        slots!(self => PlateSettings {
+            supports: Capitals,
+            in_plane: Usual,
+            theory: Plain,
+            model: Plain,
+            modes: Plain,
+            projection: Plain,
+            orders: Usual,
+            units: Plain,
+            symmetric: Usual,
+        })
+    }
+}
 
 /// A scene that comes with the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

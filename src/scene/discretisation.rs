@@ -1,20 +1,40 @@
-//! How the solutions of a field or of a boundary-value problem are discretised.
+//! How the solutions of a field, a boundary-value problem or a hybrid system are discretised.
 
-use super::simulate::initial;
-use super::slot::{Plain, Slots, Usual, Words};
-use super::{SceneError, Simulated};
-use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
+use super::SceneError;
+use super::slot::{Slots, slots};
+use crate::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::continuation::SettingError;
-use crate::core::dense::Dense;
-use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::Scheme;
-use crate::core::hybrid::{HybridFlow, HybridSettings, HybridSystem, Recurrence, RecurrenceError};
-use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::zero::System;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Which solutions of a field are meant.
+/// The settings of a problem: written and read as RON, and set by name.
+pub(super) trait ProblemSettings:
+    Clone + Default + Send + Sync + Serialize + DeserializeOwned + 'static
+{
+    /// All settings by name.
+    fn slots(&mut self) -> Slots<'_>;
+
+    /// Checks the ranges of settings that do not depend on parameters.
+    fn check(&self) -> Result<(), SettingError> {
+        Ok(())
+    }
+}
+
+/// The settings of a zero problem: it has none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ZeroSettings {}
+
+impl ProblemSettings for ZeroSettings {
+    fn slots(&mut self) -> Slots<'_> {
+        Vec::new()
+    }
+}
+
+/// Which solutions of a field are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Solution {
@@ -29,18 +49,12 @@ pub enum Solution {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Discretised {
-    /// Collocation at Gauss points, on a mesh that follows the solution.
+    /// Collocation at Gauss points, on a mesh that follows the solution: the default for smooth
+    /// fields and boundary-value problems, as accurate for unstable orbits as for stable ones.
     Collocation,
-    /// Multiple shooting.
+    /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. It takes a
+    /// third of the time or less (`tangency work-precision orbit`).
     Shooting,
-}
-
-impl Discretised {
-    /// Usual for smooth fields: it does not mind how unstable an orbit is.
-    pub const USUAL: Discretised = Discretised::Collocation;
-    /// Usual for hybrid systems, whose legs are short and smooth: it takes a third of the time or less
-    /// (`tangency work-precision orbit`).
-    pub const USUAL_HYBRID: Discretised = Discretised::Shooting;
 }
 
 /// Gauss points in an interval and intervals, by growing accuracy: each has about a digit more than the one before, at the
@@ -60,208 +74,161 @@ const MESHES: [(usize, usize); 12] = [
     (7, 150),
 ];
 
-/// How trajectories are discretised.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Discretisation {
-    /// Which solutions of a field are meant.
-    pub solution: Solution,
-    /// The method; if not given, [`Discretised::USUAL`], or [`Discretised::USUAL_HYBRID`].
-    pub method: Option<Discretised>,
-    /// The number of intervals of collocation (1 to 4096).
+/// How trajectories are discretised: what the settings of all problems with trajectories share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Discretisation {
+    pub method: Discretised,
     pub intervals: usize,
-    /// The number of Gauss points in an interval (2 to 7).
     pub degree: usize,
-    /// The number of segments of shooting (1 to 4096).
     pub segments: usize,
-    /// The scheme of the flow by which is shot.
     pub scheme: Scheme,
-    /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
     pub flow_tolerance: f64,
-    /// What hybrid orbits go through, where a run starts from none that exists: by default an orbit without
-    /// events, in the first mode.
-    pub itinerary: String,
-    /// The order of local maps near grazings (1 to 7).
-    pub order: usize,
-    /// Whether hybrid orbits record how far they would penetrate a surface.
-    pub penetration: bool,
 }
 
-impl Default for Discretisation {
-    fn default() -> Self {
-        Discretisation {
-            solution: Solution::Orbit,
-            method: None,
-            intervals: 20,
-            degree: 4,
-            segments: 1,
-            scheme: Scheme::DormandPrince8,
-            flow_tolerance: 1e-12,
-            itinerary: String::new(),
-            order: 2,
-            penetration: false,
+/// Declares settings that discretise trajectories by a default method: those of their own, and those that all share.
+macro_rules! trajectory_settings {
+    (
+        $(#[$docs:meta])* $name:ident by $default:ident,
+        { $($(#[$before_docs:meta])* $before:ident: $before_type:ty = $before_value:expr, $before_slot:ident;)* }
+        { $($(#[$after_docs:meta])* $after:ident: $after_type:ty = $after_value:expr, $after_slot:ident;)* }
+        $check:expr
+    ) => {
+        $(#[$docs])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$before_docs])* pub $before: $before_type,)*
+            #[doc = concat!("The method; if not given, [`", stringify!($default), "`](Discretised::", stringify!($default), ").")]
+            pub method: Option<Discretised>,
+            /// The number of intervals of collocation (1 to 4096).
+            pub intervals: usize,
+            /// The number of Gauss points in an interval (2 to 7).
+            pub degree: usize,
+            /// The number of segments of shooting (1 to 4096).
+            pub segments: usize,
+            /// The integration scheme of shooting.
+            pub scheme: Scheme,
+            /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
+            pub flow_tolerance: f64,
+            $($(#[$after_docs])* pub $after: $after_type,)*
         }
+
+        impl Default for $name {
+            fn default() -> Self {
+                $name {
+                    $($before: $before_value,)*
+                    method: None,
+                    intervals: 20,
+                    degree: 4,
+                    segments: 1,
+                    scheme: Scheme::DormandPrince8,
+                    flow_tolerance: 1e-12,
+                    $($after: $after_value,)*
+                }
+            }
+        }
+
+        impl ProblemSettings for $name {
+            fn slots(&mut self) -> Slots<'_> {
+                slots!(self => $name {
+                    $($before: $before_slot,)*
+                    method: Usual,
+                    intervals: Plain,
+                    degree: Plain,
+                    segments: Plain,
+                    scheme: Plain,
+                    flow_tolerance: Plain,
+                    $($after: $after_slot,)*
+                })
+            }
+
+            fn check(&self) -> Result<(), SettingError> {
+                let own: fn(&Self) -> Result<(), SettingError> = $check;
+                own(self)?;
+                self.discretisation().check()
+            }
+        }
+
+        impl $name {
+            pub(super) fn discretisation(&self) -> Discretisation {
+                let &$name { method, intervals, degree, segments, scheme, flow_tolerance, .. } = self;
+                let method = method.unwrap_or(Discretised::$default);
+                Discretisation { method, intervals, degree, segments, scheme, flow_tolerance }
+            }
+
+            /// Settings of growing accuracy and cost: tolerances of flows, a tenth each, or Gauss points and intervals.
+            pub(super) fn ladder(&self) -> Vec<Self> {
+                let shot = |k: i32| $name { flow_tolerance: 10f64.powi(-k), ..self.clone() };
+                let collocated = |(degree, intervals)| $name { degree, intervals, ..self.clone() };
+                match self.discretisation().method {
+                    Discretised::Shooting => (3..=14).map(shot).collect(),
+                    Discretised::Collocation => MESHES.map(collocated).into(),
+                }
+            }
+        }
+    };
+}
+
+trajectory_settings! {
+    /// How the periodic orbits or equilibria of a smooth field are computed.
+    FieldSettings by Collocation,
+    {
+        /// Which solutions of the field are computed.
+        solution: Solution = Solution::Orbit, Plain;
     }
+    {}
+    |_| Ok(())
+}
+
+trajectory_settings! {
+    /// How a boundary-value problem is discretised.
+    BoundarySettings by Collocation, {} {} |_| Ok(())
+}
+
+trajectory_settings! {
+    /// How the periodic orbits of a hybrid system are computed.
+    HybridOrbitSettings by Shooting,
+    {}
+    {
+        /// The modes and events of the orbit, where a run does not start from an earlier one: by default an orbit without
+        /// events, in the first mode.
+        itinerary: String = String::new(), Words;
+        /// The order of local maps near grazings (1 to 7).
+        order: usize = 2, Plain;
+        /// Whether branches record how far orbits would penetrate a surface.
+        penetration: bool = false, Plain;
+    }
+    |own| in_range("order", own.order as f64, (1..=7).contains(&own.order), "between 1 and 7")
+}
+
+fn in_range(
+    name: &'static str,
+    value: f64,
+    holds: bool,
+    range: &'static str,
+) -> Result<(), SettingError> {
+    if holds { Ok(()) } else { Err(SettingError { name, value, range }) }
 }
 
 impl Discretisation {
-    /// The settings by name, but for some that have no meaning for a problem.
-    pub(super) fn slots_but(&mut self, without: &str) -> Slots<'_> {
-        let mut slots = self.slots();
-        slots.retain(|(name, _)| without.split(' ').all(|other| other != *name));
-        slots
-    }
-
-    fn slots(&mut self) -> Slots<'_> {
-        vec![
-            ("solution", Box::new(Plain(&mut self.solution))),
-            ("method", Box::new(Usual(&mut self.method))),
-            ("intervals", Box::new(Plain(&mut self.intervals))),
-            ("degree", Box::new(Plain(&mut self.degree))),
-            ("segments", Box::new(Plain(&mut self.segments))),
-            ("scheme", Box::new(Plain(&mut self.scheme))),
-            ("flow_tolerance", Box::new(Plain(&mut self.flow_tolerance))),
-            ("itinerary", Box::new(Words(&mut self.itinerary))),
-            ("order", Box::new(Plain(&mut self.order))),
-            ("penetration", Box::new(Plain(&mut self.penetration))),
-        ]
-    }
-
-    /// Discretisations of growing accuracy and cost: tolerances of flows, a tenth each, or Gauss points and intervals. None
-    /// for equilibria, which are exact.
-    pub(super) fn ladder(&self, usual: Discretised) -> Vec<Discretisation> {
-        let shot = |k: i32| Discretisation { flow_tolerance: 10f64.powi(-k), ..self.clone() };
-        let collocated = |(degree, intervals)| Discretisation { degree, intervals, ..self.clone() };
-        match (self.solution, self.method.unwrap_or(usual)) {
-            (Solution::Equilibrium, _) => Vec::new(),
-            (_, Discretised::Shooting) => (3..=14).map(shot).collect(),
-            (_, Discretised::Collocation) => MESHES.map(collocated).into(),
-        }
-    }
-
-    /// Checks every range.
-    pub(super) fn check(&self) -> Result<(), SettingError> {
-        let count = |number: usize| (1..=4096).contains(&number);
-        let tolerance = self.flow_tolerance;
-        let rules = [
-            ("intervals", self.intervals as f64, count(self.intervals), "between 1 and 4096"),
-            ("degree", self.degree as f64, (2..=7).contains(&self.degree), "between 2 and 7"),
-            ("segments", self.segments as f64, count(self.segments), "between 1 and 4096"),
-            ("order", self.order as f64, (1..=7).contains(&self.order), "between 1 and 7"),
-            (
-                "flow_tolerance",
-                tolerance,
-                (1e-14..=1e-3).contains(&tolerance),
-                "between 1e-14 and 1e-3",
-            ),
-        ];
-        match rules.into_iter().find(|rule| !rule.2) {
-            Some((name, value, _, range)) => Err(SettingError { name, value, range }),
-            None => Ok(()),
-        }
-    }
-
-    /// The equilibria or the periodic orbits of a field.
-    pub(super) fn of_field<F>(&self, field: F) -> Result<Box<dyn System>, SceneError>
-    where
-        F: VectorField + Clone + 'static,
-    {
-        match self.solution {
-            Solution::Orbit => {
-                self.discretise(HybridOrbit::smooth_of(field, 1), Discretised::USUAL)
-            }
-            Solution::Equilibrium if field.forcing().is_periodic() => {
-                Err(self.no_equilibria("a field that is forced in time has none; take `orbit`"))
-            }
-            Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(field)))),
-        }
-    }
-
-    /// The solutions of a boundary-value problem.
-    pub(super) fn of_problem<P>(&self, problem: P) -> Result<Box<dyn System>, SceneError>
-    where
-        P: IntoEquations,
-    {
-        match self.solution {
-            Solution::Orbit => self.discretise(problem, Discretised::USUAL),
-            Solution::Equilibrium => {
-                Err(self.no_equilibria("a boundary-value problem has none; leave `solution` out"))
-            }
-        }
-    }
-
-    /// The periodic orbits of a hybrid system.
-    pub(super) fn of_hybrid<H>(&self, system: H) -> Result<Box<dyn System>, SceneError>
-    where
-        H: HybridSystem + Clone + 'static,
-    {
-        let itinerary = match self.itinerary.as_str() {
-            "" => Itinerary::smooth(0, 1),
-            words => Itinerary::read(words, &system).map_err(|cause| SceneError::Value {
-                name: "itinerary".into(),
-                value: words.into(),
-                reason: cause.to_string(),
-            })?,
+    fn check(&self) -> Result<(), SettingError> {
+        let count = |name, number: usize| {
+            in_range(name, number as f64, (1..=4096).contains(&number), "between 1 and 4096")
         };
-        self.discretise(self.watched(HybridOrbit::of(system, itinerary)), Discretised::USUAL_HYBRID)
+        count("intervals", self.intervals)?;
+        let degree = self.degree;
+        in_range("degree", degree as f64, (2..=7).contains(&degree), "between 2 and 7")?;
+        count("segments", self.segments)?;
+        let (tolerance, range) = (self.flow_tolerance, "between 1e-14 and 1e-3");
+        in_range("flow_tolerance", tolerance, (1e-14..=1e-3).contains(&tolerance), range)
     }
 
-    fn no_equilibria(&self, reason: &str) -> SceneError {
-        let (name, value) = ("solution".into(), "equilibrium".into());
-        SceneError::Value { name, value, reason: reason.into() }
-    }
-
-    /// The orbits like the one on which a simulation settles, and that orbit.
-    pub(super) fn settled<H>(
-        &self,
-        system: H,
-        run: &str,
-        simulated: &Simulated,
-        p: &[f64],
-    ) -> Result<Started, SceneError>
-    where
-        H: HybridSystem + Clone + 'static,
-    {
-        let unsettled = |cause: RecurrenceError| SceneError::Unsettled {
-            run: run.into(),
-            cause: Box::new(cause),
-        };
-        let start = initial(&system, simulated)?;
-        let unit = system.period(p);
-        let recurrence =
-            Recurrence { transient: simulated.transient * unit, ..Recurrence::default() };
-        let mut flow = HybridFlow::new(&system, HybridSettings::default())
-            .map_err(|cause| unsettled(cause.into()))?;
-        let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
-        let Birth { problem, starts, extras } =
-            HybridOrbit::of_cycle(system.clone(), &cycle).map_err(no_start)?;
-        let start = Some([&*starts, &*extras, p]);
-        self.started(self.watched(problem), Discretised::USUAL_HYBRID, start)
-    }
-
-    /// Orbits with all monitors asked for.
-    fn watched(&self, orbit: HybridOrbit) -> HybridOrbit {
-        if self.penetration { orbit.with_penetration() } else { orbit }
-    }
-
-    fn discretise<P>(&self, problem: P, usual: Discretised) -> Result<Box<dyn System>, SceneError>
+    /// The system of a problem, and the unknowns to start from: integrated from states, extras and parameters, or zero.
+    pub fn system<P>(&self, problem: P, start: Option<[&[f64]; 3]>) -> Result<Started, SceneError>
     where
         P: IntoEquations,
     {
-        self.started(problem, usual, None).map(|(system, _)| system)
-    }
-
-    /// The system of a problem, and a start: flowed from states, extras and parameters, or at rest.
-    fn started<P>(
-        &self,
-        problem: P,
-        usual: Discretised,
-        start: Option<[&[f64]; 3]>,
-    ) -> Result<Started, SceneError>
-    where
-        P: IntoEquations,
-    {
-        match self.method.unwrap_or(usual) {
+        match self.method {
             Discretised::Collocation => {
                 started(problem, Collocation::new(self.degree)?, self.intervals, start)
             }
@@ -274,7 +241,7 @@ impl Discretisation {
 }
 
 /// A system, and unknowns to start from.
-type Started = (Box<dyn System>, Vec<f64>);
+pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
 fn started<P, M>(
     problem: P,
@@ -297,6 +264,6 @@ where
 }
 
 /// A simulated motion from which no branch can start.
-fn no_start(cause: EvaluationError) -> SceneError {
+pub(super) fn no_start(cause: EvaluationError) -> SceneError {
     SceneError::Value { name: "start".into(), value: "Simulated".into(), reason: cause.to_string() }
 }

@@ -6,12 +6,56 @@ use crate::core::continuation::TraceError;
 use crate::core::flow::SettingsError as FlowSettingsError;
 use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{HybridError, RecurrenceError};
+use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
-use crate::output::{Chosen, UnknownName};
-use crate::problems::plate::SettingsError;
+use crate::output::Chosen;
+use std::error::Error;
+use std::fmt;
+use std::sync::Arc;
+
+/// Why a problem cannot be built from its settings: the problem's own error.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct ProblemError(Arc<dyn Error + Send + Sync>);
+
+impl ProblemError {
+    /// The error of a problem.
+    pub fn new(cause: impl Error + Send + Sync + 'static) -> Self {
+        ProblemError(Arc::new(cause))
+    }
+}
+
+impl PartialEq for ProblemError {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+/// What only some kinds of problems can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Capability {
+    /// Simulated histories, and starts from simulations.
+    Simulation,
+    /// Sweeps of motions.
+    Sweep,
+    /// Local maps at grazings.
+    LocalMap,
+}
+
+impl fmt::Display for Capability {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Capability::Simulation => "scenes simulate hybrid systems only",
+            Capability::Sweep => "sweeps follow the motions of hybrid systems only",
+            Capability::LocalMap => "only hybrid systems graze and have local maps",
+        })
+    }
+}
 
 /// What is wrong with a scene, or with what was asked of it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneError {
     /// A name that the scene does not have.
     #[error(transparent)]
@@ -60,7 +104,25 @@ pub enum SceneError {
     },
     /// The problem cannot be built.
     #[error(transparent)]
-    Problem(#[from] SettingsError),
+    Problem(#[from] ProblemError),
+    /// The problem cannot do what the scene needs.
+    #[error(
+        "{capability}, and this problem is {kind}; state a field as a hybrid system of one mode to use it so"
+    )]
+    Unsupported {
+        /// What the scene needs.
+        capability: Capability,
+        /// The kind of the problem.
+        kind: &'static str,
+    },
+    /// Parameters without a value.
+    #[error("`{problem}` has no default values for {}: give them in `parameters`", missing.join(", "))]
+    MissingParameters {
+        /// The problem.
+        problem: &'static str,
+        /// The parameters.
+        missing: Vec<String>,
+    },
     /// The number of Gauss points has no meaning.
     #[error(transparent)]
     Points(#[from] PointsError),

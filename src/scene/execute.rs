@@ -8,8 +8,9 @@ use super::{Local, Run, Scene, SceneError, Simulated, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
 use crate::core::grazing::{GrazingError, LocalMap};
 use crate::core::hybrid::HybridState;
+use crate::core::names::UnknownName;
 use crate::core::zero::{Group, System};
-use crate::output::{Document, UnknownName};
+use crate::output::Document;
 
 /// A special point of an earlier result, from which a scene's first shown run is to start.
 #[derive(Clone, Debug, PartialEq)]
@@ -174,7 +175,7 @@ fn history(
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
     let Simulation { branch, end } =
-        seen.problem.history(&run.name, simulated, &seen.values(), start)?;
+        seen.problem.entry().history(&run.name, simulated, &seen.values()?, start)?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }
@@ -197,8 +198,8 @@ fn continuing<'a>(scene: &'a Scene, branch: &Branch) -> Option<&'a Run> {
 impl Scene {
     /// The system of a scene as one run sees it; `whole` is the scene with all its runs.
     fn system(&self, whole: &Scene) -> Result<Box<dyn System>, SceneError> {
-        let values = self.values();
-        self.problem.system(&values, &reach(self, &whole.runs, &values))
+        let values = self.values()?;
+        self.problem.entry().system(&values, &reach(self, &whole.runs, &values))
     }
 }
 
@@ -212,7 +213,7 @@ fn trace(
     let seen = scene.as_seen_by(run)?;
     let settled = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => {
-            Some(seen.problem.settled(&run.name, simulated, &seen.values())?)
+            Some(seen.problem.entry().settled(&run.name, simulated, &seen.values()?)?)
         }
         _ => None,
     };
@@ -234,7 +235,7 @@ fn trace(
         .named(&run.name)
         .settings(seen.settings.clone())
         .from(&guess);
-    for ((name, _), value) in seen.problem.parameters().iter().zip(seen.values()) {
+    for ((name, _), value) in seen.problem.parameters().iter().zip(seen.values()?) {
         // A local map has but a few of them.
         if known.contains(name) {
             curve = curve.at(name, value);
@@ -263,8 +264,8 @@ fn system_of(
     let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
         return seen.system(scene);
     };
-    let map =
-        seen.problem.local_map(&run.name, local, point_of(&run.name, done, from, *kind, *nth)?)?;
+    let at = point_of(&run.name, done, from, *kind, *nth)?;
+    let map = seen.problem.entry().local_map(&run.name, local, at)?;
     let system = match run.expanded {
         None => points_of(map, &run.impacts),
         Some(kind) => series_of(&map, kind, &run.along[0].name),
@@ -290,7 +291,7 @@ pub(super) fn map_of(
         done.push(trace(scene, run, None, &done, &mut ())?);
     }
     let at = point_of(sweep, &done, &local.run, local.kind, local.nth)?;
-    seen.problem.local_map(sweep, local, at)
+    seen.problem.entry().local_map(sweep, local, at)
 }
 
 impl StartPoint {

@@ -160,7 +160,7 @@ fn varied(ladder: &[Problem]) -> Vec<&'static str> {
 impl Scene {
     /// The problem by discretisations of growing accuracy, for what all runs need.
     fn ladder(&self) -> Result<Vec<Problem>, SceneError> {
-        let values = self.values();
+        let values = self.values()?;
         self.problem.ladder(&values, &reach(self, &self.runs, &values))
     }
 

@@ -9,12 +9,13 @@ use crate::core::dense::Dense;
 use crate::core::grazing::{
     ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
 };
-use crate::core::hybrid::HybridSystem;
+use crate::core::hybrid::HybridEquations;
+use crate::core::names::UnknownName;
 use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::solution::Solution;
 use crate::core::zero::System;
-use crate::output::UnknownName;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The local map of which a run follows fixed or periodic points: that at a grazing which an earlier run has
 /// found. Its order is a setting of the problem, `order`.
@@ -112,33 +113,33 @@ impl Local {
     }
 }
 
-impl Discretisation {
-    /// The local map of a system at a special point.
-    pub(super) fn local_map<H>(
+impl Local {
+    /// The map of a system at a special point, expanded to an order.
+    pub(super) fn map(
         &self,
-        system: H,
-        local: &Local,
+        system: &Arc<dyn HybridEquations>,
+        discretisation: Discretisation,
+        order: usize,
         (branch, special): (&Branch, &SpecialPoint),
-    ) -> Result<LocalMap, GrazingError>
-    where
-        H: HybridSystem + Clone + 'static,
-    {
-        let point = match self.method.unwrap_or(Discretised::USUAL_HYBRID) {
+    ) -> Result<LocalMap, GrazingError> {
+        let Discretisation { method, degree, intervals, segments, .. } = discretisation;
+        let point = match method {
             Discretised::Collocation => {
-                let method = Collocation::new(self.degree)
+                let method = Collocation::new(degree)
                     .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
-                grazing_point(&system, method, self.intervals, branch, special)
+                grazing_point(system, method, intervals, branch, special)
             }
             Discretised::Shooting => {
-                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
-                grazing_point(&system, method, self.segments, branch, special)
+                let Discretisation { scheme, flow_tolerance, .. } = discretisation;
+                let method = Shooting::new(scheme, flow_tolerance)?;
+                grazing_point(system, method, segments, branch, special)
             }
         }?;
-        touches(&system, &point)?;
-        let point = point.located(&system, &local.parameters[0])?;
-        let names: Vec<&str> = local.parameters.iter().map(String::as_str).collect();
-        let settings = MapSettings { order: self.order, ..MapSettings::default() };
-        LocalMap::of(&system, &point, &names, settings)
+        touches(&**system, &point)?;
+        let point = point.located(&**system, &self.parameters[0])?;
+        let names: Vec<&str> = self.parameters.iter().map(String::as_str).collect();
+        let settings = MapSettings { order, ..MapSettings::default() };
+        LocalMap::of(&**system, &point, &names, settings)
     }
 }
 
@@ -169,7 +170,7 @@ pub(super) fn series_of(
 const TOUCHES: f64 = 1e-6;
 
 /// Refuses a point that is no grazing yet, though one may be near.
-fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), GrazingError> {
+fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
     let value = system.guard(*guard, *mode, *time, x, p);
     if value.abs() <= TOUCHES {
@@ -181,18 +182,17 @@ fn touches<H: HybridSystem>(system: &H, point: &GrazingPoint) -> Result<(), Graz
 }
 
 /// The grazing at a special point of a branch, or of a curve of grazings.
-fn grazing_point<H, M>(
-    system: &H,
+fn grazing_point<M>(
+    system: &Arc<dyn HybridEquations>,
     method: M,
     intervals: usize,
     branch: &Branch,
     special: &SpecialPoint,
 ) -> Result<GrazingPoint, GrazingError>
 where
-    H: HybridSystem + Clone + 'static,
     M: Method + Clone + 'static,
 {
-    let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::shared(system.clone(), Itinerary::smooth(0, 1));
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
         .map_err(EvaluationError::from)?;
     let solution = Solution {

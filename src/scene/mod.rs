@@ -15,11 +15,13 @@
 //! ```
 
 mod builtin;
+mod catalogue;
 mod discretisation;
 mod error;
 mod execute;
 mod fidelity;
 mod join;
+mod kinds;
 mod local;
 mod problem;
 mod set;
@@ -28,8 +30,11 @@ mod slot;
 mod sweep;
 
 pub use builtin::{BUILT_IN, BuiltIn};
-pub use discretisation::{Discretisation, Discretised, Solution};
-pub use error::SceneError;
+pub use catalogue::{Catalogue, NamedScene};
+pub use discretisation::{
+    BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, Solution, ZeroSettings,
+};
+pub use error::{Capability, ProblemError, SceneError};
 pub use execute::{Outcome, SceneObserver, StartPoint, execute};
 pub use local::Local;
 pub use problem::Problem;
@@ -40,14 +45,17 @@ use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 
 /// What is traced.
+///
+/// [`Catalogue::parse`] reads a scene from RON: first with the text of its problem, `P`, which the catalogue then replaces by
+/// the [`Problem`] of that name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Scene {
+pub struct Scene<P = Problem> {
     /// The title of its diagram.
     pub title: String,
     /// The problem and its terms.
-    pub problem: Problem,
-    /// Values of parameters at the start, where they differ from the problem's defaults.
+    pub problem: P,
+    /// Values of parameters at the start, where they differ from the problem's defaults; all of them, if it has none.
     #[serde(default)]
     pub parameters: Vec<(String, f64)>,
     /// The relative error asked of special points: of the parameters that vary along their branch, and of its first

@@ -1,210 +1,299 @@
-//! The problems that a scene can name.
+//! The problem of a scene: an entry of a catalogue, with its settings.
 
-use super::discretisation::{Discretisation, Discretised};
-use super::simulate::{Simulation, simulate};
-use super::slot::{Capitals, Plain, Slots, Usual};
-use super::{Local, SceneError, Simulated, slot};
-use crate::core::bvp::BoundaryProblem;
+use super::discretisation::{ProblemSettings, Started};
+use super::simulate::Simulation;
+use super::slot::{self, Slots, options, written};
+use super::{Capability, Local, SceneError, Simulated};
+use crate::core::attractor::{StrobeError, Strobed};
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
-use crate::core::field::VectorField;
 use crate::core::grazing::LocalMap;
-use crate::core::hybrid::{HybridState, HybridSystem};
+use crate::core::hybrid::HybridState;
 use crate::core::zero::System;
-use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
-use crate::problems::mita::{Actuator, Block};
-use crate::problems::plate::PlateSettings;
-use serde::{Deserialize, Serialize};
+use ron::error::SpannedError;
+use ron::value::RawValue;
+use serde::{Serialize, Serializer};
+use std::fmt;
+use std::sync::Arc;
 
-/// A problem with its terms.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Problem {
-    /// An electrically actuated microplate.
-    Plate(PlateSettings),
-    /// Mita's impact microactuator.
-    Mita(Discretisation),
-    /// Its block alone, the frame at rest, without impacts.
-    Block(Discretisation),
-    /// The forced linear oscillator with a stop.
-    ImpactOscillator(Discretisation),
-    /// A feedback control system of Lur'e type.
-    Lure(Discretisation),
-    /// Seydel's isothermal reaction.
-    Isothermal(Discretisation),
-    /// Bratu's boundary-value problem.
-    Bratu(Discretisation),
+/// What a kind of problem answers for scenes, given its settings. Capabilities that a kind does not have are typed errors.
+pub(super) trait Model: Send + Sync + 'static {
+    /// The settings of such problems.
+    type Settings: ProblemSettings;
+
+    /// What kind of problem it is, in words.
+    const KIND: &'static str;
+
+    /// Names of the parameters, and their defaults; `None` where there is no default.
+    fn parameters(&self, settings: &Self::Settings) -> Vec<(String, Option<f64>)>;
+
+    /// Settings of growing accuracy and cost, for parameters that begin at `p` and go as far as `reach`; none if the problem
+    /// has no discretisation.
+    fn ladder(
+        &self,
+        _settings: &Self::Settings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Vec<Self::Settings>, SceneError> {
+        Ok(Vec::new())
+    }
+
+    /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes from there.
+    fn system(
+        &self,
+        settings: &Self::Settings,
+        p: &[f64],
+        reach: &[f64],
+    ) -> Result<Box<dyn System>, SceneError>;
+
+    /// A simulated history, for the run of this name.
+    fn history(
+        &self,
+        _run: &str,
+        _simulated: &Simulated,
+        _p: &[f64],
+        _start: Option<HybridState<f64>>,
+    ) -> Result<Simulation, SceneError> {
+        Err(Self::lacks(Capability::Simulation))
+    }
+
+    /// The system of the orbits like the one that a simulation converges to, and that orbit.
+    fn settled(
+        &self,
+        _settings: &Self::Settings,
+        _run: &str,
+        _simulated: &Simulated,
+        _p: &[f64],
+    ) -> Result<Started, SceneError> {
+        Err(Self::lacks(Capability::Simulation))
+    }
+
+    /// The local map at a grazing, for a run or a sweep.
+    fn local_map(
+        &self,
+        _settings: &Self::Settings,
+        _run: &str,
+        _local: &Local,
+        _at: (&Branch, &SpecialPoint),
+    ) -> Result<LocalMap, SceneError> {
+        Err(Self::lacks(Capability::LocalMap))
+    }
+
+    /// The motions that sweeps follow.
+    fn swept(&self) -> Result<&dyn Swept, SceneError> {
+        Err(Self::lacks(Capability::Sweep))
+    }
+
+    /// The error of a capability that problems of this kind do not have.
+    fn lacks(capability: Capability) -> SceneError {
+        SceneError::Unsupported { capability, kind: Self::KIND }
+    }
 }
 
-impl Problem {
-    /// Names of the parameters and their default values.
-    pub fn parameters(&self) -> Vec<(String, f64)> {
-        let (names, defaults) = match self {
-            Problem::Plate(plate) => {
-                let names = plate.units.names().iter().map(|name| name.to_string());
-                (names.collect(), plate.units.defaults())
-            }
-            Problem::Mita(_) => (Actuator.parameters(), &Actuator::DEFAULTS[..]),
-            Problem::Block(_) => (Block.names().parameters, &Block::DEFAULTS[..]),
-            Problem::ImpactOscillator(_) => {
-                (ImpactOscillator.parameters(), &ImpactOscillator::DEFAULTS[..])
-            }
-            Problem::Lure(_) => (Lure.names().parameters, &Lure::DEFAULTS[..]),
-            Problem::Isothermal(_) => (Isothermal.names().parameters, &Isothermal::DEFAULTS[..]),
-            Problem::Bratu(_) => (Bratu.parameters(), &Bratu::DEFAULTS[..]),
-        };
-        names.into_iter().zip(defaults.iter().copied()).collect()
+/// Motions that sweeps sample once a forcing period.
+pub(super) trait Swept: Sync {
+    /// The motion with these measures, followed with this tolerance.
+    fn strobed(
+        &self,
+        measures: &[String],
+        tolerance: f64,
+    ) -> Result<Box<dyn Strobed + '_>, StrobeError>;
+}
+
+/// A model with settings, erased: what a catalogue and a scene hold.
+pub(super) trait Entry: Send + Sync {
+    fn boxed(&self) -> Box<dyn Entry>;
+    fn with_defaults(&self) -> Box<dyn Entry>;
+    fn read(&self, settings: &str) -> Result<Box<dyn Entry>, SpannedError>;
+    fn written(&self) -> String;
+    fn slots(&mut self) -> Slots<'_>;
+    fn check(&self) -> Result<(), SettingError>;
+    fn parameters(&self) -> Vec<(String, Option<f64>)>;
+    fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Box<dyn Entry>>, SceneError>;
+    fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
+    fn history(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        start: Option<HybridState<f64>>,
+    ) -> Result<Simulation, SceneError>;
+    fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError>;
+    fn local_map(
+        &self,
+        run: &str,
+        local: &Local,
+        at: (&Branch, &SpecialPoint),
+    ) -> Result<LocalMap, SceneError>;
+    fn swept(&self) -> Result<&dyn Swept, SceneError>;
+}
+
+/// A model with its settings.
+struct Configured<M: Model> {
+    model: Arc<M>,
+    settings: M::Settings,
+}
+
+impl<M: Model> Configured<M> {
+    fn with(&self, settings: M::Settings) -> Box<dyn Entry> {
+        Box::new(Configured { model: self.model.clone(), settings })
+    }
+}
+
+impl<M: Model> Entry for Configured<M> {
+    fn boxed(&self) -> Box<dyn Entry> {
+        self.with(self.settings.clone())
     }
 
-    /// Names of the settings, and their values as they are written.
-    pub fn settings(&self) -> Vec<(&'static str, String)> {
-        let mut copy = self.clone();
-        copy.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
+    fn with_defaults(&self) -> Box<dyn Entry> {
+        self.with(M::Settings::default())
     }
 
-    /// Sets one setting by name; false if there is none of this name.
-    pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
-        slot::assign(self.slots(), name, value)
+    fn read(&self, settings: &str) -> Result<Box<dyn Entry>, SpannedError> {
+        Ok(self.with(options().from_str(settings)?))
     }
 
-    /// The same problem by discretisations of growing accuracy and cost, for parameters that begin at `p` and go as far as
-    /// `reach`; none if it has no discretisation.
-    pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
-        let of = |make: fn(Discretisation) -> Problem, settings: &Discretisation, usual| {
-            settings.ladder(usual).into_iter().map(make).collect()
-        };
-        let (smooth, hybrid) = (Discretised::USUAL, Discretised::USUAL_HYBRID);
-        Ok(match self {
-            Problem::Plate(plate) => {
-                plate.ladder(p, reach)?.into_iter().map(Problem::Plate).collect()
-            }
-            Problem::Mita(settings) => of(Problem::Mita, settings, hybrid),
-            Problem::Block(settings) => of(Problem::Block, settings, smooth),
-            Problem::ImpactOscillator(settings) => of(Problem::ImpactOscillator, settings, hybrid),
-            Problem::Lure(settings) => of(Problem::Lure, settings, smooth),
-            Problem::Isothermal(settings) => of(Problem::Isothermal, settings, smooth),
-            Problem::Bratu(settings) => of(Problem::Bratu, settings, smooth),
-        })
-    }
-
-    /// The same problem with default settings.
-    pub(super) fn with_defaults(&self) -> Problem {
-        match self {
-            Problem::Plate(_) => Problem::Plate(PlateSettings::default()),
-            Problem::Mita(_) => Problem::Mita(Discretisation::default()),
-            Problem::Block(_) => Problem::Block(Discretisation::default()),
-            Problem::ImpactOscillator(_) => Problem::ImpactOscillator(Discretisation::default()),
-            Problem::Lure(_) => Problem::Lure(Discretisation::default()),
-            Problem::Isothermal(_) => Problem::Isothermal(Discretisation::default()),
-            Problem::Bratu(_) => Problem::Bratu(Discretisation::default()),
-        }
+    fn written(&self) -> String {
+        written(&self.settings)
     }
 
     fn slots(&mut self) -> Slots<'_> {
-        match self {
-            Problem::Plate(plate) => plate_slots(plate),
-            Problem::Block(settings) | Problem::Lure(settings) | Problem::Isothermal(settings) => {
-                settings.slots_but("itinerary order penetration")
-            }
-            Problem::Mita(settings) | Problem::ImpactOscillator(settings) => {
-                settings.slots_but("solution")
-            }
-            Problem::Bratu(settings) => settings.slots_but("solution itinerary order penetration"),
-        }
+        self.settings.slots()
     }
 
-    /// Checks the ranges of settings that do not depend on parameters.
-    pub(super) fn check(&self) -> Result<(), SettingError> {
-        match self {
-            Problem::Plate(_) => Ok(()),
-            Problem::Mita(settings)
-            | Problem::Block(settings)
-            | Problem::ImpactOscillator(settings)
-            | Problem::Lure(settings)
-            | Problem::Isothermal(settings)
-            | Problem::Bratu(settings) => settings.check(),
-        }
+    fn check(&self) -> Result<(), SettingError> {
+        self.settings.check()
     }
 
-    /// A simulated history.
-    pub(super) fn history(
+    fn parameters(&self) -> Vec<(String, Option<f64>)> {
+        self.model.parameters(&self.settings)
+    }
+
+    fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Box<dyn Entry>>, SceneError> {
+        let ladder = self.model.ladder(&self.settings, p, reach)?;
+        Ok(ladder.into_iter().map(|settings| self.with(settings)).collect())
+    }
+
+    fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        self.model.system(&self.settings, p, reach)
+    }
+
+    fn history(
         &self,
         run: &str,
         simulated: &Simulated,
         p: &[f64],
         start: Option<HybridState<f64>>,
     ) -> Result<Simulation, SceneError> {
-        match self {
-            Problem::Mita(_) => simulate(&Actuator, run, simulated, p, start),
-            Problem::ImpactOscillator(_) => simulate(&ImpactOscillator, run, simulated, p, start),
-            _ => Err(not_hybrid("start", "Simulated")),
-        }
+        self.model.history(run, simulated, p, start)
     }
 
-    /// The system of the orbits like the one on which a simulation settles, and that orbit.
-    pub(super) fn settled(
-        &self,
-        run: &str,
-        simulated: &Simulated,
-        p: &[f64],
-    ) -> Result<(Box<dyn System>, Vec<f64>), SceneError> {
-        match self {
-            Problem::Mita(settings) => settings.settled(Actuator, run, simulated, p),
-            Problem::ImpactOscillator(settings) => {
-                settings.settled(ImpactOscillator, run, simulated, p)
-            }
-            _ => Err(not_hybrid("start", "Simulated")),
-        }
+    fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
+        self.model.settled(&self.settings, run, simulated, p)
     }
 
-    /// The local map at a grazing, for a run or a sweep.
-    pub(super) fn local_map(
+    fn local_map(
         &self,
         run: &str,
         local: &Local,
         at: (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, SceneError> {
-        let map = match self {
-            Problem::Mita(settings) => settings.local_map(Actuator, local, at),
-            Problem::ImpactOscillator(settings) => settings.local_map(ImpactOscillator, local, at),
-            _ => {
-                let reason = "only hybrid systems graze: `Mita`, `ImpactOscillator`";
-                let (name, value) = ("local".into(), run.into());
-                return Err(SceneError::Value { name, value, reason: reason.into() });
-            }
-        };
-        map.map_err(|cause| SceneError::Local { run: run.into(), cause: Box::new(cause) })
+        self.model.local_map(&self.settings, run, local, at)
     }
 
-    /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes
-    /// from there.
-    pub(super) fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
-        match self {
-            Problem::Plate(plate) => Ok(plate.system(p, reach)?),
-            Problem::Mita(settings) => settings.of_hybrid(Actuator),
-            Problem::Block(settings) => settings.of_field(Block),
-            Problem::ImpactOscillator(settings) => settings.of_hybrid(ImpactOscillator),
-            Problem::Lure(settings) => settings.of_field(Lure),
-            Problem::Isothermal(settings) => settings.of_field(Isothermal),
-            Problem::Bratu(settings) => settings.of_problem(Bratu),
-        }
+    fn swept(&self) -> Result<&dyn Swept, SceneError> {
+        self.model.swept()
     }
 }
 
-/// What of a scene needs a hybrid system.
-pub(super) fn not_hybrid(name: &str, value: &str) -> SceneError {
-    let reason = "only hybrid systems are simulated by scenes: `Mita`, `ImpactOscillator`";
-    SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
+/// A problem of a [`Catalogue`](super::Catalogue) with its settings.
+pub struct Problem {
+    name: &'static str,
+    entry: Box<dyn Entry>,
 }
 
-fn plate_slots(plate: &mut PlateSettings) -> Slots<'_> {
-    vec![
-        ("supports", Box::new(Capitals(&mut plate.supports))),
-        ("in_plane", Box::new(Usual(&mut plate.in_plane))),
-        ("theory", Box::new(Plain(&mut plate.theory))),
-        ("model", Box::new(Plain(&mut plate.model))),
-        ("modes", Box::new(Plain(&mut plate.modes))),
-        ("projection", Box::new(Plain(&mut plate.projection))),
-        ("orders", Box::new(Usual(&mut plate.orders))),
-        ("units", Box::new(Plain(&mut plate.units))),
-        ("symmetric", Box::new(Usual(&mut plate.symmetric))),
-    ]
+impl Problem {
+    /// A model with its default settings.
+    pub(super) fn new<M: Model>(name: &'static str, model: M) -> Self {
+        let (model, settings) = (Arc::new(model), M::Settings::default());
+        Problem { name, entry: Box::new(Configured { model, settings }) }
+    }
+
+    /// Its name in the catalogue.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Names of the parameters and their default values; `None` where the problem states no default.
+    pub fn parameters(&self) -> Vec<(String, Option<f64>)> {
+        self.entry.parameters()
+    }
+
+    /// Names of the settings, and their values as text.
+    pub fn settings(&self) -> Vec<(&'static str, String)> {
+        let mut entry = self.entry.boxed();
+        entry.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
+    }
+
+    /// Names of everything that can be set.
+    pub fn names(&self) -> Vec<String> {
+        let settings = self.settings().into_iter().map(|(name, _)| name.to_string());
+        self.parameters().into_iter().map(|(name, _)| name).chain(settings).collect()
+    }
+
+    /// What it answers.
+    pub(super) fn entry(&self) -> &dyn Entry {
+        &*self.entry
+    }
+
+    fn with(&self, entry: Box<dyn Entry>) -> Problem {
+        Problem { name: self.name, entry }
+    }
+
+    /// The same problem with settings read from RON.
+    pub(super) fn read(&self, settings: &str) -> Result<Problem, SpannedError> {
+        Ok(self.with(self.entry.read(settings)?))
+    }
+
+    /// The same problem with default settings.
+    pub(super) fn with_defaults(&self) -> Problem {
+        self.with(self.entry.with_defaults())
+    }
+
+    /// Sets one setting by name; false if there is none of this name.
+    pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
+        slot::assign(self.entry.slots(), name, value)
+    }
+
+    /// The same problem by discretisations of growing accuracy and cost; none if it has no discretisation.
+    pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
+        let ladder = self.entry.ladder(p, reach)?;
+        Ok(ladder.into_iter().map(|entry| self.with(entry)).collect())
+    }
+}
+
+impl Clone for Problem {
+    fn clone(&self) -> Self {
+        self.with(self.entry.boxed())
+    }
+}
+
+/// Problems are equal if they have the same name and the same settings.
+impl PartialEq for Problem {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.entry.written() == other.entry.written()
+    }
+}
+
+impl fmt::Debug for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}{}", self.name, self.entry.written())
+    }
+}
+
+impl Serialize for Problem {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let written = self.entry.written();
+        let settings = RawValue::from_ron(&written).map_err(serde::ser::Error::custom)?;
+        serializer.serialize_newtype_variant("Problem", 0, self.name, settings)
+    }
 }

@@ -1,47 +1,53 @@
 //! Changing a scene by name, reading it, and checking it.
 
-use super::slot::{Plain, Slots, Usual, assign, options, read};
-use super::{Problem, Run, Scene, SceneError, Simulated, Start, Sweep};
+use super::slot::{Plain, Slots, Usual, assign, read, slots};
+use super::{Catalogue, Grid, Run, Scene, SceneError, Simulated, Start, Sweep};
+use crate::core::attractor::Settling;
 use crate::core::continuation::{SettingError, Settings};
-use crate::output::UnknownName;
+use crate::core::names::UnknownName;
 
 /// The settings of the continuation by name.
-fn continuation_slots(s: &mut Settings) -> Slots<'_> {
-    vec![
-        ("initial_step", Box::new(Plain(&mut s.initial_step))),
-        ("min_step", Box::new(Plain(&mut s.min_step))),
-        ("max_step", Box::new(Plain(&mut s.max_step))),
-        ("max_points", Box::new(Plain(&mut s.max_points))),
-        ("max_angle", Box::new(Plain(&mut s.max_angle))),
-        ("tolerance", Box::new(Plain(&mut s.tolerance))),
-        ("event_tolerance", Box::new(Plain(&mut s.event_tolerance))),
-        ("max_iterations", Box::new(Plain(&mut s.max_iterations))),
-        ("refinement", Box::new(Plain(&mut s.refinement))),
-        ("eigenvalues", Box::new(Plain(&mut s.eigenvalues))),
-    ]
+fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
+    slots!(settings => Settings {
+        initial_step: Plain,
+        min_step: Plain,
+        max_step: Plain,
+        max_points: Plain,
+        max_angle: Plain,
+        tolerance: Plain,
+        event_tolerance: Plain,
+        max_iterations: Plain,
+        refinement: Plain,
+        eigenvalues: Plain,
+    })
 }
 
 /// The settings of a sweep by name.
 fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
-    let mut slots: Slots = vec![
-        ("transient", Box::new(Plain(&mut sweep.settling.transient))),
-        ("recorded", Box::new(Plain(&mut sweep.settling.recorded))),
-        ("most", Box::new(Plain(&mut sweep.settling.most))),
-        ("exponent", Box::new(Plain(&mut sweep.settling.exponent))),
-        ("flow_error", Box::new(Plain(&mut sweep.flow_error))),
-    ];
-    if let [grid, ..] = &mut sweep.over[..] {
-        slots.push(("count", Box::new(Plain(&mut grid.count))));
+    let Sweep { settling, flow_error, over, .. } = sweep;
+    let mut slots = slots!(settling => Settling {
+        transient: Plain,
+        recorded: Plain,
+        most: Plain,
+        exponent: Plain,
+    } without tolerance);
+    slots.push(("flow_error", Box::new(Plain(flow_error))));
+    if let [Grid { count, .. }, ..] = &mut over[..] {
+        slots.push(("count", Box::new(Plain(count))));
     }
     slots
 }
 
+/// The names of slots.
+fn names(slots: Slots) -> impl Iterator<Item = String> {
+    slots.into_iter().map(|(name, _)| name.to_string())
+}
+
 impl Scene {
-    /// Reads a scene.
+    /// Reads a scene of a [built-in](Catalogue::built_in) problem.
     ///
     /// # Errors
-    /// [`SceneError::Syntax`] with the place, [`SceneError::Invalid`] for what a scene must not hold:
-    /// numbers that are not finite, names given twice or unknown, runs that start nowhere.
+    /// As [`Catalogue::parse`].
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -49,13 +55,7 @@ impl Scene {
     /// assert!(error.unwrap_err().to_string().contains("`colour`"));
     /// ```
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
-        let scene: Scene = options().from_str(text).map_err(|error| SceneError::Syntax {
-            line: error.span.start.line,
-            column: error.span.start.col,
-            reason: error.code.to_string(),
-        })?;
-        scene.check()?;
-        Ok(scene)
+        Catalogue::built_in().parse(text)
     }
 
     /// Changes a parameter, a setting of the problem or of the continuation, by name.
@@ -95,14 +95,23 @@ impl Scene {
         let given = self.parameters.iter().find(|(name, _)| name == parameter).map(|(_, v)| *v);
         given.or_else(|| {
             let defaults = self.problem.parameters();
-            defaults.into_iter().find(|(name, _)| *name == parameter).map(|(_, v)| v)
+            defaults.into_iter().find(|(name, _)| *name == parameter).and_then(|(_, value)| value)
         })
     }
 
     /// All parameters at the start, in the problem's order.
-    pub fn values(&self) -> Vec<f64> {
-        let defaults = self.problem.parameters();
-        defaults.into_iter().map(|(name, default)| self.value(&name).unwrap_or(default)).collect()
+    ///
+    /// # Errors
+    /// [`SceneError::MissingParameters`] if the problem states no defaults for some that the scene does not give.
+    pub fn values(&self) -> Result<Vec<f64>, SceneError> {
+        let names: Vec<String> =
+            self.problem.parameters().into_iter().map(|(name, _)| name).collect();
+        let missing = names.iter().filter(|name| self.value(name).is_none());
+        let missing: Vec<String> = missing.cloned().collect();
+        match missing.is_empty() {
+            true => Ok(names.iter().filter_map(|name| self.value(name)).collect()),
+            false => Err(SceneError::MissingParameters { problem: self.problem.name(), missing }),
+        }
     }
 
     /// The scene as one of its runs sees it.
@@ -128,7 +137,7 @@ impl Scene {
             reason: error.to_string(),
         };
         if changed.problem.set(name, value)? {
-            changed.problem.check().map_err(out_of_range)?;
+            changed.problem.entry().check().map_err(out_of_range)?;
             changed.check_parameters()?;
         } else if assign(continuation_slots(&mut changed.settings), name, value)? {
             changed.settings.check().map_err(out_of_range)?;
@@ -170,27 +179,31 @@ impl Scene {
         Ok(())
     }
 
+    /// Refuses a name that is no parameter of the problem.
     fn require_parameter(&self, name: &str, with_settings: bool) -> Result<(), SceneError> {
-        let parameters = self.problem.parameters();
-        if parameters.iter().any(|(known, _)| *known == name) {
+        let mut known: Vec<String> =
+            self.problem.parameters().into_iter().map(|(name, _)| name).collect();
+        if known.iter().any(|known| known == name) {
             return Ok(());
         }
-        let mut known: Vec<String> = parameters.into_iter().map(|(name, _)| name).collect();
-        let what = if with_settings { "parameter or setting" } else { "parameter" };
-        if with_settings {
-            let (settings, mut own) = (self.problem.settings(), self.settings.clone());
-            known.extend(settings.iter().map(|(name, _)| name.to_string()));
-            known.extend(continuation_slots(&mut own).iter().map(|(name, _)| name.to_string()));
-            known.push("accuracy".into());
+        if !with_settings {
+            return Err(UnknownName::new("parameter", name, known).into());
         }
-        Err(UnknownName::new(what, name, known).into())
+        let mut scene = self.clone();
+        known.extend(self.problem.settings().into_iter().map(|(name, _)| name.to_string()));
+        known.extend(names(continuation_slots(&mut scene.settings)));
+        known.extend(
+            scene.sweeps.first_mut().into_iter().flat_map(|sweep| names(sweep_slots(sweep))),
+        );
+        known.extend(names(scene.own_slots()));
+        Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
     fn check_parameters(&self) -> Result<(), SceneError> {
         self.parameters.iter().try_for_each(|(name, _)| self.require_parameter(name, false))
     }
 
-    fn check(&self) -> Result<(), SceneError> {
+    pub(super) fn check(&self) -> Result<(), SceneError> {
         if self.runs.is_empty() && self.sweeps.is_empty() {
             return Err(SceneError::Invalid {
                 place: "the list of runs".into(),
@@ -199,13 +212,14 @@ impl Scene {
             });
         }
         self.check_parameters()?;
+        self.values()?;
         unique("parameter", self.parameters.iter().map(|(name, _)| name.as_str()))?;
         unique("run", self.runs.iter().map(|run| run.name.as_str()))?;
         unique("sweep", self.sweeps.iter().map(|sweep| sweep.name.as_str()))?;
         for (name, value) in &self.parameters {
             finite(&format!("parameter `{name}`"), *value)?;
         }
-        let sound = self.problem.check().and_then(|()| self.settings.check());
+        let sound = self.problem.entry().check().and_then(|()| self.settings.check());
         sound.map_err(|error| SceneError::Invalid {
             place: format!("the setting `{}`", error.name),
             found: error.value.to_string(),
@@ -307,17 +321,12 @@ impl Scene {
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
             self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();
-        let names = self.problem.parameters().into_iter().map(|(name, _)| name);
-        record.extend(names.zip(self.values().iter().map(|value| value.to_string())));
+        let values = self.problem.parameters().into_iter().filter_map(|(name, _)| {
+            let value = self.value(&name)?.to_string();
+            Some((name, value))
+        });
+        record.extend(values);
         record
-    }
-}
-
-impl Problem {
-    /// Names of everything that can be set.
-    pub fn names(&self) -> Vec<String> {
-        let settings = self.settings().into_iter().map(|(name, _)| name.to_string());
-        self.parameters().into_iter().map(|(name, _)| name).chain(settings).collect()
     }
 }
 

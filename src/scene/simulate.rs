@@ -4,10 +4,10 @@
 use super::{SceneError, Simulated};
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
-    History, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Piece,
+    History, HybridEquations, HybridFlow, HybridSettings, HybridState, Mode, Piece,
 };
+use crate::core::names::UnknownName;
 use crate::core::zero::Profile;
-use crate::output::UnknownName;
 
 /// A simulated history as a branch of one point, and the state in which it ends.
 pub(super) struct Simulation {
@@ -28,8 +28,8 @@ struct Curve {
 }
 
 /// Follows a system through a transient, and then for as long as the history is to last.
-pub(super) fn simulate<H: HybridSystem>(
-    system: &H,
+pub(super) fn simulate(
+    system: &dyn HybridEquations,
     name: &str,
     simulated: &Simulated,
     p: &[f64],
@@ -56,8 +56,8 @@ pub(super) fn simulate<H: HybridSystem>(
     Ok(Simulation { branch: branch(system, name, p, &curves, events), end: state })
 }
 
-pub(super) fn initial<H: HybridSystem>(
-    system: &H,
+pub(super) fn initial(
+    system: &dyn HybridEquations,
     simulated: &Simulated,
 ) -> Result<HybridState<f64>, SceneError> {
     at_rest(&system.modes()[0], &simulated.state)
@@ -79,7 +79,7 @@ pub(super) fn at_rest(
 }
 
 /// The history of every state; of those that count from the start of a mode, their sum.
-fn curves<H: HybridSystem>(system: &H, pieces: &[Piece], begin: f64) -> Vec<Curve> {
+fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Curve> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Curve> = Vec::new();
     for name in modes.iter().flat_map(|mode| &mode.states) {
@@ -107,8 +107,8 @@ fn curves<H: HybridSystem>(system: &H, pieces: &[Piece], begin: f64) -> Vec<Curv
 }
 
 /// One point, with the extremes of all states as monitors, and the curves as profiles.
-fn branch<H: HybridSystem>(
-    system: &H,
+fn branch(
+    system: &dyn HybridEquations,
     name: &str,
     p: &[f64],
     curves: &[Curve],

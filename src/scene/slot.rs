@@ -16,6 +16,17 @@ pub(super) trait Slot {
 /// Settings by name.
 pub(super) type Slots<'a> = Vec<(&'static str, Box<dyn Slot + 'a>)>;
 
+/// The slots of all fields of a structure but some, by the names of the fields.
+macro_rules! slots {
+    ($settings:expr => $name:ident { $($field:ident: $slot:ident),* $(,)? } $(without $($skipped:ident),*)?) => {{
+        let $name { $($field,)* $($($skipped: _,)*)? } = $settings;
+        let slots: $crate::scene::slot::Slots =
+            vec![$((stringify!($field), Box::new($crate::scene::slot::$slot($field)))),*];
+        slots
+    }};
+}
+pub(super) use slots;
+
 /// Reads a value into the setting of a name; false if there is none of this name.
 pub(super) fn assign(slots: Slots, name: &str, value: &str) -> Result<bool, SceneError> {
     match slots.into_iter().find(|(known, _)| *known == name) {
@@ -99,7 +110,7 @@ pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Resul
     })
 }
 
-fn written<T: Serialize>(value: &T) -> String {
+pub(super) fn written<T: Serialize>(value: &T) -> String {
     // Settings are plain enums, numbers and lists: they can always be written.
     ron::to_string(value).unwrap_or_default()
 }

@@ -1,17 +1,15 @@
 //! Sweeps of a scene: what motions settle on, over parameters and starts.
 
 use super::execute::map_of;
-use super::problem::not_hybrid;
+use super::problem::Swept;
 use super::simulate::at_rest;
-use super::{Local, Problem, Scene, SceneError};
-use crate::core::attractor::{CrisisSearch, Layout, Settling, StrobeError, Strobed, Stroboscope};
-use crate::core::flow::{Scheme, Settings};
+use super::{Local, Scene, SceneError};
+use crate::core::attractor::{CrisisSearch, Layout, Settling, StrobeError, Strobed};
 use crate::core::grazing::{Iterated, LocalMap};
-use crate::core::hybrid::{HybridSettings, Mode};
+use crate::core::hybrid::Mode;
+use crate::core::names::UnknownName;
 use crate::core::sweep::{self, Axis, Found, Make, Order, Part, Plan, Quantity};
-use crate::output::{SweepTable, Sweeps, UnknownName};
-use crate::problems::classic::ImpactOscillator;
-use crate::problems::mita::Actuator;
+use crate::output::{SweepTable, Sweeps};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -96,7 +94,7 @@ pub struct SoughtCrisis {
 }
 
 impl SoughtCrisis {
-    fn among(&self, parameters: &[(String, f64)]) -> Result<CrisisSearch, UnknownName> {
+    fn among(&self, parameters: &[(String, Option<f64>)]) -> Result<CrisisSearch, UnknownName> {
         let &SoughtCrisis { ref name, from, to, steps, tolerance } = self;
         let parameter = parameters.iter().position(|(known, _)| known == name);
         let known = parameters.iter().map(|(name, _)| name.as_str());
@@ -118,26 +116,6 @@ pub trait SweepWatch {
 }
 
 impl SweepWatch for () {}
-
-impl Problem {
-    /// The motion of the problem looked at once in every period.
-    fn strobed(
-        &self,
-        measures: &[String],
-        tolerance: f64,
-    ) -> Result<Box<dyn Strobed>, StrobeError> {
-        let flow = Settings::new(Scheme::DormandPrince8, tolerance);
-        let settings = HybridSettings { flow, ..HybridSettings::default() };
-        match self {
-            Problem::Mita(_) => Ok(Box::new(Stroboscope::of(&Actuator, settings, measures)?)),
-            Problem::ImpactOscillator(_) => {
-                Ok(Box::new(Stroboscope::of(&ImpactOscillator, settings, measures)?))
-            }
-            // Refused where sweeps are prepared.
-            _ => Err(StrobeError::NoPeriod),
-        }
-    }
-}
 
 impl Scene {
     /// The scene in words, with all that was set: what results are known by.
@@ -223,12 +201,13 @@ pub fn sweep(
 }
 
 /// What a sweep looks at once in every period: the problem's motion, or a local map.
-fn strobed(
+fn strobed<'a>(
     sweep: &Sweep,
-    seen: &Scene,
+    seen: &'a Scene,
+    motions: &'a dyn Swept,
     map: Option<&LocalMap>,
-) -> Result<Box<dyn Strobed>, StrobeError> {
-    let Some(map) = map else { return seen.problem.strobed(&sweep.measures, sweep.flow_error) };
+) -> Result<Box<dyn Strobed + 'a>, StrobeError> {
+    let Some(map) = map else { return motions.strobed(&sweep.measures, sweep.flow_error) };
     let names: Vec<String> = seen.problem.parameters().into_iter().map(|(name, _)| name).collect();
     let iterated = Iterated::of(map.clone(), &names, &sweep.measures);
     Ok(Box::new(iterated.map_err(|cause| StrobeError::Map(cause.to_string()))?))
@@ -248,12 +227,10 @@ struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     fn of(scene: &Scene, sweep: &'a Sweep) -> Result<Self, SceneError> {
         let seen = scene.with(&sweep.set)?;
-        if !matches!(seen.problem, Problem::Mita(_) | Problem::ImpactOscillator(_)) {
-            return Err(not_hybrid("sweeps", &sweep.name));
-        }
+        let motions = seen.problem.entry().swept()?;
         let map = sweep.local.as_ref().map(|local| map_of(scene, &seen, &sweep.name, local));
         let map = map.transpose()?;
-        let layout = strobed(sweep, &seen, map.as_ref())?.layout().clone();
+        let layout = strobed(sweep, &seen, motions, map.as_ref())?.layout().clone();
         let plan = seen.plan(sweep, &layout.modes[0])?;
         Ok(Prepared { sweep, seen, map, layout, plan })
     }
@@ -278,10 +255,11 @@ impl<'a> Prepared<'a> {
         watch.begin(table);
         let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
         let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();
-        let make: &Make = &|| strobed(sweep, seen, map.as_ref());
+        let motions = seen.problem.entry().swept()?;
+        let make: &Make = &|| strobed(sweep, seen, motions, map.as_ref());
         let mut outcome = ControlFlow::Continue(());
         let done = |run: usize| ends.get(&run).cloned();
-        sweep::execute(plan, part, &seen.values(), make, &done, &mut |found: Found| {
+        sweep::execute(plan, part, &seen.values()?, make, &done, &mut |found: Found| {
             all.sweeps[index].push(&found, plan.start(found.run), modes);
             outcome = watch.found(all, &found);
             outcome

@@ -468,13 +468,10 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         change(continuation).unwrap_err().to_string()
     };
     for (found, expected) in [
-        (
-            message(&|c| c.along("nu", -1.0..=1.0).trace()),
-            "there is no parameter `nu`; there are mu",
-        ),
+        (message(&|c| c.along("nu", -1.0..=1.0).trace()), "unknown parameter `nu`. Known: mu"),
         (
             message(&|c| c.along("mu", -1.0..=1.0).mark("sqare", 1.0).trace()),
-            "there is no parameter or monitor `sqare` (did you mean `square`?); there are mu, square",
+            "unknown parameter or monitor `sqare`; did you mean `square`? Known: mu, square",
         ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).mark("square", f64::NAN).trace()),
@@ -482,7 +479,7 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).scale("y", 1.0).trace()),
-            "there is no group of unknowns or released parameter `y`; there are x, mu",
+            "unknown group of unknowns or released parameter `y`. Known: x, mu",
         ),
         (
             message(&|c| c.along("mu", -1.0..=1.0).scale("x", 0.0).trace()),

@@ -126,7 +126,7 @@ fn unknown_columns_are_answered_with_those_that_exist() {
     let error = diagram(&[("a", &document())], Some("laod"), None).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "branch `plate`: there is no column `laod`; did you mean `load`? \
+        "branch `plate`: unknown column `laod`; did you mean `load`? \
          Known: load, aspect_ratio, deflection"
     );
     let mut bare = document();

@@ -1,9 +1,10 @@
 //! Promise: numbers, axes, lines and labels of figures are what a reader expects.
 
 use proptest::prelude::*;
+use tangency::core::names::suggest;
 use tangency::output::{
     Document, Figure, FigureError, Mark, Series, Style, Symbol, diagram, draw, example_branch,
-    significant, suggest,
+    significant,
 };
 
 #[test]

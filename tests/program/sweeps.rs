@@ -148,7 +148,7 @@ fn bad_input_is_explained() {
     let smooth =
         SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
     std::fs::write(folder.path().join("smooth.ron"), smooth).unwrap();
-    fails(&["sweep", "smooth.ron"], "only hybrid systems are simulated by scenes");
+    fails(&["sweep", "smooth.ron"], "sweeps follow the motions of hybrid systems only");
     assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
     fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "were made by another scene");
     std::fs::write(folder.path().join("broken.npz"), b"PK").unwrap();

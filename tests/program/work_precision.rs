@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use tangency::core::flow::Scheme;
 use tangency::output::{Clock, Measured, Report, WorkPrecision};
 use tangency::problems::plate::{Model, Orders, PlateSettings};
-use tangency::scene::{Discretised, Problem, Scene};
+use tangency::scene::{Discretised, HybridOrbitSettings, Scene};
 use tangency::work_precision::{
     Answer, DIAGRAMS, Effort, Method, Plan, WorkPrecisionError, measure,
 };
@@ -241,15 +241,16 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
          sweeps: [(name: \"b\", over: [(name: \"voltage\", low: 0.1, high: 0.2, count: 2)])])",
     )
     .unwrap();
-    let Problem::Mita(orbits) = &scene.problem else { panic!("{:?}", scene.problem) };
+    let orbits = HybridOrbitSettings::default();
+    assert_eq!(scene.problem.settings()[2], ("degree", orbits.degree.to_string()));
     let scheme = match orbits.scheme {
         Scheme::DormandPrince8 => "order 8",
         Scheme::DormandPrince5 => "order 5",
         Scheme::Rodas5P => "Rodas5P",
     };
-    let method = match orbits.method.unwrap_or(Discretised::USUAL_HYBRID) {
-        Discretised::Collocation => format!("collocation, {} points", orbits.degree),
-        Discretised::Shooting => match orbits.segments {
+    let method = match orbits.method {
+        Some(Discretised::Collocation) => format!("collocation, {} points", orbits.degree),
+        None | Some(Discretised::Shooting) => match orbits.segments {
             1 => format!("shooting, {scheme}"),
             segments => format!("shooting, {scheme}, {segments} segments"),
         },

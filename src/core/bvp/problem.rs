@@ -185,6 +185,11 @@ pub trait BoundaryProblem: Send + Sync {
     /// The names of the parameters `p`.
     fn parameters(&self) -> Vec<String>;
 
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The names of the further unknown numbers `e`.
     fn extras(&self) -> Vec<String> {
         Vec::new()

@@ -1,6 +1,7 @@
 //! Why a trace could not begin.
 
 use super::SettingError;
+use crate::core::names::UnknownName;
 use crate::core::newton::NewtonError;
 
 /// Why a trace could not begin.
@@ -8,17 +9,8 @@ use crate::core::newton::NewtonError;
 #[non_exhaustive]
 pub enum TraceError {
     /// A name that the problem does not have.
-    #[error("there is no {what} `{name}`{}; there are {known}", suggestion(nearest))]
-    UnknownName {
-        /// What was looked for: `parameter`, `parameter or monitor`, …
-        what: &'static str,
-        /// The name.
-        name: String,
-        /// The existing name most like it, if one is.
-        nearest: Option<String>,
-        /// The names that exist.
-        known: String,
-    },
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
     /// A parameter released twice.
     #[error("the parameter `{name}` is released twice")]
     Twice {
@@ -132,26 +124,4 @@ pub enum TraceError {
         #[source]
         cause: Box<NewtonError>,
     },
-}
-
-impl TraceError {
-    /// A name that is not among those known, with the most similar one that is.
-    pub(super) fn unknown<'n>(
-        what: &'static str,
-        name: &str,
-        known: impl IntoIterator<Item = &'n str>,
-    ) -> Self {
-        let known: Vec<&str> = known.into_iter().collect();
-        let nearest = known
-            .iter()
-            .map(|candidate| (strsim::jaro_winkler(candidate, name), candidate))
-            .filter(|(similarity, _)| *similarity > 0.7)
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, candidate)| candidate.to_string());
-        TraceError::UnknownName { what, name: name.into(), nearest, known: known.join(", ") }
-    }
-}
-
-fn suggestion(nearest: &Option<String>) -> String {
-    nearest.as_ref().map(|name| format!(" (did you mean `{name}`?)")).unwrap_or_default()
 }

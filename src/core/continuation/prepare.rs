@@ -9,6 +9,7 @@ use super::{Branch, Continuation, End, Kind, TraceError};
 use crate::core::bifurcation::{Fold, branches_at};
 use crate::core::condition::{At, EvaluationError, Quantity};
 use crate::core::extended::Extended;
+use crate::core::names::UnknownName;
 use crate::core::newton::{Newton, NewtonError, Tolerances};
 use crate::core::solution::{Adopted, Leaving};
 use crate::core::zero::Dynamics;
@@ -61,7 +62,7 @@ impl<'a> Continuation<'a> {
     pub(super) fn parameter(&self, name: &str) -> Result<usize, TraceError> {
         let names = self.system.names();
         let known = names.parameters.iter().map(String::as_str);
-        names.parameter(name).ok_or_else(|| TraceError::unknown("parameter", name, known))
+        names.parameter(name).ok_or_else(|| UnknownName::new("parameter", name, known).into())
     }
 
     pub(super) fn quantity(&self, name: &str) -> Result<Quantity, TraceError> {
@@ -70,7 +71,7 @@ impl<'a> Continuation<'a> {
         let parameter = names.parameter(name).map(Quantity::Parameter);
         parameter
             .or_else(|| names.monitor(name).map(Quantity::Monitor))
-            .ok_or_else(|| TraceError::unknown("parameter or monitor", name, known))
+            .ok_or_else(|| UnknownName::new("parameter or monitor", name, known).into())
     }
 
     fn resolve_released(&mut self) -> Result<Vec<usize>, TraceError> {
@@ -250,7 +251,7 @@ impl<'a> Continuation<'a> {
             let place = known
                 .iter()
                 .position(|known| known == name)
-                .ok_or_else(|| TraceError::unknown(what, name, known.iter().copied()))?;
+                .ok_or_else(|| UnknownName::new(what, name, known.iter().copied()))?;
             if !(value.is_finite() && *value > 0.0) {
                 let (name, value, range) = (name.clone(), *value, "finite and more than 0");
                 return Err(TraceError::Value { what: "the scale", name, value, range });

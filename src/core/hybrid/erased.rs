@@ -67,6 +67,8 @@ macro_rules! scalars {
             fn guards(&self) -> Vec<Guard>;
             /// The names of the parameters.
             fn parameters(&self) -> Vec<String>;
+            /// Default values of all parameters, if the system states them.
+            fn defaults(&self) -> Vec<f64>;
             /// The mode that follows an event.
             fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
             /// The mode in which motion goes on where the events of a guard accumulate.
@@ -294,6 +296,7 @@ impl<H: HybridSystem> HybridEquations for H {
         modes() -> Vec<Mode>;
         guards() -> Vec<Guard>;
         parameters() -> Vec<String>;
+        defaults() -> Vec<f64>;
         next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
         mode_after_accumulation(
             guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]

@@ -107,6 +107,11 @@ pub trait HybridSystem: Send + Sync {
     /// The names of the parameters.
     fn parameters(&self) -> Vec<String>;
 
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The field of a mode, written into `f` (as long as `x`).
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 

@@ -32,7 +32,7 @@ impl Found {
 pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
 
 /// Makes a motion.
-pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed>, StrobeError> + Sync + 'a;
+pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed + 'a>, StrobeError> + Sync + 'a;
 
 /// Does all runs of a part of a plan but those that are done already: `done` gives the state in which a run ended
 /// (`None` inside if it failed). `make` makes the motion, once for each strand; `p` are the parameters
@@ -103,15 +103,15 @@ pub fn execute(
 }
 
 /// What all strands share.
-struct Strand<'a> {
+struct Strand<'a, 'm> {
     plan: &'a Plan,
     p: &'a [f64],
-    make: &'a Make<'a>,
+    make: &'a Make<'m>,
     done: &'a (dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
     stop: &'a AtomicBool,
 }
 
-impl Strand<'_> {
+impl<'m> Strand<'_, 'm> {
     /// Does the runs of a strand, one after the other.
     fn follow(&self, strand: &[usize], sender: &Sender<Found>) {
         let mut motion = None;
@@ -135,7 +135,7 @@ impl Strand<'_> {
     fn run(
         &self,
         run: usize,
-        motion: &mut Option<Box<dyn Strobed>>,
+        motion: &mut Option<Box<dyn Strobed + 'm>>,
         before: Option<HybridState<f64>>,
     ) -> Found {
         let (p, start) = self.plan.setting(run, self.p);

@@ -70,6 +70,10 @@ impl HybridSystem for ImpactOscillator {
         ["amplitude", "frequency", "restitution", "damping", "clearance"].map(String::from).into()
     }
 
+    fn defaults(&self) -> Vec<f64> {
+        Self::DEFAULTS.into()
+    }
+
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         if mode == Self::CONTACT {
             f[0] = T::zero();

@@ -177,6 +177,10 @@ impl HybridSystem for Actuator {
         NAMES.map(String::from).into()
     }
 
+    fn defaults(&self) -> Vec<f64> {
+        Self::DEFAULTS.into()
+    }
+
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         let parameters = Parameters::of(p);
         if Self::touches(mode) {

@@ -44,6 +44,10 @@ impl VectorField for Block {
         Names::new(["displacement", "velocity"], ["voltage", "frequency", "damping"])
     }
 
+    fn defaults(&self) -> Vec<f64> {
+        Self::DEFAULTS.into()
+    }
+
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         f[0] = x[1];
         f[1] = force(t, x[0], x[1], [p[0], p[1], p[2]]);

@@ -1,19 +1,19 @@
-//! Names that were not found, and the one that was probably meant.
+//! Unknown names, and the known name that was probably meant.
 
 /// A name that does not exist, with those that do.
 ///
 /// ```
-/// use tangency::output::UnknownName;
+/// use tangency::core::names::UnknownName;
 /// let error = UnknownName::new("column", "laod", ["load", "max"]);
 /// assert_eq!(
 ///     error.to_string(),
-///     "there is no column `laod`; did you mean `load`? Known: load, max"
+///     "unknown column `laod`; did you mean `load`? Known: load, max"
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} `{name}`{}Known: {}", self.question(), self.known())]
+#[error("unknown {what} `{name}`{}Known: {}", self.question(), self.known())]
 pub struct UnknownName {
-    /// What the name should stand for: `column`, `scene`, `branch`.
+    /// What the name stands for: `column`, `scene`, `branch`.
     pub what: String,
     /// The name.
     pub name: String,
@@ -22,7 +22,7 @@ pub struct UnknownName {
 }
 
 impl UnknownName {
-    /// A name that is not among those available.
+    /// A name that is not among the available ones.
     pub fn new<S: Into<String>>(
         what: impl Into<String>,
         name: impl Into<String>,
@@ -45,40 +45,22 @@ impl UnknownName {
 }
 
 /// The candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
-/// replacements and swaps of neighbours, if they are at most a third of the name's letters
-/// (and at least one is always forgiven).
+/// replacements and swaps of neighbours (in either case), if they are at most a third of the name's
+/// letters. One is always forgiven.
 ///
 /// ```
-/// use tangency::output::suggest;
+/// use tangency::core::names::suggest;
 /// assert_eq!(suggest("frequency_ration", ["frequency", "frequency_ratio"]), Some("frequency_ratio"));
 /// assert_eq!(suggest("voltage", ["load", "max"]), None);
+/// assert_eq!(suggest("Λ", ["λ"]), Some("λ"));
 /// ```
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let allowed = (name.chars().count() / 3).max(1);
+    let name = name.to_lowercase();
     candidates
         .into_iter()
-        .map(|candidate| (distance(name, candidate), candidate))
+        .map(|candidate| (strsim::osa_distance(&name, &candidate.to_lowercase()), candidate))
         .filter(|(distance, _)| *distance <= allowed)
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
-}
-
-/// The edit distance, where case counts for nothing and a swap of neighbours for one.
-fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.to_lowercase().chars().collect();
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut before_last = vec![0; b.len() + 1];
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for i in 0..a.len() {
-        let mut row = vec![i + 1; b.len() + 1];
-        for j in 0..b.len() {
-            let replaced = last[j] + usize::from(a[i] != b[j]);
-            row[j + 1] = replaced.min(last[j + 1] + 1).min(row[j] + 1);
-            if i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j] {
-                row[j + 1] = row[j + 1].min(before_last[j - 1] + 1);
-            }
-        }
-        before_last = std::mem::replace(&mut last, row);
-    }
-    last[b.len()]
 }

@@ -1,0 +1,220 @@
+//! The problems and scenes that the command line knows by name.
+
+use super::builtin::BUILT_IN;
+use super::kinds::{Boundary, Field, Hybrid, Zero};
+use super::problem::{Model, Problem};
+use super::slot::options;
+use super::{Scene, SceneError};
+use crate::core::bvp::BoundaryProblem;
+use crate::core::field::VectorField;
+use crate::core::hybrid::HybridSystem;
+use crate::core::names::UnknownName;
+use crate::core::zero::ZeroProblem;
+use ron::error::{Position, SpannedError};
+use ron::value::RawValue;
+use serde::Deserialize;
+use serde::de::{Deserializer, Visitor};
+use std::fmt;
+use std::sync::Arc;
+
+/// The problems that scenes can name, and scenes that can be traced by name.
+///
+/// A crate adds problems of its own to the built-in ones, and has the whole command line with them
+/// ([`cli::run`](crate::cli::run)). A problem that is added under a name in use replaces the earlier one; so does a scene.
+///
+/// ```
+/// use tangency::prelude::*;
+/// use tangency::scene::execute;
+/// /// `r' = (μ − r²) r`, a rotation with the angular velocity 1: orbits of radius √μ from the Hopf point μ = 0.
+/// #[derive(Clone)]
+/// struct NormalForm;
+/// impl VectorField for NormalForm {
+///     fn names(&self) -> Names {
+///         Names::new(["x", "y"], ["mu"])
+///     }
+///     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+///         let growth = p[0] - x[0] * x[0] - x[1] * x[1];
+///         f[0] = growth * x[0] - x[1];
+///         f[1] = growth * x[1] + x[0];
+///     }
+/// }
+/// let catalogue = Catalogue::built_in().field("NormalForm", NormalForm);
+/// let scene = catalogue.parse("Scene(
+///     title: \"Hopf\",
+///     problem: NormalForm(solution: equilibrium),
+///     parameters: [(\"mu\", -1.0)],
+///     runs: [Run(name: \"rest\", along: [(name: \"mu\", low: -1.0, high: 1.0)])],
+/// )")?;
+/// let rest = &execute(&scene, None, &mut ()).document.branches[0];
+/// assert!(rest.of_kind(Kind::HB).next().expect("a Hopf point").parameters[0].abs() < 1e-14);
+/// # Ok::<(), tangency::scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Catalogue {
+    problems: Vec<Problem>,
+    scenes: Vec<NamedScene>,
+}
+
+/// A scene that is traced by its name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedScene {
+    /// Its name.
+    pub name: String,
+    /// Its text, as RON.
+    pub text: String,
+    summary: Option<String>,
+}
+
+impl Catalogue {
+    /// A catalogue without problems and scenes.
+    pub fn empty() -> Self {
+        Catalogue::default()
+    }
+
+    /// The problems and scenes of this library.
+    pub fn built_in() -> Self {
+        let catalogue = super::builtin::problems(Catalogue::empty());
+        BUILT_IN.iter().fold(catalogue, |catalogue, scene| {
+            let (name, text) = (scene.name.into(), scene.text.into());
+            catalogue.listed(NamedScene { name, text, summary: Some(scene.summary.into()) })
+        })
+    }
+
+    /// Adds a zero problem.
+    pub fn zero<P>(self, name: &'static str, problem: P) -> Self
+    where
+        P: ZeroProblem + Clone + Send + Sync + 'static,
+    {
+        self.model(name, Zero(problem))
+    }
+
+    /// Adds a smooth vector field: its equilibria and its periodic orbits.
+    pub fn field<F>(self, name: &'static str, field: F) -> Self
+    where
+        F: VectorField + Clone + 'static,
+    {
+        self.model(name, Field(field))
+    }
+
+    /// Adds a boundary-value problem.
+    pub fn boundary<P>(self, name: &'static str, problem: P) -> Self
+    where
+        P: BoundaryProblem + 'static,
+    {
+        self.model(name, Boundary::of(problem))
+    }
+
+    /// Adds a hybrid system: its periodic orbits, simulations, sweeps, and local maps at its grazings.
+    pub fn hybrid<H>(self, name: &'static str, system: H) -> Self
+    where
+        H: HybridSystem + 'static,
+    {
+        self.model(name, Hybrid(Arc::new(system)))
+    }
+
+    /// Adds a scene. Lists show its title.
+    pub fn scene(self, name: impl Into<String>, text: impl Into<String>) -> Self {
+        self.listed(NamedScene { name: name.into(), text: text.into(), summary: None })
+    }
+
+    /// Adds a model of any kind.
+    pub(super) fn model<M: Model>(mut self, name: &'static str, model: M) -> Self {
+        self.problems.retain(|problem| problem.name() != name);
+        self.problems.push(Problem::new(name, model));
+        self
+    }
+
+    fn listed(mut self, scene: NamedScene) -> Self {
+        self.scenes.retain(|known| known.name != scene.name);
+        self.scenes.push(scene);
+        self
+    }
+
+    /// All problems, with their default settings.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+
+    /// All scenes.
+    pub fn scenes(&self) -> &[NamedScene] {
+        &self.scenes
+    }
+
+    /// What a scene shows, in one line: its title, unless a summary was stated; the error of a scene that cannot be read.
+    pub fn summary(&self, scene: &NamedScene) -> String {
+        let title = || match self.parse(&scene.text) {
+            Ok(read) => read.title,
+            Err(error) => format!("error: {error}"),
+        };
+        scene.summary.clone().unwrap_or_else(title)
+    }
+
+    /// Reads a scene.
+    ///
+    /// # Errors
+    /// [`SceneError::Syntax`] with the place, [`SceneError::UnknownName`] for problems that are not in the catalogue,
+    /// [`SceneError::Invalid`] for what a scene must not hold: numbers that are not finite, names given
+    /// twice or unknown, runs that start nowhere.
+    pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
+        let read: Scene<&RawValue> = options()
+            .from_str(text)
+            .map_err(|error| syntax(error, Position { line: 1, col: 1 }))?;
+        let problem = self.problem(read.problem.get_ron(), text)?;
+        let Scene { title, parameters, accuracy, settings, plot, runs, sweeps, .. } = read;
+        let scene = Scene { title, problem, parameters, accuracy, settings, plot, runs, sweeps };
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The problem of a scene, whose statement is a part of the scene's text.
+    fn problem(&self, stated: &str, text: &str) -> Result<Problem, SceneError> {
+        let begin = stated.as_ptr() as usize - text.as_ptr() as usize;
+        let mut reader = ron::Deserializer::from_str(stated)
+            .map_err(|error| syntax(error, position(&text[..begin])))?;
+        let Name(name) = Name::deserialize(&mut reader)
+            .map_err(|error| syntax(reader.span_error(error), position(&text[..begin])))?;
+        let settings = reader.remainder();
+        let problem =
+            self.problems.iter().find(|problem| problem.name() == name).ok_or_else(|| {
+                UnknownName::new("problem", name, self.problems.iter().map(Problem::name))
+            })?;
+        let begin = begin + stated.len() - settings.len();
+        problem.read(settings).map_err(|error| syntax(error, position(&text[..begin])))
+    }
+}
+
+/// The name of a problem: an identifier.
+struct Name(String);
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Identifier;
+
+        impl Visitor<'_> for Identifier {
+            type Value = Name;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a problem")
+            }
+
+            fn visit_str<E>(self, name: &str) -> Result<Name, E> {
+                Ok(Name(name.into()))
+            }
+        }
+
+        deserializer.deserialize_identifier(Identifier)
+    }
+}
+
+/// The place behind a text.
+fn position(before: &str) -> Position {
+    let last = before.rsplit('\n').next().unwrap_or_default();
+    Position { line: 1 + before.matches('\n').count(), col: 1 + last.chars().count() }
+}
+
+/// An error in a text that begins at a place.
+fn syntax(error: SpannedError, begin: Position) -> SceneError {
+    let Position { line, col } = error.span.start;
+    let column = if line == 1 { begin.col + col - 1 } else { col };
+    SceneError::Syntax { line: begin.line + line - 1, column, reason: error.code.to_string() }
+}

@@ -1,0 +1,238 @@
+//! Zero problems, vector fields, boundary-value problems and hybrid systems as problems of scenes.
+
+use super::discretisation::{
+    BoundarySettings, FieldSettings, HybridOrbitSettings, Solution, Started, ZeroSettings, no_start,
+};
+use super::problem::{Model, Swept};
+use super::simulate::{Simulation, initial, simulate};
+use super::{Local, SceneError, Simulated};
+use crate::core::attractor::{StrobeError, Strobed, Stroboscope};
+use crate::core::bvp::{Birth, BoundaryProblem, Equations, IntoEquations};
+use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::dense::Dense;
+use crate::core::field::{Equilibria, VectorField};
+use crate::core::flow::{Scheme, Settings};
+use crate::core::grazing::LocalMap;
+use crate::core::hybrid::{
+    HybridEquations, HybridFlow, HybridSettings, HybridState, Recurrence, RecurrenceError,
+};
+use crate::core::orbit::{HybridOrbit, Itinerary};
+use crate::core::zero::{System, ZeroProblem};
+use std::sync::Arc;
+
+/// Names with their defaults; without a default where the problem states fewer of them.
+pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Vec<(String, Option<f64>)> {
+    let defaults = defaults.iter().copied().map(Some).chain(std::iter::repeat(None));
+    names.into_iter().zip(defaults).collect()
+}
+
+/// A zero problem, solved as it is.
+pub(super) struct Zero<P>(pub P);
+
+impl<P: ZeroProblem + Clone + Send + Sync + 'static> Model for Zero<P> {
+    type Settings = ZeroSettings;
+    const KIND: &'static str = "a zero problem";
+
+    fn parameters(&self, _settings: &ZeroSettings) -> Vec<(String, Option<f64>)> {
+        with_defaults(self.0.names().parameters, &self.0.defaults())
+    }
+
+    fn system(
+        &self,
+        _settings: &ZeroSettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Box<dyn System>, SceneError> {
+        Ok(Box::new(Dense::new(self.0.clone())))
+    }
+}
+
+/// The periodic orbits or the equilibria of a smooth field.
+pub(super) struct Field<F>(pub F);
+
+impl<F: VectorField + Clone + 'static> Model for Field<F> {
+    type Settings = FieldSettings;
+    const KIND: &'static str = "a smooth vector field";
+
+    fn parameters(&self, _settings: &FieldSettings) -> Vec<(String, Option<f64>)> {
+        with_defaults(self.0.names().parameters, &self.0.defaults())
+    }
+
+    fn ladder(
+        &self,
+        settings: &FieldSettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Vec<FieldSettings>, SceneError> {
+        Ok(match settings.solution {
+            Solution::Orbit => settings.ladder(),
+            Solution::Equilibrium => Vec::new(),
+        })
+    }
+
+    fn system(
+        &self,
+        settings: &FieldSettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Box<dyn System>, SceneError> {
+        let field = self.0.clone();
+        match settings.solution {
+            Solution::Orbit => {
+                Ok(settings.discretisation().system(HybridOrbit::smooth_of(field, 1), None)?.0)
+            }
+            Solution::Equilibrium if field.forcing().is_periodic() => Err(SceneError::Value {
+                name: "solution".into(),
+                value: "equilibrium".into(),
+                reason: "a field that is forced in time has none; take `orbit`".into(),
+            }),
+            Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(field)))),
+        }
+    }
+}
+
+/// The solutions of a boundary-value problem.
+pub(super) struct Boundary {
+    problem: Arc<dyn Equations>,
+    defaults: Vec<f64>,
+}
+
+impl Boundary {
+    pub fn of(problem: impl BoundaryProblem + 'static) -> Self {
+        let defaults = problem.defaults();
+        Boundary { problem: problem.into_equations(), defaults }
+    }
+}
+
+impl Model for Boundary {
+    type Settings = BoundarySettings;
+    const KIND: &'static str = "a boundary-value problem";
+
+    fn parameters(&self, _settings: &BoundarySettings) -> Vec<(String, Option<f64>)> {
+        with_defaults(self.problem.parameters(), &self.defaults)
+    }
+
+    fn ladder(
+        &self,
+        settings: &BoundarySettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Vec<BoundarySettings>, SceneError> {
+        Ok(settings.ladder())
+    }
+
+    fn system(
+        &self,
+        settings: &BoundarySettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Box<dyn System>, SceneError> {
+        Ok(settings.discretisation().system(self.problem.clone(), None)?.0)
+    }
+}
+
+/// The periodic orbits of a hybrid system, its simulations, its local maps, and its motions in sweeps.
+pub(super) struct Hybrid(pub Arc<dyn HybridEquations>);
+
+/// Orbits with all monitors that the settings ask for.
+fn watched(settings: &HybridOrbitSettings, orbit: HybridOrbit) -> HybridOrbit {
+    if settings.penetration { orbit.with_penetration() } else { orbit }
+}
+
+impl Model for Hybrid {
+    type Settings = HybridOrbitSettings;
+    const KIND: &'static str = "a hybrid system";
+
+    fn parameters(&self, _settings: &HybridOrbitSettings) -> Vec<(String, Option<f64>)> {
+        with_defaults(self.0.parameters(), &self.0.defaults())
+    }
+
+    fn ladder(
+        &self,
+        settings: &HybridOrbitSettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Vec<HybridOrbitSettings>, SceneError> {
+        Ok(settings.ladder())
+    }
+
+    fn system(
+        &self,
+        settings: &HybridOrbitSettings,
+        _p: &[f64],
+        _reach: &[f64],
+    ) -> Result<Box<dyn System>, SceneError> {
+        let itinerary = match settings.itinerary.as_str() {
+            "" => Itinerary::smooth(0, 1),
+            words => Itinerary::read(words, &*self.0).map_err(|cause| SceneError::Value {
+                name: "itinerary".into(),
+                value: words.into(),
+                reason: cause.to_string(),
+            })?,
+        };
+        let orbits = watched(settings, HybridOrbit::shared(self.0.clone(), itinerary));
+        Ok(settings.discretisation().system(orbits, None)?.0)
+    }
+
+    fn history(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        start: Option<HybridState<f64>>,
+    ) -> Result<Simulation, SceneError> {
+        simulate(&*self.0, run, simulated, p, start)
+    }
+
+    fn settled(
+        &self,
+        settings: &HybridOrbitSettings,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+    ) -> Result<Started, SceneError> {
+        let unsettled = |cause: RecurrenceError| SceneError::Unsettled {
+            run: run.into(),
+            cause: Box::new(cause),
+        };
+        let start = initial(&*self.0, simulated)?;
+        let unit = self.0.period(p);
+        let recurrence =
+            Recurrence { transient: simulated.transient * unit, ..Recurrence::default() };
+        let mut flow = HybridFlow::new(&*self.0, HybridSettings::default())
+            .map_err(|cause| unsettled(cause.into()))?;
+        let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
+        let Birth { problem, starts, extras } =
+            HybridOrbit::of_shared_cycle(self.0.clone(), &cycle).map_err(no_start)?;
+        let orbits = watched(settings, problem);
+        settings.discretisation().system(orbits, Some([&*starts, &*extras, p]))
+    }
+
+    fn local_map(
+        &self,
+        settings: &HybridOrbitSettings,
+        run: &str,
+        local: &Local,
+        at: (&Branch, &SpecialPoint),
+    ) -> Result<LocalMap, SceneError> {
+        local
+            .map(&self.0, settings.discretisation(), settings.order, at)
+            .map_err(|cause| SceneError::Local { run: run.into(), cause: Box::new(cause) })
+    }
+
+    fn swept(&self) -> Result<&dyn Swept, SceneError> {
+        Ok(self)
+    }
+}
+
+impl Swept for Hybrid {
+    fn strobed(
+        &self,
+        measures: &[String],
+        tolerance: f64,
+    ) -> Result<Box<dyn Strobed + '_>, StrobeError> {
+        let flow = Settings::new(Scheme::DormandPrince8, tolerance);
+        let settings = HybridSettings { flow, ..HybridSettings::default() };
+        Ok(Box::new(Stroboscope::of(&*self.0, settings, measures)?))
+    }
+}
