@@ -11,6 +11,7 @@ mod mita_laws;
 mod orbits;
 mod recorded;
 mod references;
+mod scales;
 mod simulation;
 mod systems;
 mod watched;

@@ -1,6 +1,7 @@
 //! Motion beyond a surface, as if the surface were not there.
 
 use super::leg::{GuardOf, InMode, along, rate};
+use super::scales::guard_scale;
 use super::system::HybridSystem;
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
 use crate::core::scalar::Scalar;
@@ -63,7 +64,9 @@ fn first_turn<H: HybridSystem, T: Scalar>(
         return Some(0.0);
     }
     let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
-    let (mut x, p, watch) = (real(x), real(p), GuardOf { system, guard, mode });
+    let (mut x, p) = (real(x), real(p));
+    let scale = guard_scale(system, (guard, mode), (t.real(), &x), &p);
+    let watch = GuardOf { system, guard, mode, scale };
     let (mut flow, mut extrema, mut turn) = (Flow::<f64>::default(), Extrema::default(), None);
     let outcome = flow.observe(&InMode { system, mode }, t.real(), within, &mut x, &p, |step| {
         extrema.search(&watch, step, |extremum| {

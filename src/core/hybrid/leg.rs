@@ -1,5 +1,6 @@
 //! One mode as a vector field, and one guard as a watched function.
 
+use super::scales::state_scales;
 use super::simulation::HybridFlow;
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
@@ -36,6 +37,10 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
         self.system.period(p)
+    }
+
+    fn scales(&self, p: &[f64]) -> Vec<f64> {
+        state_scales(self.system, self.mode, p)
     }
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
@@ -78,11 +83,17 @@ pub struct GuardOf<'a, S> {
     pub guard: usize,
     /// The mode.
     pub mode: usize,
+    /// The size of its typical changes, which tolerances are relative to.
+    pub scale: f64,
 }
 
 impl<S: HybridSystem> Watch for GuardOf<'_, S> {
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T {
         self.system.guard(self.guard, self.mode, t, x, p)
+    }
+
+    fn scale(&self) -> f64 {
+        self.scale
     }
 }
 

@@ -8,8 +8,9 @@ use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, BoundaryProblem, Residual};
 use crate::core::condition::EvaluationError;
+use crate::core::field::VectorField;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, HybridSystem, rate};
+use crate::core::hybrid::{Cycle, HybridSystem, InMode, guard_scale, rate, time_scale};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watch;
 use num_dual::Dual64;
@@ -205,11 +206,15 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
     /// `∂(dh/dt)/∂x` across `∂h/∂x`.
     fn nudged(&self, touch: &Touch, mode: usize, t: f64, p: &[f64]) -> Vec<f64> {
         let (n, system) = (touch.x.len(), self.system());
+        let mut sizes = VectorField::scales(&InMode { system, mode }, p);
+        sizes.resize(n, 1.0);
+        let speed = NUDGE * guard_scale(system, (touch.guard, mode), (t, &touch.x), p)
+            / time_scale(system, p);
         let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
         let (mut normal, mut slope) = (vec![0.0; n], vec![0.0; n]);
         for i in 0..n {
             let mut x: Vec<Dual64> = touch.x.iter().map(|x| Dual64::from(*x)).collect();
-            x[i] = x[i].derivative();
+            x[i].eps = sizes[i];
             let t = Dual64::from(t);
             normal[i] = system.guard(touch.guard, mode, t, &x, &p).eps;
             slope[i] = rate(system, (touch.guard, mode), t, &x, &p).eps;
@@ -218,7 +223,8 @@ impl<H: HybridSystem + Clone + 'static> HybridOrbit<H> {
         let share = dot(&slope, &normal) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
         slope.iter_mut().zip(&normal).for_each(|(s, n)| *s -= share * n);
         let size = dot(&slope, &slope).max(f64::MIN_POSITIVE);
-        touch.x.iter().zip(&slope).map(|(x, s)| x - NUDGE * s / size).collect()
+        let changes = slope.iter().zip(&sizes).map(|(s, unit)| speed * s * unit / size);
+        touch.x.iter().zip(changes).map(|(x, change)| x - change).collect()
     }
 
     /// The guard of a mode that falls to zero first, by its rate, and when.

@@ -3,7 +3,8 @@
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, BoundaryProblem, Ends, Equations, Monitor, Return, Unknown};
 use crate::core::condition::EvaluationError;
-use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use crate::core::field::VectorField;
+use crate::core::hybrid::{Guard, HybridSystem, InMode, Mode};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 use std::sync::Arc;
@@ -268,6 +269,10 @@ impl<H: HybridSystem + Clone + 'static> BoundaryProblem for HybridOrbit<H> {
         self.grazing_monitors()
     }
 
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.scale_of_grazing(monitor, p)
+    }
+
     fn itinerary(&self) -> String {
         self.itinerary.in_words(&self.modes, &self.guards)
     }
@@ -285,6 +290,11 @@ impl<H: HybridSystem + Clone + 'static> BoundaryProblem for HybridOrbit<H> {
 
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
         Ok(Some(self.born(starts, q)?.erased()))
+    }
+
+    fn scales(&self, segment: usize, q: &[f64]) -> Vec<f64> {
+        let (system, mode) = (&self.system, self.legs()[segment].mode);
+        VectorField::scales(&InMode { system, mode }, self.split(q).0)
     }
 
     fn domain(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {

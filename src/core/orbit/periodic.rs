@@ -92,6 +92,10 @@ impl<F: VectorField> BoundaryProblem for Orbit<F> {
             .collect()
     }
 
+    fn scales(&self, _segment: usize, q: &[f64]) -> Vec<f64> {
+        self.field.scales(&q[..self.parameters.len()])
+    }
+
     fn domain(&self, _segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
         self.field.domain(x, &q[..self.parameters.len()])
     }

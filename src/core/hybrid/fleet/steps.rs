@@ -2,12 +2,14 @@
 
 use super::berth::{Berth, Next, Outcome};
 use super::{Fleet, FleetObserver};
+use crate::core::field::VectorField;
 use crate::core::flow::{LANES, Reached, Sign, Step};
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
 use crate::core::hybrid::landing::{Landing, Lookout};
 use crate::core::hybrid::leg::{GuardOf, InMode};
+use crate::core::hybrid::scales::time_scale;
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
 use crate::core::hybrid::system::HybridSystem;
 use std::ops::ControlFlow;
@@ -79,7 +81,7 @@ impl<S: HybridSystem> Fleet<'_, S> {
             series.extend(worker.series.iter().map(|_| Series::new()));
         }
         std::mem::swap(&mut worker.series, series);
-        worker.pace = *pace;
+        (worker.pace, worker.unit) = (*pace, time_scale(worker.system, p));
         worker.p.clone_from(p);
         shown.0 = *member;
         let mut run = Run { end: *end, p, observer: shown, statistics: *statistics, still: *still };
@@ -100,7 +102,9 @@ impl<S: HybridSystem> Fleet<'_, S> {
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (InMode { system, mode }, [state.time, left]);
-        abreast.is_some() && worker.flow.set_out(&field, span, &state.x, p, course).is_ok()
+        // Abreast, all scales are 1.
+        let usual = time_scale(system, p) == 1.0 && field.scales(p).is_empty();
+        abreast.is_some() && usual && worker.flow.set_out(&field, span, &state.x, p, course).is_ok()
     }
 
     /// Tries a step of members in one mode.
@@ -116,8 +120,9 @@ impl<S: HybridSystem> Fleet<'_, S> {
         lanes.look();
         outlooks.clear();
         let guards = worker.watched[mode].iter();
-        outlooks
-            .extend(guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard, mode })));
+        outlooks.extend(
+            guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
+        );
         errors
     }
 
@@ -211,11 +216,12 @@ impl<S: HybridSystem> Fleet<'_, S> {
         let HybridFlow { system, flow, roots, event, watched, .. } = worker;
         let system: &S = system;
         watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| {
-            roots[*guard].resume(GuardOf { system, guard: *guard, mode }, *sign)
+            roots[*guard].resume(GuardOf { system, guard: *guard, mode, scale: 1.0 }, *sign)
         });
         event.before.clone_from(&state.x);
         let leg = (state.time, *end - state.time);
-        let mut lookout = Lookout { system, mode, watched: loud, roots, event, pace, p, leg };
+        let mut lookout =
+            Lookout { system, mode, watched: loud, roots, event, pace, p, unit: 1.0, leg };
         let (mut found, abreast) = (None, abreast.as_ref()?);
         flow.show_lane(&InMode { system, mode }, p, (abreast, lane, course), |step| {
             found = find(&mut lookout, step);
