@@ -70,6 +70,12 @@ pub trait VectorField: Send + Sync {
         T::one()
     }
 
+    /// Typical sizes of the states, in their order, which the absolute tolerance of a flow is relative to: to be stated
+    /// where they are far from 1. By default all are 1.
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Refuses states at which the field has no meaning.
     ///
     /// # Errors

@@ -36,6 +36,9 @@ pub trait FieldIn<T: Scalar> {
     /// [`LeftDomain`] with the quantity, its value and the domain.
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain>;
 
+    /// Typical sizes of the states, which the absolute tolerance is relative to; none if all are 1.
+    fn state_scales(&self, p: &[f64]) -> Vec<f64>;
+
     /// The name of a state.
     fn state_name(&self, state: usize) -> String;
 }
@@ -62,6 +65,10 @@ impl<F: VectorField, T: Scalar> FieldIn<T> for F {
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
         VectorField::domain(self, x, p)
+    }
+
+    fn state_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.scales(p)
     }
 
     fn state_name(&self, state: usize) -> String {
@@ -98,6 +105,10 @@ impl<F: VectorField> FieldIn<f64> for RealOf<'_, F> {
         VectorField::domain(self.0, x, p)
     }
 
+    fn state_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.0.scales(p)
+    }
+
     fn state_name(&self, state: usize) -> String {
         FieldIn::<f64>::state_name(self.0, state)
     }
@@ -110,6 +121,9 @@ pub trait Domains {
     /// # Errors
     /// [`LeftDomain`] with the quantity, its value and the domain.
     fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain>;
+
+    /// Typical sizes of a field's states; none if all are 1.
+    fn scales_of(&self, index: usize, p: &[f64]) -> Vec<f64>;
 
     /// The names of a field's states.
     fn states_of(&self, index: usize) -> Vec<String>;
@@ -178,6 +192,10 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
         self.fields.domain_of(self.index, x, p)
+    }
+
+    fn state_scales(&self, p: &[f64]) -> Vec<f64> {
+        self.fields.scales_of(self.index, p)
     }
 
     fn state_name(&self, state: usize) -> String {

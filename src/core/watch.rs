@@ -6,7 +6,7 @@
 use super::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// A scalar `h(t, x, p)` of a trajectory, stated once, differentiated nowhere.
+/// A scalar `h(t, x, p)` of a trajectory, written once; derivatives come from automatic differentiation.
 ///
 /// ```
 /// use tangency::core::scalar::Scalar;
@@ -24,6 +24,11 @@ use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 pub trait Watch {
     /// `h(t, x, p)`.
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
+
+    /// The size of a typical change of `h`, which tolerances are relative to; of a state, the flow knows it.
+    fn scale(&self) -> f64 {
+        1.0
+    }
 
     /// The state that is watched, if it is nothing else: its slopes are known without any evaluation.
     fn state(&self) -> Option<usize> {
@@ -61,11 +66,18 @@ impl<W: Watch, T: Scalar> WatchIn<T> for W {
 pub trait Watchable<T: Scalar>:
     WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
 {
+    /// The size of a typical change, if it is no state.
+    fn size(&self) -> f64;
+
     /// The state that is watched, if it is nothing else.
     fn state_index(&self) -> Option<usize>;
 }
 
 impl<W: Watch, T: Scalar> Watchable<T> for W {
+    fn size(&self) -> f64 {
+        self.scale()
+    }
+
     fn state_index(&self) -> Option<usize> {
         self.state()
     }

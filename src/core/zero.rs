@@ -390,6 +390,11 @@ pub trait System {
         &[]
     }
 
+    /// The typical size of a monitor of [`grazings`](System::grazings), which tolerances are relative to.
+    fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
+        1.0
+    }
+
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]);
 

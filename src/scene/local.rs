@@ -9,7 +9,7 @@ use crate::core::dense::Dense;
 use crate::core::grazing::{
     ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
 };
-use crate::core::hybrid::HybridEquations;
+use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::names::UnknownName;
 use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::solution::Solution;
@@ -166,14 +166,15 @@ pub(super) fn series_of(
     Ok(Box::new(Dense::new(ExpansionCurve { expansion, origin: order.map(|k| p[k]), names })))
 }
 
-/// A grazing as branches find it touches as closely as this.
+/// A grazing as branches find it touches as closely as this, in units of the guard's scale.
 const TOUCHES: f64 = 1e-6;
 
 /// Refuses a point that is no grazing yet, though one may be near.
 fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
     let value = system.guard(*guard, *mode, *time, x, p);
-    if value.abs() <= TOUCHES {
+    let scale = guard_scale(system, (*guard, *mode), (*time, x), p);
+    if value.abs() <= TOUCHES * scale {
         return Ok(());
     }
     let guard = system.guards().swap_remove(*guard).name;

@@ -8,6 +8,7 @@ mod mita_laws;
 mod orbits;
 mod recorded;
 mod references;
+mod scales;
 mod simulation;
 pub mod systems;
 mod watched;

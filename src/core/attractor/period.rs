@@ -209,7 +209,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                     let watched =
                         guards.iter_mut().enumerate().filter(|(_, at)| at.0.contains(&mode));
                     for (guard, (_, extrema)) in watched {
-                        let watch = GuardOf { system: self.system, guard, mode };
+                        let watch = GuardOf { system: self.system, guard, mode, scale: 1.0 };
                         extrema.search(&watch, step, |found| {
                             if found.place <= last {
                                 *least = least.min(found.value);

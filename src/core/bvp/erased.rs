@@ -79,6 +79,8 @@ pub trait Equations:
     fn returns(&self) -> Vec<Return>;
     /// Positions of the monitors that are positive on admissible solutions.
     fn grazings(&self) -> Vec<usize>;
+    /// The typical size of such a monitor.
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
     /// What is recorded along a branch, by name.
     fn monitors(&self) -> Vec<(String, Monitor)>;
     /// The itinerary of the solutions, in words.
@@ -108,6 +110,10 @@ pub(super) struct Stated<P>(pub P);
 impl<P: BoundaryProblem> Domains for Stated<P> {
     fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
         self.0.domain(index, x, q)
+    }
+
+    fn scales_of(&self, index: usize, q: &[f64]) -> Vec<f64> {
+        self.0.scales(index, q)
     }
 
     fn states_of(&self, index: usize) -> Vec<String> {
@@ -172,6 +178,7 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         phase() -> bool;
         returns() -> Vec<Return>;
         grazings() -> Vec<usize>;
+        grazing_scale(monitor: usize, p: &[f64]) -> f64;
         monitors() -> Vec<(String, Monitor)>;
         itinerary() -> String;
         with_itinerary(words: &str) -> Result<Arc<dyn Equations>, EvaluationError>;
@@ -244,6 +251,10 @@ impl<T: WatchNumber> WatchIn<T> for Watching<'_> {
 }
 
 impl Watchable<f64> for Watching<'_> {
+    fn size(&self) -> f64 {
+        1.0
+    }
+
     fn state_index(&self) -> Option<usize> {
         match self.watched.observable {
             Observable::State(i) => Some(i),

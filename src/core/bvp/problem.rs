@@ -259,6 +259,11 @@ pub trait BoundaryProblem: Send + Sync {
         Vec::new()
     }
 
+    /// The typical size of such a monitor, which tolerances are relative to.
+    fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
+        1.0
+    }
+
     /// What is recorded along a branch, by name.
     fn monitors(&self) -> Vec<(String, Monitor)> {
         Vec::new()
@@ -304,6 +309,11 @@ pub trait BoundaryProblem: Send + Sync {
     /// [`LeftDomain`] with the segment's end, its time, and where it leads.
     fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), LeftDomain> {
         Ok(())
+    }
+
+    /// Typical sizes of the states of a segment, which the absolute tolerance of flows is relative to; all 1 by default.
+    fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
+        Vec::new()
     }
 
     /// Refuses states at which a segment's field has no meaning.

@@ -129,8 +129,9 @@ impl<'a> Continuation<'a> {
         let mut values = vec![0.0; system.names().monitors.len()];
         let outcome = system.monitors(x, &mut values);
         outcome.map_err(|left| self.not_started(left.into()))?;
-        let vanishes = |m: &&usize| values[**m].abs() < VANISHES;
-        Ok(self.system.grazings().iter().filter(vanishes).copied().collect())
+        let (system, p) = (&*self.system, &self.x[self.system.names().dimension()..]);
+        let vanishes = |m: &&usize| values[**m].abs() < VANISHES * system.grazing_scale(**m, p);
+        Ok(system.grazings().iter().filter(vanishes).copied().collect())
     }
 
     /// Grazings: where a monitor that is positive on admissible solutions vanishes, but for the one that is
@@ -367,7 +368,9 @@ impl<'a> Continuation<'a> {
         let mut start = start.map_err(evaluation)?;
         let monitors = &start.point.monitors;
         let equations = &mut stepper.equations;
-        if equations.system().grazings().iter().all(|&m| monitors[m] > VANISHES) {
+        let (system, p) = (equations.system(), &start.point.parameters);
+        let clear = |&m: &usize| monitors[m] > VANISHES * system.grazing_scale(m, p);
+        if system.grazings().iter().all(clear) {
             equations.load(&start.unknowns);
             let at = equations.at();
             at.system.check_start(at.x).map_err(|left| evaluation(left.into()))?;

@@ -239,7 +239,7 @@ impl Tracer<'_> {
             monitors: special.monitors.clone(),
             unstable: special.unstable,
             eigenvalues: Vec::new(),
-            admissible: self.stepper.is_admissible(&special.monitors),
+            admissible: self.stepper.is_admissible(&special.monitors, &special.parameters),
         }
     }
 

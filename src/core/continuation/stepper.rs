@@ -35,7 +35,7 @@ pub(super) struct Stepper<'a> {
     pub tested: Vec<Option<Box<dyn Condition>>>,
 }
 
-/// A solution passes a surface if it is farther beyond: less is rounding.
+/// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is rounding.
 const BEYOND: f64 = 1e-9;
 
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
@@ -404,13 +404,15 @@ impl Stepper<'_> {
             spectrum.map(|spectrum| Stability::of(dynamics, &spectrum).oriented(orientation));
         let unstable = stability.map(|stability| stability.unstable);
         let parameters = at.x[n..].to_vec();
-        let admissible = self.is_admissible(&monitors);
+        let admissible = self.is_admissible(&monitors, &parameters);
         Ok((Point { parameters, monitors, unstable, eigenvalues, admissible }, stability))
     }
 
     /// Whether no monitor says that the solution has passed through a surface.
-    pub fn is_admissible(&mut self, monitors: &[f64]) -> bool {
-        !self.equations.system().grazings().iter().any(|&m| monitors[m] < -BEYOND)
+    pub fn is_admissible(&mut self, monitors: &[f64], p: &[f64]) -> bool {
+        let system = self.equations.system();
+        let beyond = |&m: &usize| monitors[m] < -BEYOND * system.grazing_scale(m, p);
+        !system.grazings().iter().any(beyond)
     }
 
     fn tests(

@@ -33,7 +33,7 @@ impl Flow<f64> {
     ) -> Result<(), FlowError> {
         let evaluations = Cell::new(0);
         let motion = Motion { field, start, length, p, evaluations: &evaluations };
-        self.resize(x, p);
+        self.resize(field, x, p);
         self.inside(&motion, 0.0)?;
         let h = self.first_step(&motion)?;
         let slope = self.buffers.stages.slope(0);
@@ -59,6 +59,8 @@ impl Flow<f64> {
         let buffers = &mut self.buffers;
         buffers.x.clear();
         buffers.x.extend_from_slice(&course.x);
+        buffers.scales.clear();
+        buffers.scales.resize(n, 1.0);
         buffers.stages.resize(n);
         buffers.partial.resize(n);
         let known = abreast.slopes(n).iter().map(|slope| slope.each()[lane] / h);

@@ -13,30 +13,33 @@ pub type Size<T> = fn(&T) -> f64;
 
 /// The measure of errors: tolerances, and what is compared with them.
 #[derive(Clone, Copy)]
-pub(super) struct Measure<T> {
+pub(super) struct Measure<'a, T> {
     pub relative: f64,
     pub absolute: f64,
+    /// What the absolute tolerance of each state is relative to.
+    pub scales: &'a [f64],
     pub size: Option<Size<T>>,
 }
 
-impl<T: Scalar> Measure<T> {
+impl<T: Scalar> Measure<'_, T> {
     /// The error that is tolerated in a state that is `x` at one end of the step and `y` at the other.
-    fn tolerated(&self, x: &T, y: &T) -> f64 {
+    fn tolerated(&self, scale: f64, x: &T, y: &T) -> f64 {
         let size = |x: &T| self.size.map_or_else(|| x.real().abs(), |size| size(x));
-        self.absolute + self.relative * size(x).max(size(y))
+        self.absolute * scale + self.relative * size(x).max(size(y))
     }
 
     /// The measure of numbers by another size, where their real parts are small.
     #[cold]
     pub fn at_rest(self, size: Size<T>) -> Self {
         let (relative, absolute) = (10.0 * self.relative, 10.0 * self.absolute);
-        Measure { relative, absolute, size: Some(size) }
+        Measure { relative, absolute, size: Some(size), ..self }
     }
 
     /// Whether the absolute tolerance is nearly all of what is tolerated, throughout a step.
     pub fn is_small(&self, x: &[T], stages: &Stages<T>) -> bool {
-        let mut states = x.iter().chain(&stages.end);
-        states.all(|x| self.relative * x.real().abs() < SMALL * self.absolute)
+        let small =
+            |(x, scale): (&T, &f64)| self.relative * x.real().abs() < SMALL * self.absolute * scale;
+        x.iter().zip(self.scales).chain(stages.end.iter().zip(self.scales)).all(small)
     }
 
     /// `Σ_i (h Σ_j e_j k_ij / tolerated_i)²` for several rows `e`.
@@ -50,7 +53,7 @@ impl<T: Scalar> Measure<T> {
         let (n, slopes) = (x.len(), &stages.slopes);
         let mut squares = [0.0; R];
         for (i, (x, end)) in x.iter().zip(&stages.end).enumerate() {
-            let scale = 1.0 / self.tolerated(x, end);
+            let scale = 1.0 / self.tolerated(self.scales[i], x, end);
             for (square, row) in squares.iter_mut().zip(rows) {
                 let terms = row.iter().map(|(j, e)| (&slopes[j * n + i], h * e));
                 let error = match self.size {
@@ -84,7 +87,8 @@ impl<T: Scalar> Measure<T> {
 
     /// The root mean square of a vector in units of what is tolerated at `x`.
     fn norm(&self, vector: impl Iterator<Item = f64>, x: &[T]) -> f64 {
-        let parts = vector.zip(x).map(|(v, x)| (v / self.tolerated(x, x)).powi(2));
+        let tolerated = x.iter().zip(self.scales).map(|(x, scale)| self.tolerated(*scale, x, x));
+        let parts = vector.zip(tolerated).map(|(v, tolerated)| (v / tolerated).powi(2));
         (parts.sum::<f64>() / x.len().max(1) as f64).sqrt()
     }
 

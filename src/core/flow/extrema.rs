@@ -15,7 +15,7 @@ pub struct Extremum<T> {
     pub value: T,
 }
 
-/// What changes by less than this in a step has no extrema there: they would be those of rounding errors.
+/// What changes by less than this in a step, in units of its scale, has no extrema there: they would be those of rounding errors.
 const FLAT: f64 = 1e-14;
 /// How many times an extremum is improved at most.
 const ROUNDS: usize = 12;
@@ -96,7 +96,8 @@ impl<T: Scalar> Extrema<T> {
         slopes: Option<[f64; 3]>,
     ) -> bool {
         let Some(slopes) = slopes else { return false };
-        if slopes.iter().all(|slope| slope.abs() < FLAT) {
+        let flat = FLAT * step.scale_of::<T, W>(watch);
+        if slopes.iter().all(|slope| slope.abs() < flat) {
             return true;
         }
         let steady = || watch.state_index().is_some_and(|i| step.keeps_direction(i));

@@ -173,7 +173,7 @@ impl<T: Scalar> Flow<T> {
     ) -> Result<Statistics, FlowError> {
         let evaluations = Cell::new(0);
         let motion = Motion { field, start: t0, length, p, evaluations: &evaluations };
-        self.resize(x, p);
+        self.resize(field, x, p);
         let mut statistics = Statistics::default();
         let result = self.integrate(&motion, &mut statistics, &mut observe);
         x.copy_from_slice(&self.buffers.x);
@@ -182,10 +182,13 @@ impl<T: Scalar> Flow<T> {
         result.map(|()| statistics)
     }
 
-    pub(super) fn resize(&mut self, x: &[T], p: &[T]) {
+    pub(super) fn resize<F: FieldIn<T>>(&mut self, field: &F, x: &[T], p: &[T]) {
         self.real.clear();
         self.real.extend(x.iter().chain(p).map(T::real));
         let buffers = &mut self.buffers;
+        buffers.scales.clear();
+        buffers.scales.extend(field.state_scales(&self.real[x.len()..]));
+        buffers.scales.resize(x.len(), 1.0);
         buffers.x.clear();
         buffers.x.extend_from_slice(x);
         buffers.stages.resize(x.len());
@@ -270,8 +273,8 @@ impl<T: Scalar> Flow<T> {
         motion: &Motion<F, T>,
     ) -> Result<f64, FlowError> {
         let scheme = self.settings.scheme;
-        let measure = self.measure();
-        let Buffers { x, stages, partial, linear, .. } = &mut self.buffers;
+        let Buffers { x, scales, stages, partial, linear, .. } = &mut self.buffers;
+        let measure = measure(&self.settings, self.size, scales);
         motion.slope(0.0, x, stages.slope_mut(0));
         if let Some(i) = stages.slope(0).iter().position(|k| !k.real().is_finite()) {
             let left = not_finite(motion, i, stages.slope(0)[i].real());
@@ -287,11 +290,6 @@ impl<T: Scalar> Flow<T> {
             linear.update(motion, 0.0, x);
         }
         Ok(h)
-    }
-
-    fn measure(&self) -> Measure<T> {
-        let Settings { relative, absolute, .. } = self.settings;
-        Measure { relative, absolute, size: self.size }
     }
 
     /// The step to try, if there may be one.
@@ -322,8 +320,8 @@ impl<T: Scalar> Flow<T> {
 
     /// Tries a step and returns its error, in units of the tolerance.
     fn attempt<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, (sigma, h): (f64, f64)) -> f64 {
-        let measure = self.measure();
-        let Buffers { x, stages, linear, .. } = &mut self.buffers;
+        let Buffers { x, scales, stages, linear, .. } = &mut self.buffers;
+        let measure = measure(&self.settings, self.size, scales);
         let Some(tableau) = self.settings.scheme.tableau() else {
             let regular = stages.advance_linearised(linear, motion, T::one(), (sigma, h), x);
             let error = measure.error(1.0, rodas::ERROR, x, stages);
@@ -380,6 +378,12 @@ impl<T: Scalar> Flow<T> {
         let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
         Err(FlowError::Stiff { time, step, product: square.sqrt() })
     }
+}
+
+/// How errors are measured.
+fn measure<'a, T>(settings: &Settings, size: Option<Size<T>>, scales: &'a [f64]) -> Measure<'a, T> {
+    let Settings { relative, absolute, .. } = *settings;
+    Measure { relative, absolute, scales, size }
 }
 
 /// The squared distance of the real parts of two vectors.

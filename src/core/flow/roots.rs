@@ -17,10 +17,10 @@ pub struct Root<T> {
     pub rate: T,
 }
 
-/// Values up to this size are zero where a flow begins: a function that is no larger counts as positive only
+/// Values up to this size, in units of the function's scale, are zero where a flow begins: a function that is no larger counts as positive only
 /// when it has become larger, and as fallen when it has fallen by so much.
 pub(super) const ZERO: f64 = 1e-13;
-/// A function below zero by more than this where a flow begins has fallen before.
+/// A function below zero by more than this, likewise, where a flow begins has fallen before.
 pub(in crate::core) const NEGATIVE: f64 = 1e-9;
 /// How many times a root is improved at most: what bisection needs.
 const ROUNDS: usize = 60;
@@ -97,17 +97,21 @@ pub struct Roots<T, W> {
     end: Option<Sample>,
     /// The value there, and by how much it changed in the step, where that is all that is known.
     far: Option<(f64, f64)>,
+    /// What tolerances of the function are relative to.
+    scale: f64,
     sight: Sight<T>,
 }
 
 impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     /// A search for the roots of a watched function.
     pub fn of(watch: W) -> Self {
-        Roots { watch, sign: Sign::Unknown, end: None, far: None, sight: Sight::new() }
+        let (scale, sight) = (watch.size(), Sight::new());
+        Roots { watch, sign: Sign::Unknown, end: None, far: None, scale, sight }
     }
 
     /// Begins a new flow, in which the roots of another function may be sought.
     pub fn restart(&mut self, watch: W) {
+        self.scale = watch.size();
         (self.watch, self.sign, self.end, self.far) = (watch, Sign::Unknown, None, None);
     }
 
@@ -115,6 +119,11 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     pub(in crate::core) fn resume(&mut self, watch: W, sign: Sign) {
         self.restart(watch);
         self.sign = sign;
+    }
+
+    /// What tolerances of the function are relative to.
+    pub(in crate::core) fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// What is known of the function so far.
@@ -128,6 +137,7 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         step: &mut Step<F, T>,
         mut visit: impl FnMut(&mut Step<F, T>, Root<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
+        self.scale = step.scale_of::<T, W>(&self.watch);
         if self.stays_far(step) {
             self.end = None;
             return ControlFlow::Continue(());
@@ -167,8 +177,8 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     fn begin(&mut self, value: f64) {
         if self.sign == Sign::Unknown {
             self.sign = match value {
-                value if value > ZERO => Sign::Positive,
-                value if value < -NEGATIVE => Sign::Fallen,
+                value if value > ZERO * self.scale => Sign::Positive,
+                value if value < -NEGATIVE * self.scale => Sign::Fallen,
                 level => Sign::Zero { level, top: 0.0 },
             };
         }
@@ -182,13 +192,14 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         let least = ends[0].value.min(ends[1].value);
         let steepest = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
         let clear = keep_clear_of_zero(&slopes) || least > steepest;
-        self.sign == Sign::Positive && least > ZERO && clear
+        self.sign == Sign::Positive && least > ZERO * self.scale && clear
     }
 
     /// Whether the function rises all the way, so that it does not fall through zero, and is positive at the end.
     fn rises(&mut self, ends: &[Sample; 2]) -> bool {
-        let rises =
-            keep_clear_of_zero(&slopes(ends)) && ends[1].slope > 0.0 && ends[1].value > ZERO;
+        let rises = keep_clear_of_zero(&slopes(ends))
+            && ends[1].slope > 0.0
+            && ends[1].value > ZERO * self.scale;
         if rises {
             self.sign = Sign::Positive;
         }
@@ -227,12 +238,12 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
                 self.between(step, [left, right])
             }
             Sign::Positive if right.value < 0.0 => self.at_once(step, left.fraction),
-            Sign::Zero { level, top } if right.value < level - ZERO => {
+            Sign::Zero { level, top } if right.value < level - ZERO * self.scale => {
                 // What rises so little falls as long as it has risen.
                 let place = (2.0 * top).min(step.sigma + step.h * right.fraction);
                 self.at_once(step, (place - step.sigma) / step.h)
             }
-            Sign::Zero { .. } if right.value > ZERO => {
+            Sign::Zero { .. } if right.value > ZERO * self.scale => {
                 self.sign = Sign::Positive;
                 return ControlFlow::Continue(());
             }
@@ -294,7 +305,7 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
             let (value, slope) = self.sight.exact(step, &self.watch, theta);
             let curvature = self.sight.curvature(step, &self.watch, fraction).real();
             // Tangent to working accuracy: the place has no derivatives.
-            if slope.real().powi(2) <= 2.0 * ZERO * curvature.abs() {
+            if slope.real().powi(2) <= 2.0 * ZERO * self.scale * curvature.abs() {
                 break;
             }
             theta -= (value - value.real()) / slope;

@@ -7,11 +7,14 @@ use super::settings::Scheme;
 use super::stages::{Stages, combine};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
 
 /// What a step is computed in.
 pub(super) struct Buffers<T: Scalar> {
     /// The state at the start of the step.
     pub x: Vec<T>,
+    /// What the absolute tolerance of each state is relative to.
+    pub scales: Vec<f64>,
     /// The step.
     pub stages: Stages<T>,
     /// A part of the step, taken again.
@@ -44,6 +47,7 @@ impl<T: Scalar> Default for Buffers<T> {
     fn default() -> Self {
         Buffers {
             x: Vec::new(),
+            scales: Vec::new(),
             stages: Stages::default(),
             partial: Stages::default(),
             linear: Linearisation::default(),
@@ -255,11 +259,13 @@ impl<F: FieldIn<T>, T: Scalar> Step<'_, F, T> {
 
     /// Copies the real parts, with so many slopes, of which nothing more is known then.
     fn copy_to(&self, real: &mut RealStep, slopes: usize) -> Known {
-        let (Buffers { x, stages, .. }, RealStep { buffers, p, .. }) = (&*self.buffers, real);
+        let (Buffers { x, scales, stages, .. }, RealStep { buffers, p, .. }) =
+            (&*self.buffers, real);
         let copy = |from: &[T], to: &mut Vec<f64>| {
             to.clear();
             to.extend(from.iter().map(T::real));
         };
+        buffers.scales.clone_from(scales);
         copy(&stages.slopes[..slopes], &mut buffers.stages.slopes);
         copy(&stages.end, &mut buffers.stages.end);
         copy(x, &mut buffers.x);
@@ -267,6 +273,11 @@ impl<F: FieldIn<T>, T: Scalar> Step<'_, F, T> {
         buffers.stages.resize(x.len());
         buffers.partial.resize(x.len());
         Known::default()
+    }
+
+    /// What tolerances of a watched function are relative to.
+    pub(super) fn scale_of<S: Scalar, W: Watchable<S>>(&self, watch: &W) -> f64 {
+        watch.state_index().map_or_else(|| watch.size(), |state| self.buffers.scales[state])
     }
 
     /// State `i` at a fraction of the step by dense output, in any scalar type that the coefficients can be
@@ -284,7 +295,8 @@ impl<F: FieldIn<T>, T: Scalar> Step<'_, F, T> {
     pub(super) fn is_dense_enough(&self, state: usize) -> bool {
         let n = self.buffers.x.len();
         let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();
-        self.scheme.order() == 8 && LAST_TERM * last <= 10.0 * self.tolerance
+        self.scheme.order() == 8
+            && LAST_TERM * last <= 10.0 * self.tolerance * self.buffers.scales[state]
     }
 
     /// Computes the coefficients of dense output, once.

@@ -7,7 +7,7 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
-use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
+use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations, time_scale};
 use crate::core::jet::Jet;
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
@@ -35,6 +35,8 @@ pub(super) struct Chart<'a, const C: usize> {
     pub p: Vec<Jet<C>>,
     /// Time in units of phase, `T(p)/phase of a period`.
     unit: Jet<C>,
+    /// The scale of time.
+    scale: f64,
     /// The phase of the touch.
     phase: f64,
     /// The phase of a period of the forcing.
@@ -67,7 +69,8 @@ where
         let phase = point.time / unit.real();
         let states = system.modes().iter().map(|mode| mode.states.len()).collect();
         let (long, short) = (Flow::new(long)?.measured_by(Jet::size), Flow::new(short)?);
-        Ok(Chart { system, point, section, p, unit, phase, cycle, states, long, short })
+        let scale = time_scale(system, &point.p);
+        Ok(Chart { system, point, section, p, unit, scale, phase, cycle, states, long, short })
     }
 
     /// The place with these deviations of the coordinates, not on the section yet.
@@ -175,7 +178,7 @@ where
                 break;
             }
         }
-        if last <= REACHED * largest.max(1.0) {
+        if last <= REACHED * largest.max(self.scale) {
             return Ok(());
         }
         Err(GrazingError::NotReached {

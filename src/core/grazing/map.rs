@@ -6,7 +6,7 @@ use super::maps::{Discontinuity, Smooth, Source};
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
-use crate::core::hybrid::HybridEquations;
+use crate::core::hybrid::{HybridEquations, guard_scale, time_scale};
 use crate::core::jet::{Polynomial, Space};
 
 /// What a local map is to be.
@@ -25,7 +25,7 @@ impl Default for MapSettings {
     }
 }
 
-/// An orbit touches its guard when guard and rate are no larger than this.
+/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
 const TOUCHES: f64 = 1e-8;
 
 /// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard is least,
@@ -104,7 +104,7 @@ impl LocalMap {
             Coordinate::Phase => "phase".to_string(),
         };
         let coordinates: Vec<String> = section.coordinates.iter().map(name).collect();
-        returns(&smooth, &coordinates)?;
+        returns(&smooth, section, &coordinates)?;
         let unit = unit_of_phase(system, &point.p);
         let value = |coordinate: &Coordinate| match coordinate {
             Coordinate::State(i) => point.x[*i],
@@ -212,15 +212,16 @@ impl LocalMap {
     }
 }
 
-/// An orbit returns to its touch when it misses it by no more than this.
+/// An orbit returns to its touch when it misses it by no more than this, in units of the scales.
 const RETURNS: f64 = 1e-3;
 
 /// Refuses an orbit that does not return.
-fn returns(smooth: &Smooth, coordinates: &[String]) -> Result<(), GrazingError> {
-    let missed = smooth.images.iter().map(|image| image.coefficients()[0]).zip(coordinates);
-    let farthest = missed.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    match farthest.filter(|(missed, _)| missed.is_nan() || missed.abs() > RETURNS) {
-        Some((missed, coordinate)) => {
+fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result<(), GrazingError> {
+    let missed = smooth.images.iter().map(|image| image.coefficients()[0]);
+    let parts = missed.zip(&section.scales).map(|(missed, scale)| (missed / scale, missed));
+    let farthest = parts.zip(coordinates).max_by(|a, b| a.0.0.abs().total_cmp(&b.0.0.abs()));
+    match farthest.filter(|((part, _), _)| part.is_nan() || part.abs() > RETURNS) {
+        Some(((_, missed), coordinate)) => {
             Err(GrazingError::NoReturn { coordinate: coordinate.clone(), missed })
         }
         None => Ok(()),
@@ -232,7 +233,9 @@ fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), Gra
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
     let touch = Surface::Guard(*guard).moving(system, *mode, *time, x, p);
     let (value, rate, time) = (touch.re, touch.eps, *time);
-    if value.abs() <= TOUCHES && rate.abs() <= TOUCHES {
+    let scale = guard_scale(system, (*guard, *mode), (time, x), p);
+    let slow = TOUCHES * scale / time_scale(system, p);
+    if value.abs() <= TOUCHES * scale && rate.abs() <= slow {
         return Ok(());
     }
     let guard = system.guards()[*guard].name.clone();

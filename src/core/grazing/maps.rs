@@ -6,7 +6,7 @@ use super::map::MapSettings;
 use super::point::GrazingPoint;
 use super::section::Section;
 use super::surface::Surface;
-use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
+use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations, guard_scale};
 use crate::core::jet::{Jet, Polynomial, Space};
 use num_dual::Dual;
 
@@ -53,6 +53,18 @@ impl<'a> Source<'a> {
         Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
     }
 
+    /// The scales of all variables: coordinates, then parameters.
+    fn sizes(&self) -> Vec<f64> {
+        let parameters = self.parameters.iter().map(|_| 1.0);
+        self.section.scales.iter().copied().chain(parameters).collect()
+    }
+
+    /// The scale of `y`.
+    fn depth(&self) -> f64 {
+        let GrazingPoint { guard, mode, time, x, p, .. } = self.point;
+        guard_scale(self.system, (*guard, *mode), (*time, x), p).sqrt()
+    }
+
     pub fn smooth(&self) -> Result<Smooth, GrazingError> {
         let space = self.space(self.settings.order)?;
         with_room!(space, self.smooth_in)
@@ -80,8 +92,9 @@ impl<'a> Source<'a> {
         for (k, parameter) in parameters.iter().enumerate() {
             p[*parameter] = Jet::variable(space, count + k, point.p[*parameter])?;
         }
-        let deviations: Result<Vec<_>, _> =
-            (0..count).map(|k| Jet::variable(space, k, 0.0)).collect();
+        // In units of their scales: terms of all orders are of one size then.
+        let deviation = |k: usize| Ok(Jet::variable(space, k, 0.0)? * section.scales[k]);
+        let deviations: Result<Vec<_>, GrazingError> = (0..count).map(deviation).collect();
         Ok((Chart::new((system, point, section), p, settings)?, deviations?))
     }
 
@@ -106,7 +119,8 @@ impl<'a> Source<'a> {
             }
         }
         let images = chart.deviations(&place, self.point.periods);
-        let polynomial = |jet: &Jet<C>| Polynomial::of(space, jet);
+        let sizes = self.sizes();
+        let polynomial = |jet: &Jet<C>| Polynomial::of(space, jet).in_sizes(&sizes);
         let images = images.iter().map(polynomial).collect();
         Ok(Smooth { images, penetration: polynomial(&penetration) })
     }
@@ -122,7 +136,10 @@ impl<'a> Source<'a> {
     {
         let (mut chart, mut deviations) = self.chart::<C>(space)?;
         let (point, normal) = (self.point, self.section.normal_coordinate());
+        let (mut sizes, depth) = (self.sizes(), self.depth());
         let y = std::mem::replace(&mut deviations[normal], Jet::from(0.0));
+        let y = y * (depth / sizes[normal]);
+        sizes[normal] = depth;
         let start = chart.at_depth(&deviations, -(y * y));
         let entry = chart.deviations(&start, 0)[normal];
         let time = y * self.time_from_surface(&mut chart, normal, &start, y)?;
@@ -139,7 +156,7 @@ impl<'a> Source<'a> {
         chart.pass(&mut place, guard, point.mode);
         chart.land(&mut place, Surface::Turning(point.guard))?;
         let space = self.space(self.settings.order)?;
-        let polynomial = |jet: &Jet<C>| Polynomial::of(space, jet);
+        let polynomial = |jet: &Jet<C>| Polynomial::of(space, jet).in_sizes(&sizes);
         let images = chart.deviations(&place, 0).iter().map(polynomial).collect();
         Ok(Discontinuity { images, entry: polynomial(&entry) })
     }
@@ -166,7 +183,7 @@ impl<'a> Source<'a> {
             chart.shift(&mut place, -y * sigma)?;
             let h = surface.moving(self.system, place.mode, place.t, &place.x, &chart.p);
             let (g, slope) = (h.re.divided_by(normal).divided_by(normal), h.eps.divided_by(normal));
-            sigma += g / slope;
+            sigma += g / slope / self.depth();
         }
         Ok(sigma)
     }

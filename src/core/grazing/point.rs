@@ -7,7 +7,7 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::condition::EvaluationError;
 use crate::core::field::Forcing;
-use crate::core::hybrid::HybridEquations;
+use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
 use crate::core::orbit::Leg;
@@ -50,7 +50,7 @@ pub struct GrazingPoint {
     pub periods: usize,
 }
 
-/// How often Newton's iteration for a grazing orbit is repeated, and when it is done.
+/// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of the scales.
 const ITERATIONS: usize = 12;
 const DONE: f64 = 1e-11;
 
@@ -159,7 +159,10 @@ impl GrazingPoint {
         let n = section.coordinates.len();
         let rows: Vec<&Polynomial> = smooth.images.iter().chain([&smooth.penetration]).collect();
         let mut change: Vec<f64> = rows.iter().map(|row| -row.coefficients()[0]).collect();
-        let residual = change.iter().fold(0.0, |most: f64, r| r.abs().max(most));
+        let depth = guard_scale(system, (self.guard, self.mode), (self.time, &self.x), &self.p);
+        let sizes = section.scales.iter().chain([&depth]);
+        let parts = change.iter().zip(sizes).map(|(missed, size)| missed.abs() / size);
+        let residual = parts.fold(0.0, f64::max);
         let entry = |k: usize| {
             let (i, j) = (k % (n + 1), k / (n + 1));
             rows[i].coefficients()[1 + j] - f64::from(u8::from(i == j && i < n))

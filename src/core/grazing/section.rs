@@ -29,6 +29,8 @@ pub(super) struct Section {
     /// `d²h/dt²`.
     pub curvature: f64,
     pub coordinates: Vec<Coordinate>,
+    /// The scales of the coordinates.
+    pub scales: Vec<f64>,
 }
 
 /// What is left of a gradient beside another one, relative to it, where both are dependent.
@@ -63,7 +65,13 @@ impl Section {
     /// The section of a grazing point, the phase being a coordinate under forcing.
     pub fn of(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<Self, GrazingError> {
         let (guard, turning) = (Surface::Guard(point.guard), Surface::Turning(point.guard));
-        let (h, r) = (gradient(guard, system, point), gradient(turning, system, point));
+        let mut sizes = system.scales_of(point.mode, &point.p);
+        sizes.resize(point.x.len(), 1.0);
+        // How much the functions change as each state changes by its scale.
+        let [h, r] = [guard, turning].map(|surface| {
+            let slopes = gradient(surface, system, point);
+            slopes.iter().zip(&sizes).map(|(slope, size)| slope * size).collect::<Vec<f64>>()
+        });
         let dependent = |pivot: f64| GrazingError::NoSection {
             guard: system.guards()[point.guard].name.clone(),
             mode: system.modes()[point.mode].name.clone(),
@@ -84,9 +92,15 @@ impl Section {
         }
         let states = (0..point.x.len()).filter(|i| *i != eliminated).map(Coordinate::State);
         let phase = system.forcing().is_periodic().then_some(Coordinate::Phase);
-        let slopes = [[h[normal], h[eliminated]], [r[normal], r[eliminated]]];
-        let coordinates = states.chain(phase).collect();
-        Ok(Section { eliminated, normal, slopes, curvature, coordinates })
+        let slope = |k: usize| [h[k] / sizes[k], r[k] / sizes[k]];
+        let ([a, c], [b, d]) = (slope(normal), slope(eliminated));
+        let (slopes, coordinates) = ([[a, b], [c, d]], states.chain(phase).collect::<Vec<_>>());
+        let scale = |coordinate: &Coordinate| match coordinate {
+            Coordinate::State(i) => sizes[*i],
+            Coordinate::Phase => 1.0,
+        };
+        let scales = coordinates.iter().map(scale).collect();
+        Ok(Section { eliminated, normal, slopes, curvature, coordinates, scales })
     }
 
     /// The position of the normal state among the coordinates.

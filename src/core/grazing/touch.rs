@@ -5,12 +5,12 @@ use super::point::GrazingPoint;
 use crate::core::bvp::{BoundarySystem, Equations, Method, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
-use crate::core::hybrid::rate;
+use crate::core::hybrid::{guard_scale, rate, time_scale};
 use crate::core::orbit::{HybridOrbit, Leg};
 use crate::core::zero::LeftDomain;
 use std::any::Any;
 
-/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time.
+/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in units of the scales.
 const NONE: f64 = 1e-6;
 
 /// An orbit: its problem, the states at which its legs begin, and its numbers.
@@ -59,14 +59,16 @@ impl Orbit<'_> {
         // The end of the last leg is the beginning of the first one.
         let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
         let x = self.end(leg)?;
-        if rate(self.problem.system(), (guard, mode), time, &x, p).abs() > NONE {
+        let (system, unit) = (self.problem.system(), time_scale(self.problem.system(), p));
+        let slow = NONE * guard_scale(system, (guard, mode), (time, &x), p) / unit;
+        if rate(system, (guard, mode), time, &x, p).abs() > slow {
             return Ok(None);
         }
         let mut legs: Vec<(Leg, f64)> =
             self.legs().iter().copied().zip(durations.iter().copied()).collect();
         legs.rotate_left(leg + 1);
         let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
-        if legs[..returns].iter().any(|(_, duration)| duration.abs() > NONE) {
+        if legs[..returns].iter().any(|(_, duration)| duration.abs() > NONE * unit) {
             return Ok(None);
         }
         let following = legs.drain(..returns).map(|(leg, _)| leg).collect();

@@ -2,6 +2,7 @@
 
 use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
 use super::leg::{GuardOf, along, rate};
+use super::scales::guard_scale;
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
@@ -71,7 +72,9 @@ where
         return Some(0.0);
     }
     let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
-    let (mut x, p, watch) = (real(x), real(p), GuardOf { system, guard, mode });
+    let (mut x, p) = (real(x), real(p));
+    let scale = guard_scale(system, (guard, mode), (t.real(), &x), &p);
+    let watch = GuardOf { system, guard, mode, scale };
     let (mut flow, mut turn) = (Flow::<f64>::default(), None);
     let mut extrema = Extrema::<f64>::default();
     let field = f64::in_mode(system, mode, 0.0, &p);

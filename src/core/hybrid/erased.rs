@@ -4,6 +4,7 @@
 //! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every system.
 
 use super::measure::{Measure, Passage};
+use super::scales::{Scales, state_scales};
 use super::system::{Guard, HybridSystem, Mode};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::field::Forcing;
@@ -84,6 +85,8 @@ macro_rules! scalars {
             fn in_lanes(&self) -> bool;
             /// The forcing.
             fn forcing(&self) -> Forcing;
+            /// Typical sizes of times and states.
+            fn scales(&self, p: &[f64]) -> Scales;
             /// What is recorded along a branch of orbits, by name.
             fn measures(&self) -> Vec<(String, Measure)>;
             /// The names of states that count from the start of every mode.
@@ -243,6 +246,10 @@ impl<H: HybridSystem> Domains for H {
     fn states_of(&self, mode: usize) -> Vec<String> {
         HybridSystem::modes(self).swap_remove(mode).states
     }
+
+    fn scales_of(&self, mode: usize, p: &[f64]) -> Vec<f64> {
+        state_scales(self, mode, p)
+    }
 }
 
 impl<H: HybridSystem, T: Scalar> Fields<T> for H {
@@ -303,6 +310,7 @@ impl<H: HybridSystem> HybridEquations for H {
         ) -> Option<usize>;
         in_lanes() -> bool;
         forcing() -> Forcing;
+        scales(p: &[f64]) -> Scales;
         measures() -> Vec<(String, Measure)>;
         cumulative_states() -> Vec<String>;
     }

@@ -24,6 +24,12 @@ pub(super) struct Landing<T> {
 /// must not be lost in a step.
 const LEGS: f64 = 4.0;
 
+/// A guard that falls no faster at the beginning of a leg, in units of the scales, may be lifted.
+const RESTING: f64 = 1e-12;
+
+/// Fractions of a step at which a guard that is lifted is positive.
+const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+
 /// What looks for the end of a leg in its steps.
 pub(super) struct Lookout<'l, 'a, T> {
     pub system: &'a dyn HybridEquations,
@@ -37,6 +43,8 @@ pub(super) struct Lookout<'l, 'a, T> {
     pub pace: &'l mut Option<f64>,
     /// Real parts of the parameters.
     pub p: &'l [f64],
+    /// The scale of time.
+    pub unit: f64,
     /// When the leg begins, and how long it may last.
     pub leg: (T, T),
 }
@@ -47,8 +55,8 @@ where
 {
     /// Where the leg ends in a step, if it does.
     pub fn landing<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
-        let landing = first(self.watched, self.roots, step)
-            .filter(|landing| !lifts((self.system, self.mode), landing, step, self.p))?;
+        let landing =
+            first(self.watched, self.roots, step).filter(|landing| !self.lifts(landing, step))?;
         self.arrive(step, landing, step.length())
     }
 
@@ -75,37 +83,27 @@ where
         step.state(end, &mut self.event.before);
         let lasted = (self.event.time - begin).real();
         let longest = (length * left.real()).min(LEGS * lasted);
-        *self.pace = (longest > INSTANT).then_some(longest);
+        *self.pace = (longest > INSTANT * self.unit).then_some(longest);
         Some(landing)
     }
-}
 
-/// A guard that falls no faster at the beginning of a leg may be lifted.
-const RESTING: f64 = 1e-12;
-
-/// Fractions of a step at which a guard that is lifted is positive.
-const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
-
-/// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
-/// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
-fn lifts<F: FieldIn<T>, T: Scalar>(
-    (system, mode): (&dyn HybridEquations, usize),
-    landing: &Landing<T>,
-    step: &mut Step<F, T>,
-    p: &[f64],
-) -> bool {
-    let Landing { guard, root } = landing;
-    let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
-    if !begins || root.rate.real() < -RESTING {
-        return false;
+    /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
+    /// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
+    fn lifts<F: FieldIn<T>>(&self, landing: &Landing<T>, step: &mut Step<F, T>) -> bool {
+        let (Landing { guard, root }, mode) = (landing, self.mode);
+        let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
+        let slowest = RESTING * self.roots[*guard].scale() / self.unit;
+        if !begins || root.rate.real() < -slowest {
+            return false;
+        }
+        let mut x = step.start().to_vec();
+        LIFTED.into_iter().all(|fraction| {
+            let fraction = T::constant(fraction);
+            step.interpolate(fraction, &mut x);
+            let real: Vec<f64> = x.iter().map(T::real).collect();
+            self.system.guard(*guard, mode, step.time(fraction).real(), &real, self.p) > 0.0
+        })
     }
-    let mut x = step.start().to_vec();
-    LIFTED.into_iter().all(|fraction| {
-        let fraction = T::constant(fraction);
-        step.interpolate(fraction, &mut x);
-        let real: Vec<f64> = x.iter().map(T::real).collect();
-        system.guard(*guard, mode, step.time(fraction).real(), &real, p) > 0.0
-    })
 }
 
 /// The first of these guards to fall through zero in a step; of several together the one stated first.

@@ -1,6 +1,7 @@
 //! One mode as a vector field, and one guard as a watched function.
 
 use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
+use super::scales::state_scales;
 use super::simulation::HybridFlow;
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
@@ -37,6 +38,10 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
         self.system.period(p)
+    }
+
+    fn scales(&self, p: &[f64]) -> Vec<f64> {
+        state_scales(self.system, self.mode, p)
     }
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
@@ -82,6 +87,8 @@ pub struct GuardOf<'a> {
     pub guard: usize,
     /// The mode.
     pub mode: usize,
+    /// The size of its typical changes, which tolerances are relative to.
+    pub scale: f64,
 }
 
 impl<T: GuardNumber> WatchIn<T> for GuardOf<'_> {
@@ -97,6 +104,10 @@ where
 {
     fn state_index(&self) -> Option<usize> {
         None
+    }
+
+    fn size(&self) -> f64 {
+        self.scale
     }
 }
 

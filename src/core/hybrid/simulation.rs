@@ -6,13 +6,14 @@ use super::error::{After, HybridError};
 use super::event::{Event, HybridObserver};
 use super::landing::{Landing, Lookout};
 use super::leg::GuardOf;
+use super::scales::{guard_scale, time_scale};
 use super::system::{Guard, Mode};
 use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
-/// Time stands still while it moves by less than this.
+/// Time stands still while it moves by less than this, in units of its scale.
 pub(super) const INSTANT: f64 = 1e-9;
 
 /// Tolerances and limits of a hybrid motion.
@@ -26,8 +27,8 @@ pub(super) const INSTANT: f64 = 1e-9;
 pub struct HybridSettings {
     /// The settings of the flow in each mode.
     pub flow: Settings,
-    /// Events that would accumulate within this time are not followed one by one: motion goes on from their
-    /// accumulation.
+    /// Events that would accumulate within this time, in units of its scale, are not followed one by one: motion goes
+    /// on from their accumulation.
     pub accumulation: f64,
     /// How many events may come at once.
     pub at_once: usize,
@@ -113,6 +114,8 @@ pub struct HybridFlow<'a, T: Scalar> {
     pub(super) event: Event<T>,
     /// How long the step was in which the last leg ended.
     pub(super) pace: Option<f64>,
+    /// The scale of time.
+    pub(super) unit: f64,
     /// Real parts of a state.
     pub(super) x: Vec<f64>,
     /// Real parts of the parameters.
@@ -142,7 +145,8 @@ where
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
         let (modes, guards) = (system.modes(), system.guards());
-        let roots = (0..guards.len()).map(|guard| Roots::of(GuardOf { system, guard, mode: 0 }));
+        let roots = (0..guards.len())
+            .map(|guard| Roots::of(GuardOf { system, guard, mode: 0, scale: 1.0 }));
         let roots = roots.collect();
         let series = (0..guards.len() * modes.len()).map(|_| Series::new()).collect();
         let (flow, event) = (Flow::new(settings.flow)?, Event::empty());
@@ -160,6 +164,7 @@ where
             series,
             event,
             pace,
+            unit: 1.0,
             x,
             p,
         })
@@ -252,6 +257,7 @@ where
         }
         self.p.clear();
         self.p.extend(p.iter().map(T::real));
+        self.unit = time_scale(self.system, &self.p);
         self.inside(state, None)
     }
 
@@ -262,7 +268,7 @@ where
         let time = state.time.real();
         for &g in &self.watched[state.mode] {
             let value = self.system.guard(g, state.mode, time, &self.x, &self.p);
-            if value < -NEGATIVE {
+            if value < 0.0 && value < -NEGATIVE * self.scale_of(g, state.mode, time) {
                 let mode = self.modes[state.mode].name.clone();
                 let after = After(event.map(|event| self.guards[event].name.clone()));
                 let guard = self.guards[g].name.clone();
@@ -270,6 +276,11 @@ where
             }
         }
         Ok(())
+    }
+
+    /// The scale of a guard where the state is that in `x`.
+    pub(super) fn scale_of(&self, guard: usize, mode: usize, time: f64) -> f64 {
+        guard_scale(self.system, (guard, mode), (time, &self.x), &self.p)
     }
 
     /// Follows the flow of one mode to its end, or to that of the motion.
@@ -280,13 +291,17 @@ where
     ) -> Result<Option<Landing<T>>, HybridError> {
         let (system, mode, left) = (self.system, state.mode, run.end - state.time);
         self.prepare_leg(left.real());
-        for (guard, roots) in self.roots.iter_mut().enumerate() {
-            roots.restart(GuardOf { system, guard, mode });
+        self.x.clear();
+        self.x.extend(state.x.iter().map(T::real));
+        for k in 0..self.watched[mode].len() {
+            let guard = self.watched[mode][k];
+            let scale = self.scale_of(guard, mode, state.time.real());
+            self.roots[guard].restart(GuardOf { system, guard, mode, scale });
         }
-        let HybridFlow { flow, roots, event, pace, p, watched, .. } = self;
-        let watched = &watched[mode];
+        let HybridFlow { flow, roots, event, pace, p, watched, unit, .. } = self;
+        let (watched, unit) = (&watched[mode], *unit);
         let mut lookout =
-            Lookout { system, mode, watched, roots, event, pace, p, leg: (state.time, left) };
+            Lookout { system, mode, watched, roots, event, pace, p, unit, leg: (state.time, left) };
         let mut landing = None;
         lookout.event.before.clear();
         lookout.event.before.extend_from_slice(&state.x);
@@ -324,7 +339,7 @@ where
         (self.event.guard, self.event.mode) = (guard, state.mode);
         (self.event.approach, self.event.accumulation) = (-root.rate.real(), false);
         self.stands_still(run)?;
-        let tolerance = self.settings.accumulation;
+        let tolerance = self.settings.accumulation * self.unit;
         let series = self.series_of(guard, state.mode);
         let Event { time, before, .. } = &self.event;
         let accumulation = self.series[series].push(*time, -root.rate, before, tolerance);
@@ -387,7 +402,7 @@ where
     /// Refuses too many events without progress of time.
     fn stands_still<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
         let (time, (since, count)) = (self.event.time.real(), run.still);
-        run.still = if time - since > INSTANT { (time, 0) } else { (since, count + 1) };
+        run.still = if time - since > INSTANT * self.unit { (time, 0) } else { (since, count + 1) };
         if run.still.1 <= self.settings.at_once {
             return Ok(());
         }

@@ -1,6 +1,7 @@
 //! Hybrid systems as a user states them.
 
 use super::measure::{Measure, Passage};
+use super::scales::Scales;
 use crate::core::field::Forcing;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -162,6 +163,11 @@ pub trait HybridSystem: Send + Sync {
     /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
+    }
+
+    /// Typical sizes of times and states, which tolerances are relative to: to be stated where they are far from 1.
+    fn scales(&self, _p: &[f64]) -> Scales {
+        Scales::default()
     }
 
     /// What is recorded along a branch of orbits, by name: by default the extremes of every state.

@@ -35,6 +35,15 @@ impl Polynomial {
         Polynomial { space, coefficients }
     }
 
+    /// The polynomial in variables of these sizes, in units of which it is given.
+    pub fn in_sizes(mut self, sizes: &[f64]) -> Self {
+        for (k, coefficient) in self.coefficients.iter_mut().enumerate() {
+            let powers = self.space.exponents(k).iter().zip(sizes);
+            *coefficient /= powers.map(|(e, size)| size.powi(i32::from(*e))).product::<f64>();
+        }
+        self
+    }
+
     /// The space.
     pub fn space(&self) -> &'static Space {
         self.space

@@ -9,7 +9,7 @@ use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, GuardNumber, HybridEquations, rate};
+use crate::core::hybrid::{Cycle, GuardNumber, HybridEquations, guard_scale, rate, time_scale};
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
@@ -30,6 +30,8 @@ struct OnLeg<'a> {
     orbit: &'a HybridOrbit,
     leg: usize,
     guard: usize,
+    /// The size of the guard's typical changes.
+    scale: f64,
 }
 
 impl<T: GuardNumber> WatchIn<T> for OnLeg<'_> {
@@ -41,6 +43,10 @@ impl<T: GuardNumber> WatchIn<T> for OnLeg<'_> {
 impl Watchable<f64> for OnLeg<'_> {
     fn state_index(&self) -> Option<usize> {
         None
+    }
+
+    fn size(&self) -> f64 {
+        self.scale
     }
 }
 
@@ -139,9 +145,13 @@ impl HybridOrbit {
     fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, EvaluationError> {
         let mut nearest: Option<Touch> = None;
         for leg in 0..self.itinerary().legs.len() {
-            for guard in self.guards_in(self.itinerary().legs[leg].mode) {
-                let watch = OnLeg { orbit: self, leg, guard };
-                let found = self.dip(&watch, &starts[self.of_leg(leg)], q)?;
+            let (mode, p) = (self.itinerary().legs[leg].mode, self.split(q).0);
+            let start = &starts[self.of_leg(leg)];
+            for guard in self.guards_in(mode) {
+                let place = (self.time(leg, q), start);
+                let scale = guard_scale(self.system(), (guard, mode), place, p);
+                let watch = OnLeg { orbit: self, leg, guard, scale };
+                let found = self.dip(&watch, start, q)?;
                 let nearer =
                     |f: &Touch| nearest.as_ref().is_none_or(|n| f.value.abs() < n.value.abs());
                 if let Some(found) = found.filter(nearer) {
@@ -225,11 +235,15 @@ impl HybridOrbit {
     /// `∂(dh/dt)/∂x` across `∂h/∂x`.
     fn nudged(&self, touch: &Touch, mode: usize, t: f64, p: &[f64]) -> Vec<f64> {
         let (n, system) = (touch.x.len(), self.system());
+        let mut sizes = system.scales_of(mode, p);
+        sizes.resize(n, 1.0);
+        let speed = NUDGE * guard_scale(system, (touch.guard, mode), (t, &touch.x), p)
+            / time_scale(system, p);
         let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
         let (mut normal, mut slope) = (vec![0.0; n], vec![0.0; n]);
         for i in 0..n {
             let mut x: Vec<Dual64> = touch.x.iter().map(|x| Dual64::from(*x)).collect();
-            x[i] = x[i].derivative();
+            x[i].eps = sizes[i];
             let t = Dual64::from(t);
             normal[i] = system.guard(touch.guard, mode, t, &x, &p).eps;
             slope[i] = rate(system, (touch.guard, mode), t, &x, &p).eps;
@@ -238,7 +252,8 @@ impl HybridOrbit {
         let share = dot(&slope, &normal) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
         slope.iter_mut().zip(&normal).for_each(|(s, n)| *s -= share * n);
         let size = dot(&slope, &slope).max(f64::MIN_POSITIVE);
-        touch.x.iter().zip(&slope).map(|(x, s)| x - NUDGE * s / size).collect()
+        let changes = slope.iter().zip(&sizes).map(|(s, unit)| speed * s * unit / size);
+        touch.x.iter().zip(changes).map(|(x, change)| x - change).collect()
     }
 
     /// The guard of a mode that falls to zero first, by its rate, and when.

@@ -27,6 +27,10 @@ impl Domains for HybridOrbit {
     fn states_of(&self, segment: usize) -> Vec<String> {
         self.modes[self.legs()[segment].mode].states.clone()
     }
+
+    fn scales_of(&self, segment: usize, q: &[f64]) -> Vec<f64> {
+        self.system.scales_of(self.legs()[segment].mode, self.split(q).0)
+    }
 }
 
 impl<T: EventNumber> Fields<T> for HybridOrbit {
@@ -129,6 +133,10 @@ impl Equations for HybridOrbit {
 
     fn grazings(&self) -> Vec<usize> {
         self.grazing_monitors()
+    }
+
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.scale_of_grazing(monitor, p)
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {

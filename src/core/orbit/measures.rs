@@ -3,7 +3,8 @@
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{Ends, Monitor, Observable, Watched};
 use crate::core::hybrid::{
-    EventNumber, FieldNumber, GuardNumber, Measure, MeasureNumber, Passage, rate, virtual_point,
+    EventNumber, FieldNumber, GuardNumber, Measure, MeasureNumber, Passage, guard_scale, rate,
+    time_scale, virtual_point,
 };
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -16,7 +17,7 @@ const SHORTEST: usize = 1;
 const PENETRATION: usize = 2;
 const OWN: usize = 3;
 
-/// What follows an event that is approached faster is beyond doubt.
+/// What follows an event that is approached faster, in units of the scales, is beyond doubt.
 const SURE: f64 = 1e-4;
 
 /// Names of the monitors that are positive on admissible orbits.
@@ -48,6 +49,26 @@ impl HybridOrbit {
     pub(super) fn grazing_monitors(&self) -> Vec<usize> {
         let names = self.all_monitors().into_iter().map(|(name, _)| name).enumerate();
         names.filter(|(_, name)| GRAZINGS.contains(&name.as_str())).map(|(k, _)| k).collect()
+    }
+
+    /// The typical size of one of them: that of the guards where states have half their scales, of their rates, or of
+    /// time.
+    pub(super) fn scale_of_grazing(&self, monitor: usize, p: &[f64]) -> f64 {
+        let (system, time) = (self.system(), time_scale(self.system(), p));
+        let scale = |mode: usize| {
+            let mut x = system.scales_of(mode, p);
+            x.resize(self.states_of(mode), 1.0);
+            x.iter_mut().for_each(|x| *x *= 0.5);
+            let guards = self.guards_in(mode);
+            guards.map(move |guard| guard_scale(system, (guard, mode), (0.0, &x), p))
+        };
+        let modes = self.itinerary().legs.iter().map(|leg| leg.mode);
+        let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
+        match self.all_monitors().swap_remove(monitor).1 {
+            Monitor::Ends(SHORTEST) => time,
+            Monitor::Ends(APPROACH) => least() / time,
+            _ => least(),
+        }
     }
 
     fn monitor(&self, measure: &Measure) -> Monitor {
@@ -101,7 +122,11 @@ impl HybridOrbit {
             let approach = -rate(self.system(), (guard, leg.mode), time, x, p);
             let meant = legs[(s + 1) % legs.len()].mode;
             let next = self.system().next_mode(guard, leg.mode, time, x, p);
-            if approach > SURE && next != meant {
+            let sure = || {
+                let scale = guard_scale(self.system(), (guard, leg.mode), (time, x), p);
+                approach > SURE * scale / time_scale(self.system(), p)
+            };
+            if next != meant && sure() {
                 let (event, mode) = (self.guard_name(guard), self.mode_name(leg.mode));
                 return Err(LeftDomain {
                     quantity: format!("the time of the event `{event}` of mode `{mode}`, leg {s},"),

@@ -1,7 +1,7 @@
 //! Vector fields as hybrid systems: one mode and no guard.
 
 use crate::core::field::{Forcing, VectorField};
-use crate::core::hybrid::{Guard, HybridSystem, Mode};
+use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -60,6 +60,11 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
         self.0.period(p)
+    }
+
+    fn scales(&self, p: &[f64]) -> Scales {
+        let names = self.0.names().unknowns.into_iter().map(|state| state.name);
+        Scales { time: None, states: names.zip(self.0.scales(p)).collect() }
     }
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {

@@ -215,6 +215,10 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
         &self.grazings
     }
 
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.equations.problem.grazing_scale(monitor, p)
+    }
+
     fn orientation(&self) -> f64 {
         self.orientation
     }

@@ -9,6 +9,7 @@ use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
 use crate::core::hybrid::landing::{Landing, Lookout};
 use crate::core::hybrid::leg::GuardOf;
+use crate::core::hybrid::scales::time_scale;
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
 use crate::core::scalar_field::FieldRef;
 use std::ops::ControlFlow;
@@ -80,7 +81,7 @@ impl Fleet<'_> {
             series.extend(worker.series.iter().map(|_| Series::new()));
         }
         std::mem::swap(&mut worker.series, series);
-        worker.pace = *pace;
+        (worker.pace, worker.unit) = (*pace, time_scale(worker.system, p));
         worker.p.clone_from(p);
         shown.0 = *member;
         let mut run = Run { end: *end, p, observer: shown, statistics: *statistics, still: *still };
@@ -101,7 +102,9 @@ impl Fleet<'_> {
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (f64::in_mode(system, mode, 0.0, p), [state.time, left]);
-        abreast.is_some() && worker.flow.set_out(&field, span, &state.x, p, course).is_ok()
+        // Abreast, all scales are 1.
+        let usual = time_scale(system, p) == 1.0 && system.scales_of(mode, p).is_empty();
+        abreast.is_some() && usual && worker.flow.set_out(&field, span, &state.x, p, course).is_ok()
     }
 
     /// Tries a step of members in one mode.
@@ -118,8 +121,9 @@ impl Fleet<'_> {
         lanes.look();
         outlooks.clear();
         let guards = worker.watched[mode].iter();
-        outlooks
-            .extend(guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard, mode })));
+        outlooks.extend(
+            guards.map(|guard| lanes.outlook(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
+        );
         errors
     }
 
@@ -216,11 +220,12 @@ impl Fleet<'_> {
         let HybridFlow { system, flow, roots, event, watched, .. } = worker;
         let system: &dyn HybridEquations = *system;
         watched[mode].iter().zip(&*signs).for_each(|(guard, sign)| {
-            roots[*guard].resume(GuardOf { system, guard: *guard, mode }, *sign)
+            roots[*guard].resume(GuardOf { system, guard: *guard, mode, scale: 1.0 }, *sign)
         });
         event.before.clone_from(&state.x);
         let leg = (state.time, *end - state.time);
-        let mut lookout = Lookout { system, mode, watched: loud, roots, event, pace, p, leg };
+        let mut lookout =
+            Lookout { system, mode, watched: loud, roots, event, pace, p, unit: 1.0, leg };
         let (mut found, abreast) = (None, abreast.as_ref()?);
         let field = f64::in_mode(system, mode, 0.0, p);
         flow.show_lane(&field, p, (abreast, lane, course), |step| {

@@ -1,0 +1,243 @@
+//! Promise: systems move, branch and graze alike in whatever units they are stated, if they state their scales.
+
+use crate::hybrid::systems::bouncing_ball::BouncingBall;
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
+use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
+use tangency::core::field::Forcing;
+use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
+use tangency::core::hybrid::{
+    Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Scales,
+};
+use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::LeftDomain;
+use tangency::problems::classic::ImpactOscillator;
+use tangency::problems::mita::Actuator;
+
+/// Times and lengths of the test, in the units of the systems.
+const UNITS: [[f64; 2]; 8] = [
+    [1e-8, 1.0],
+    [1e-3, 1.0],
+    [1e3, 1.0],
+    [1e9, 1.0],
+    [1.0, 1e-9],
+    [1.0, 1e-6],
+    [1.0, 1e3],
+    [1e-6, 1e-6],
+];
+
+/// A system with the same parameters, in other units: what was 1 is `time` or `length` now.
+#[derive(Clone)]
+struct Rescaled<S> {
+    system: S,
+    time: f64,
+    length: f64,
+    /// Whether the scale of time is stated, or that of the forcing.
+    timed: bool,
+}
+
+impl<S: HybridSystem> Rescaled<S> {
+    /// The size of a state that was 1.
+    fn unit(&self, state: &str) -> f64 {
+        if state.contains("velocity") { self.length / self.time } else { self.length }
+    }
+
+    /// The sizes of the states of a mode.
+    fn units(&self, mode: usize) -> Vec<f64> {
+        let states = self.system.modes().swap_remove(mode).states;
+        states.iter().map(|state| self.unit(state)).collect()
+    }
+
+    /// A state in the units of the system.
+    fn inner<T: Scalar>(&self, mode: usize, x: &[T]) -> Vec<T> {
+        x.iter().zip(self.units(mode)).map(|(x, unit)| *x / unit).collect()
+    }
+
+    /// A state in these units.
+    fn outer(&self, mode: usize, x: &[f64]) -> Vec<f64> {
+        x.iter().zip(self.units(mode)).map(|(x, unit)| x * unit).collect()
+    }
+}
+
+impl<S: HybridSystem> HybridSystem for Rescaled<S> {
+    fn modes(&self) -> Vec<Mode> {
+        self.system.modes()
+    }
+    fn guards(&self) -> Vec<Guard> {
+        self.system.guards()
+    }
+    fn parameters(&self) -> Vec<String> {
+        self.system.parameters()
+    }
+    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.system.field(mode, t / self.time, &self.inner(mode, x), p, f);
+        f.iter_mut().zip(self.units(mode)).for_each(|(f, unit)| *f *= unit / self.time);
+    }
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.system.guard(guard, mode, t / self.time, &self.inner(mode, x), p) * self.length
+    }
+    fn reset<T: Scalar>(
+        &self,
+        guard: usize,
+        modes: (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
+        self.system.reset(guard, modes, t / self.time, &self.inner(modes.0, x), p, after);
+        after.iter_mut().zip(self.units(modes.1)).for_each(|(x, unit)| *x *= unit);
+    }
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        self.system.next_mode(guard, mode, t / self.time, &self.inner(mode, x), p)
+    }
+    fn mode_after_accumulation(
+        &self,
+        guard: usize,
+        mode: usize,
+        t: f64,
+        x: &[f64],
+        p: &[f64],
+    ) -> Option<usize> {
+        let x = self.inner(mode, x);
+        self.system.mode_after_accumulation(guard, mode, t / self.time, &x, p)
+    }
+    fn forcing(&self) -> Forcing {
+        self.system.forcing()
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        self.system.period(p) * self.time
+    }
+    fn scales(&self, _p: &[f64]) -> Scales {
+        let states = self.modes().into_iter().flat_map(|mode| mode.states);
+        let time = self.timed.then_some(self.time);
+        states.fold(Scales { time, ..Scales::default() }, |scales, state| {
+            let unit = self.unit(&state);
+            scales.state(state, unit)
+        })
+    }
+    fn domain(&self, mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        self.system.domain(mode, &self.inner(mode, x), p)
+    }
+}
+
+/// A system in all units.
+fn rescaled<S: HybridSystem + Clone>(system: &S, timed: bool) -> impl Iterator<Item = Rescaled<S>> {
+    let rescale =
+        |[time, length]: [f64; 2]| Rescaled { system: system.clone(), time, length, timed };
+    UNITS.map(rescale).into_iter()
+}
+
+#[track_caller]
+fn alike(found: f64, expected: f64, size: f64, units: &str) {
+    assert!((found - expected).abs() <= 1e-9 * size, "{units}: {found:e}, not {expected:e}");
+}
+
+/// Events of a motion over a duration, all in the units of the system.
+fn events<S: HybridSystem>(
+    scaled: &Rescaled<S>,
+    (mode, x): (usize, &[f64]),
+    duration: f64,
+    p: &[f64],
+) -> Vec<Event<f64>> {
+    let mut flow = HybridFlow::new(scaled, HybridSettings::default()).unwrap();
+    let mut state = HybridState { mode, time: 0.0, x: scaled.outer(mode, x) };
+    let mut events = flow.events(&mut state, duration * scaled.time, p).unwrap();
+    for event in &mut events {
+        event.time /= scaled.time;
+        event.before = scaled.inner(event.mode, &event.before);
+    }
+    events
+}
+
+/// The same events come at the same times, accumulations among them.
+fn moves_alike<S: HybridSystem + Clone>(
+    system: &S,
+    start: (usize, &[f64]),
+    duration: f64,
+    p: &[f64],
+) {
+    let usual = Rescaled { system: system.clone(), time: 1.0, length: 1.0, timed: true };
+    let expected = events(&usual, start, duration, p);
+    assert!(expected.iter().any(|event| event.accumulation), "{expected:?}");
+    for scaled in rescaled(system, true) {
+        let units = format!("time {:e}, length {:e}", scaled.time, scaled.length);
+        let found = events(&scaled, start, duration, p);
+        let told = |events: &[Event<f64>]| -> Vec<_> {
+            events.iter().map(|e| (e.guard, e.mode, e.next, e.accumulation)).collect()
+        };
+        assert_eq!(told(&found), told(&expected), "{units}");
+        for (found, expected) in found.iter().zip(&expected) {
+            alike(found.time, expected.time, 1.0 + expected.time, &units);
+            found.before.iter().zip(&expected.before).for_each(|(a, b)| alike(*a, *b, 1.0, &units));
+        }
+    }
+}
+
+#[test]
+fn motions_do_not_depend_on_units() {
+    // Chatter, contact, and release.
+    let p = [1.5, 0.4, 0.6, 0.1, 0.2];
+    moves_alike(&ImpactOscillator, (ImpactOscillator::FLIGHT, &[0.0, 0.0]), 60.0, &p);
+    moves_alike(&BouncingBall, (BouncingBall::FLIGHT, &[0.5, 0.0]), 40.0, &[1.2, 0.3]);
+    let mut p = Actuator::DEFAULTS;
+    p[0] = 0.88;
+    moves_alike(&Actuator, (Actuator::STICK, &[0.4, 0.0]), 60.0, &p);
+}
+
+/// The branch without impacts to its grazing, and the branch that begins there.
+fn branches(
+    orbits: &mut BoundarySystem<Shooting>,
+    form: &ClosedForm,
+) -> Result<[Branch; 2], TraceError> {
+    let end = 2.0 * form.grazing();
+    let run = Continuation::of(orbits).at("amplitude", 0.5 * form.grazing());
+    let run = run.at("frequency", form.frequency).at("restitution", form.restitution);
+    let run = run.at("damping", form.damping).at("clearance", form.clearance);
+    let smooth = run.along("amplitude", 0.5 * form.grazing()..=end).trace()?;
+    let grazing = smooth.of_kind(Kind::G).next().expect("a grazing").label;
+    let run = Continuation::of(orbits).restart(&smooth, grazing).switch();
+    let impacting = run.along("amplitude", 0.5 * form.grazing()..=end).trace()?;
+    Ok([smooth, impacting])
+}
+
+/// Grazings and folds or period doublings of the branches from grazing are where closed forms say, and so is what the
+/// local map says of the grazing.
+#[test]
+fn branches_and_local_maps_do_not_depend_on_units() {
+    let parameters = ["amplitude"];
+    for (frequency, kind) in [(1.0, Kind::LP), (2.2, Kind::PD)] {
+        let form = ClosedForm::usual(frequency);
+        let expected = match kind {
+            Kind::LP => form.fold_amplitude(),
+            _ => form.amplitude(form.doubling()),
+        };
+        let mut growth = None;
+        let usual = Rescaled { system: ImpactOscillator, time: 1.0, length: 1.0, timed: false };
+        for scaled in std::iter::once(usual).chain(rescaled(&ImpactOscillator, false)) {
+            let units = format!("time {:e}, length {:e}", scaled.time, scaled.length);
+            let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1));
+            let mut orbits =
+                BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
+            let [smooth, impacting] =
+                branches(&mut orbits, &form).unwrap_or_else(|cause| panic!("{units}: {cause}"));
+            let grazing = smooth.of_kind(Kind::G).next().expect("a grazing");
+            alike(grazing.parameters[0], form.grazing(), form.grazing(), &units);
+            let special = impacting.of_kind(kind).next();
+            let special = special.unwrap_or_else(|| panic!("{units}: no {kind}")).parameters[0];
+            alike(special, expected, expected, &units);
+            let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1));
+            let mut orbits =
+                BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
+            let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters).unwrap();
+            let point = point.located(&scaled, "amplitude").unwrap();
+            let settings = MapSettings { order: 3, ..MapSettings::default() };
+            let map = LocalMap::of(&scaled, &point, &parameters, settings).unwrap();
+            let found = map.classified("amplitude").unwrap();
+            // The multiplier is growth/y, with y the root of a length.
+            let found = found.growth / scaled.length.sqrt();
+            alike(found, *growth.get_or_insert(found), found.abs(), &units);
+        }
+    }
+}
