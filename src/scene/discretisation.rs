@@ -12,6 +12,7 @@ use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::Scheme;
 use crate::core::hybrid::{HybridFlow, HybridSettings, HybridSystem, Recurrence, RecurrenceError};
+use crate::core::ladder::ladder;
 use crate::core::orbit::{HybridOrbit, Itinerary, Orbit};
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
@@ -45,22 +46,16 @@ impl Discretised {
     pub const USUAL_HYBRID: Discretised = Discretised::Shooting;
 }
 
-/// Gauss points in an interval and intervals, by growing accuracy: each has about a digit more than the one before, at the
-/// lowest cost (the chart `orbit`).
-const MESHES: [(usize, usize); 12] = [
-    (3, 5),
-    (4, 5),
-    (4, 10),
-    (4, 15),
-    (5, 15),
-    (5, 20),
-    (5, 30),
-    (7, 30),
-    (7, 45),
-    (7, 70),
-    (7, 100),
-    (7, 150),
-];
+/// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a digit more than the one
+/// before, at the lowest cost (the chart `orbit`).
+const MESHES: [(usize, usize); 9] =
+    [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
+
+/// The coarsest tolerances of flows.
+const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
+
+/// How many discretisations there are to choose from.
+const RUNGS: usize = 12;
 
 /// How trajectories are discretised.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -132,13 +127,33 @@ impl Discretisation {
     /// Discretisations of growing accuracy and cost: tolerances of flows, a tenth each, or Gauss points and intervals. None
     /// for equilibria, which are exact.
     pub(super) fn ladder(&self, usual: Discretised) -> Vec<Discretisation> {
-        let shot = |k: i32| Discretisation { flow_tolerance: 10f64.powi(-k), ..self.clone() };
+        let method = self.method.unwrap_or(usual);
+        let shot = |flow_tolerance| Discretisation { flow_tolerance, ..self.clone() };
         let collocated = |(degree, intervals)| Discretisation { degree, intervals, ..self.clone() };
-        match (self.solution, self.method.unwrap_or(usual)) {
+        let coarse = match (self.solution, method) {
             (Solution::Equilibrium, _) => Vec::new(),
-            (_, Discretised::Shooting) => (3..=14).map(shot).collect(),
+            (_, Discretised::Shooting) => TOLERANCES.map(shot).into(),
             (_, Discretised::Collocation) => MESHES.map(collocated).into(),
+        };
+        ladder(coarse, RUNGS, |rung| rung.finer(method))
+    }
+
+    /// The finer discretisation, as that of a special point on uniform meshes.
+    fn finer(&self, method: Discretised) -> Option<Discretisation> {
+        let mut finer = self.clone();
+        match method {
+            Discretised::Collocation => {
+                let (method, parts) = Collocation::new(self.degree).ok()?.finer()?;
+                (finer.degree, finer.intervals) = (method.points(), self.intervals * parts);
+            }
+            Discretised::Shooting => {
+                let shooting = Shooting::new(self.scheme, self.flow_tolerance).ok()?;
+                let (method, parts) = shooting.finer()?;
+                finer.flow_tolerance = method.settings().relative;
+                finer.segments *= parts;
+            }
         }
+        Some(finer)
     }
 
     /// Checks every range.

@@ -17,6 +17,7 @@ fn continuation_slots(s: &mut Settings) -> Slots<'_> {
         ("event_tolerance", Box::new(Plain(&mut s.event_tolerance))),
         ("max_iterations", Box::new(Plain(&mut s.max_iterations))),
         ("refinement", Box::new(Plain(&mut s.refinement))),
+        ("settle", Box::new(Plain(&mut s.settle))),
         ("eigenvalues", Box::new(Plain(&mut s.eigenvalues))),
     ]
 }
