@@ -14,6 +14,7 @@ pub mod grazing;
 pub mod hybrid;
 pub mod jet;
 pub mod kind;
+pub mod ladder;
 pub mod linear;
 pub mod motion;
 pub mod names;

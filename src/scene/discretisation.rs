@@ -6,6 +6,7 @@ use crate::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method,
 use crate::core::condition::EvaluationError;
 use crate::core::continuation::SettingError;
 use crate::core::flow::Scheme;
+use crate::core::ladder::ladder;
 use crate::core::zero::System;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -57,22 +58,16 @@ pub enum Discretised {
     Shooting,
 }
 
-/// Gauss points in an interval and intervals, by growing accuracy: each has about a digit more than the one before, at the
-/// lowest cost (`tangency work-precision orbit`).
-const MESHES: [(usize, usize); 12] = [
-    (3, 5),
-    (4, 5),
-    (4, 10),
-    (4, 15),
-    (5, 15),
-    (5, 20),
-    (5, 30),
-    (7, 30),
-    (7, 45),
-    (7, 70),
-    (7, 100),
-    (7, 150),
-];
+/// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a digit more than the one
+/// before, at the lowest cost (`tangency work-precision orbit`).
+const MESHES: [(usize, usize); 9] =
+    [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
+
+/// The coarsest tolerances of flows.
+const TOLERANCES: [f64; 2] = [1e-3, 1e-4];
+
+/// The number of discretisations to choose from.
+const RUNGS: usize = 12;
 
 /// How trajectories are discretised: what the settings of all problems with trajectories share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,14 +151,15 @@ macro_rules! trajectory_settings {
                 Discretisation { method, intervals, degree, segments, scheme, flow_tolerance }
             }
 
-            /// Settings of growing accuracy and cost: tolerances of flows, a tenth each, or Gauss points and intervals.
+            fn with(&self, discretisation: Discretisation) -> Self {
+                let Discretisation { intervals, degree, segments, flow_tolerance, .. } = discretisation;
+                $name { intervals, degree, segments, flow_tolerance, ..self.clone() }
+            }
+
+            /// Settings of growing accuracy and cost: tolerances of flows, or Gauss points and intervals.
             pub(super) fn ladder(&self) -> Vec<Self> {
-                let shot = |k: i32| $name { flow_tolerance: 10f64.powi(-k), ..self.clone() };
-                let collocated = |(degree, intervals)| $name { degree, intervals, ..self.clone() };
-                match self.discretisation().method {
-                    Discretised::Shooting => (3..=14).map(shot).collect(),
-                    Discretised::Collocation => MESHES.map(collocated).into(),
-                }
+                let rungs = self.discretisation().ladder();
+                rungs.into_iter().map(|rung| self.with(rung)).collect()
             }
         }
     };
@@ -211,6 +207,37 @@ fn in_range(
 }
 
 impl Discretisation {
+    /// Discretisations of growing accuracy and cost.
+    fn ladder(self) -> Vec<Self> {
+        let coarse = match self.method {
+            Discretised::Shooting => {
+                TOLERANCES.map(|flow_tolerance| Discretisation { flow_tolerance, ..self }).into()
+            }
+            Discretised::Collocation => MESHES
+                .map(|(degree, intervals)| Discretisation { degree, intervals, ..self })
+                .into(),
+        };
+        ladder(coarse, RUNGS, Discretisation::finer)
+    }
+
+    /// The finer discretisation, as that of a special point on uniform meshes.
+    fn finer(&self) -> Option<Self> {
+        let mut finer = *self;
+        match self.method {
+            Discretised::Collocation => {
+                let (method, parts) = Collocation::new(self.degree).ok()?.finer()?;
+                (finer.degree, finer.intervals) = (method.points(), self.intervals * parts);
+            }
+            Discretised::Shooting => {
+                let shooting = Shooting::new(self.scheme, self.flow_tolerance).ok()?;
+                let (method, parts) = shooting.finer()?;
+                finer.flow_tolerance = method.settings().relative;
+                finer.segments *= parts;
+            }
+        }
+        Some(finer)
+    }
+
     fn check(&self) -> Result<(), SettingError> {
         let count = |name, number: usize| {
             in_range(name, number as f64, (1..=4096).contains(&number), "between 1 and 4096")

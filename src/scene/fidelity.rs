@@ -1,17 +1,14 @@
 //! The cheapest discretisation with which special points have the accuracy that a scene asks for.
 //!
 //! A problem has a ladder of discretisations, cheapest first. With rung `k` a scene finds numbers `v_k`: the released
-//! parameters and the first monitor of every special point, relative to themselves. If each rung halves the error at least, that of rung `k` is
-//!
-//! `|v_k − v| ≤ |v_k − v_f| / (1 − 2^{k−f})`,  `f ≥ k + 2`,
-//!
-//! and `4/3 |v_k − v_f|` at most. A difference may be small by accident, so that the estimate of a rung is the larger one
-//! of its own and the next rung's. The rung taken is the lowest one whose estimate is below the accuracy, of those from
-//! a first guess downwards; or upwards, where the guess does not suffice.
+//! parameters of every special point, and the columns that settings name, relative to themselves. They are compared with those
+//! of the next two rungs, and of finer ones that are known, by [`error_of_first`]. The rung taken is the lowest one whose estimate is
+//! below the accuracy, of those from a first guess downwards; or upwards, where the guess does not suffice.
 
 use super::execute::{Outcome, SceneObserver, StartPoint, reach, traced};
 use super::{Problem, Run, Scene, SceneError};
 use crate::core::continuation::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint};
+use crate::core::ladder::error_of_first;
 use crate::output::{Chosen, Document};
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -20,9 +17,6 @@ const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
 
 /// How many rungs finer the discretisation is at least that others are compared with.
 const ABOVE: usize = 2;
-
-/// The bound of an error by the difference from that many rungs above.
-const BOUND: f64 = 4.0 / 3.0;
 
 /// A trial is watched for Ctrl-C, and not shown.
 struct Unseen<'a>(&'a mut dyn SceneObserver);
@@ -62,7 +56,7 @@ impl Search<'_> {
         branches.into_iter().any(|branch| branch.ends.contains(&End::Interrupted))
     }
 
-    /// The error of a rung, from the finest one that is known.
+    /// The error of a rung, from those above it that are known, two at least.
     fn estimate(&mut self, rung: usize) -> Estimate {
         for needed in rung..=rung + ABOVE {
             self.trace(needed);
@@ -70,14 +64,12 @@ impl Search<'_> {
                 return Estimate { error: f64::INFINITY, of: "interrupted".into() };
             }
         }
-        let fine = self.found.iter().flatten().next_back();
-        let against = |rung: usize| match (&self.found[rung], fine) {
-            (Some(rough), Some(fine)) => difference(rough, fine),
-            _ => unlike("a rung that was not traced"),
-        };
-        let [own, next] = [against(rung), against(rung + 1)];
-        let Estimate { error, of } = if own.error >= next.error { own } else { next };
-        Estimate { error: BOUND * error, of }
+        largest(&self.known(rung))
+    }
+
+    /// What was found with a rung and those above it.
+    fn known(&self, rung: usize) -> Vec<&Outcome> {
+        self.found[rung..].iter().flatten().collect()
     }
 
     /// The lowest rung whose estimated error is below an accuracy; or the highest one, whose is not.
@@ -126,10 +118,7 @@ pub(super) fn traced_to(
     let interrupted = search.interrupted();
     let mut outcome = search.trace(rung).clone();
     let chosen = Chosen { accuracy, settings: chosen(&ladder, rung), estimate, of };
-    let mut finer = search.found[rung + 1..].iter().flatten();
-    if let (Some(next), Some(fine)) = (finer.next(), finer.next_back()) {
-        add_errors(&mut outcome.document, &next.document, &fine.document);
-    }
+    add_errors(&mut outcome.document, &search.known(rung));
     if estimate > accuracy && !interrupted {
         let unmet = || SceneError::Unmet { chosen: Box::new(chosen.clone()) };
         outcome.error.get_or_insert_with(unmet);
@@ -219,15 +208,26 @@ fn refused(found: String, rule: &str) -> Result<(), SceneError> {
     Err(SceneError::Invalid { place: "`accuracy`".into(), found, rule: rule.into() })
 }
 
-/// Special points that methods must agree on: all but ends, which may be anywhere.
-fn definite(branch: &Branch) -> impl Iterator<Item = &SpecialPoint> {
-    branch.special.iter().filter(|special| special.kind != Kind::EP)
+/// Whether discretisations must agree on a special point: not on an end that is none of a bound nor the start, which may be anywhere.
+fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
+    let fixed = |end: &End| {
+        matches!(end, End::ParameterBound { .. } | End::MonitorBound { .. } | End::Start)
+            && end.to_string() == special.event
+    };
+    special.kind != Kind::EP || branch.ends.iter().any(fixed)
 }
 
-/// The released parameters and the first monitor.
-fn columns(branch: &Branch) -> Vec<usize> {
-    let names = branch.released.iter().chain(branch.monitors.first());
-    names.filter_map(|name| branch.column(name)).collect()
+/// What is held to the accuracy at a special point: the released parameters and the columns that settings name, but for the one
+/// at whose level it is. The start is where it was put.
+fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
+    if special.event == End::Start.to_string() {
+        return Vec::new();
+    }
+    let given = special.event.split(" = ").next();
+    let bound = special.event.split(" reached its bound ").next();
+    let names = branch.released.iter().chain(&branch.settings.settle);
+    let found = names.filter(|name| ![given, bound].contains(&Some(name.as_str())));
+    found.filter_map(|name| branch.column(name)).collect()
 }
 
 /// What an error is relative to: the value itself, and where it passes zero a hundredth of the largest on the branch. Below
@@ -243,50 +243,85 @@ fn unlike(of: impl Into<String>) -> Estimate {
     Estimate { error: f64::INFINITY, of: of.into() }
 }
 
-/// The largest difference between special points of a rung and of a finer one, relative to what they measure.
-fn difference(rough: &Outcome, fine: &Outcome) -> Estimate {
-    if let Some(cause) = rough.error.as_ref().or(fine.error.as_ref()) {
-        return unlike(cause.to_string());
-    }
-    let mut largest = Estimate { error: -1.0, of: String::new() };
-    for (rough, branch) in rough.document.branches.iter().zip(&fine.document.branches) {
-        let kinds = |branch: &Branch| definite(branch).map(|s| s.kind).collect::<Vec<_>>();
-        if kinds(rough) != kinds(branch) {
-            return unlike(format!("special points of `{}` come and go with it", branch.name));
+/// A definite special point of a branch on one rung after another.
+struct Followed<'a> {
+    /// Its position on the first rung.
+    place: usize,
+    rungs: Vec<&'a SpecialPoint>,
+}
+
+impl Followed<'_> {
+    /// The error of a column on the first rung.
+    fn error(&self, column: usize) -> f64 {
+        let values = self.rungs.iter().map(|special| special.value(column));
+        match values.collect::<Option<Vec<f64>>>() {
+            Some(values) if values.iter().all(|value| value.is_finite()) => error_of_first(&values),
+            _ => f64::INFINITY,
         }
-        for (a, b) in definite(rough).zip(definite(branch)) {
-            for column in columns(branch) {
-                let [a, b] = [a, b].map(|special| special.value(column).unwrap_or(f64::NAN));
-                let error = (a - b).abs() / size(branch, column, b);
-                if error.is_nan() || error > largest.error {
-                    let error = if error.is_nan() { f64::INFINITY } else { error };
-                    largest = Estimate { error, of: String::new() };
-                }
-            }
-            if largest.of.is_empty() {
-                largest.of = format!("{} of `{}`", b.event, branch.name);
-            }
-        }
-    }
-    match largest.error < 0.0 {
-        true => unlike("no special point to hold it to: state one by `marks`"),
-        false => largest,
     }
 }
 
-/// Adds what the discretisation adds to the errors of special points: from what they are on this rung and the next one.
-fn add_errors(document: &mut Document, next: &Document, fine: &Document) {
-    let branches = document.branches.iter_mut().zip(&next.branches).zip(&fine.branches);
-    for ((branch, next), fine) in branches {
-        let Some(column) = columns(fine).first().copied() else { continue };
-        let values = |branch: &Branch| -> Vec<f64> {
-            let values = definite(branch).map(|special| special.value(column));
-            values.map(|value| value.unwrap_or(f64::NAN)).collect()
-        };
-        let (own, next, fine) = (values(branch), values(next), values(fine));
-        let special = branch.special.iter_mut().filter(|special| special.kind != Kind::EP);
-        for (special, ((own, next), fine)) in special.zip(own.iter().zip(&next).zip(&fine)) {
-            special.error += BOUND * (own - fine).abs().max((next - fine).abs());
+/// The definite special points of a branch, unless they are others on another rung.
+fn followed<'a>(rungs: &[&'a Branch]) -> Option<Vec<Followed<'a>>> {
+    let mut all: Vec<Followed> = Vec::new();
+    for (rung, branch) in rungs.iter().enumerate() {
+        let definite = |(_, special): &(usize, &SpecialPoint)| is_definite(branch, special);
+        let points: Vec<_> = branch.special.iter().enumerate().filter(definite).collect();
+        if rung == 0 {
+            let first = |(place, special)| Followed { place, rungs: vec![special] };
+            all = points.into_iter().map(first).collect();
+            continue;
         }
+        let same = |(known, (_, special)): (&Followed, &(usize, &SpecialPoint))| {
+            let first = known.rungs[0];
+            first.kind == special.kind && (first.kind != Kind::EP || first.event == special.event)
+        };
+        if all.len() != points.len() || !all.iter().zip(&points).all(same) {
+            return None;
+        }
+        all.iter_mut().zip(points).for_each(|(known, (_, special))| known.rungs.push(special));
+    }
+    Some(all)
+}
+
+/// The branch at this place among those of each result.
+fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
+    found.iter().filter_map(|outcome| outcome.document.branches.get(place)).collect()
+}
+
+/// The largest error of special points in the first result, by finer ones, relative to what they measure.
+fn largest(found: &[&Outcome]) -> Estimate {
+    if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
+        return unlike(cause.to_string());
+    }
+    let mut largest: Option<Estimate> = None;
+    for place in 0..found[0].document.branches.len() {
+        let rungs = nth(found, place);
+        let branch = rungs[rungs.len() - 1];
+        let Some(points) = followed(&rungs) else {
+            return unlike(format!("special points of `{}` come and go with it", branch.name));
+        };
+        for point in points {
+            let special = point.rungs[point.rungs.len() - 1];
+            for column in columns(branch, special) {
+                let value = special.value(column).unwrap_or(f64::NAN);
+                let error = point.error(column) / size(branch, column, value);
+                if largest.as_ref().is_none_or(|largest| error > largest.error) {
+                    let of = format!("{} of `{}`", special.event, branch.name);
+                    largest = Some(Estimate { error, of });
+                }
+            }
+        }
+    }
+    largest.unwrap_or_else(|| unlike("no special point to hold it to: state one by `marks`"))
+}
+
+/// Adds what the discretisation adds to the errors of special points, by the result on this rung and finer ones.
+fn add_errors(document: &mut Document, found: &[&Outcome]) {
+    for (place, branch) in document.branches.iter_mut().enumerate() {
+        let rungs = nth(found, place);
+        let column = branch.released.first().and_then(|name| branch.column(name));
+        let (Some(points), Some(column)) = (followed(&rungs), column) else { continue };
+        points.iter().for_each(|point| branch.special[point.place].error += point.error(column));
     }
 }

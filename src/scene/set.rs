@@ -18,6 +18,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         event_tolerance: Plain,
         max_iterations: Plain,
         refinement: Plain,
+        settle: Plain,
         eigenvalues: Plain,
     })
 }

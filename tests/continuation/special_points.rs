@@ -2,7 +2,7 @@
 
 use crate::common::{CuspForm, close, first, values};
 use proptest::prelude::*;
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
+use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
@@ -165,12 +165,34 @@ fn a_fold_near_a_branch_point() {
     }
 }
 
-/// Bratu's problem on `n` points that can be refined to `2n + 1`: everything else is that of `Dense`.
-struct Refinable(Dense<crate::common::Bratu>, usize);
+/// Bratu's problem on `n` points with two monitors, in either order.
+#[derive(Clone, Copy)]
+struct Grid {
+    n: usize,
+    middle_first: bool,
+}
+
+impl ZeroProblem for Grid {
+    fn names(&self) -> Names {
+        let monitors = if self.middle_first { ["middle", "slope"] } else { ["slope", "middle"] };
+        Names::new([("u", self.n)], ["lambda"]).with_monitors(monitors)
+    }
+    fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
+        crate::common::Bratu(self.n).residual(u, p, r);
+    }
+    fn monitors<T: Scalar>(&self, u: &[T], _p: &[T], values: &mut [T]) {
+        let place = usize::from(!self.middle_first);
+        values[place] = u[self.n / 2];
+        values[1 - place] = u[0] * (self.n + 1) as f64;
+    }
+}
+
+/// That problem, which can be refined to `2n + 1`: everything else is that of `Dense`.
+struct Refinable(Dense<Grid>, Grid);
 
 impl Refinable {
-    fn new(n: usize) -> Self {
-        Refinable(Dense::new(crate::common::Bratu(n)), n)
+    fn new(grid: Grid) -> Self {
+        Refinable(Dense::new(grid), grid)
     }
 }
 
@@ -234,7 +256,7 @@ impl System for Refinable {
         self.0.monitor_gradient(monitor, x, released, out);
     }
     fn refined(&self, x: &[f64]) -> Option<Refinement> {
-        let n = self.1;
+        let Grid { n, middle_first } = self.1;
         if n > 100 {
             return None;
         }
@@ -243,7 +265,10 @@ impl System for Refinable {
             .map(|i| if i % 2 == 0 { at(i / 2) } else { 0.5 * (at(i / 2) + at(i / 2 + 1)) })
             .collect();
         fine.push(x[n]);
-        Some(Refinement { system: Box::new(Refinable::new(2 * n + 1)), x: fine })
+        Some(Refinement {
+            system: Box::new(Refinable::new(Grid { n: 2 * n + 1, middle_first })),
+            x: fine,
+        })
     }
 }
 
@@ -251,14 +276,43 @@ impl System for Refinable {
 const BRATU: f64 = 3.513_830_719_125_16;
 
 fn bratu(n: usize, refinement: f64) -> Branch {
-    let mut system = Refinable::new(n);
+    let settings = Settings { refinement, ..Settings::default() };
+    bratu_on(Grid { n, middle_first: true }, settings).unwrap()
+}
+
+fn bratu_on(grid: Grid, settings: Settings) -> Result<Branch, TraceError> {
+    let mut system = Refinable::new(grid);
     Continuation::of(&mut system)
         .along("lambda", 0.0..=10.0)
         .bound("middle", 0.0..=3.0)
         .mark("middle", 0.5)
-        .settings(Settings { refinement, ..Settings::default() })
+        .settings(settings)
         .trace()
-        .unwrap()
+}
+
+/// What must settle is the parameter and what settings name, in whatever order monitors come.
+#[test]
+fn the_order_of_monitors_does_not_decide_what_settles() {
+    let folds = |refinement: f64, settle: &[&str]| {
+        [true, false].map(|middle_first| {
+            let settle = settle.iter().map(|name| name.to_string()).collect();
+            let settings = Settings { refinement, settle, ..Settings::default() };
+            let branch = bratu_on(Grid { n: 7, middle_first }, settings).unwrap();
+            let fold = first(&branch, Kind::LP).clone();
+            let slope = fold.value(branch.column("slope").unwrap()).unwrap();
+            (fold.parameters[0], fold.error, slope)
+        })
+    };
+    let [alone, permuted] = folds(1e-2, &[]);
+    assert_eq!(alone, permuted);
+    let [with_slope, permuted] = folds(1e-2, &["slope"]);
+    assert_eq!(with_slope, permuted);
+    // The one-sided slope at the boundary, 4 at the fold, converges with the first order only.
+    let off = |fold: (f64, f64, f64)| (fold.2 / 4.0 - 1.0).abs();
+    assert!(off(with_slope) < 1e-2 && off(alone) > 2e-2, "{with_slope:?} {alone:?}");
+    let settings = Settings { settle: vec!["slop".into()], ..Settings::default() };
+    let unknown = bratu_on(Grid { n: 7, middle_first: true }, settings).unwrap_err().to_string();
+    assert!(unknown.contains("`slop`") && unknown.contains("did you mean `slope`"), "{unknown}");
 }
 
 /// Special points are finished on finer grids, n = 7, 15, 31, 63, 127, and the error covers what the

@@ -8,7 +8,7 @@ use tangency::scene::{Scene, SceneError, execute};
 const PLATE: &str = r#"Scene(
     title: "Plate through pull-in",
     problem: Plate(),
-    settings: (max_step: 0.1),
+    settings: (max_step: 0.1, settle: ["deflection"]),
     runs: [(name: "plate", along: [(name: "load", low: 0.0)], bounds: [(name: "max_deflection", high: 0.9)])],
 )"#;
 
@@ -16,7 +16,7 @@ const MITA: &str = r#"Scene(
     title: "Mita's actuator with an impact a period and without",
     problem: Mita(method: shooting),
     parameters: [("voltage", 0.1)],
-    settings: (max_step: 0.1),
+    settings: (max_step: 0.1, settle: ["max_displacement"]),
     runs: [
         (name: "P(0,1)", along: [(name: "voltage", low: 0.01, high: 1.0)]),
         (name: "P(1,1)", start: From(run: "P(0,1)", kind: G, switch: true), along: [(name: "voltage", low: 0.01, high: 1.0)]),
@@ -39,7 +39,7 @@ fn with(text: &str, settings: &[(&str, String)]) -> Scene {
     scene
 }
 
-/// What is said of a scene's accuracy, and the largest true error of parameters and first monitors, by a reference.
+/// What is said of a scene's accuracy, and the largest true error of parameters and the monitor that settles, by a reference.
 fn chosen_and_true(scene: &Scene, accuracy: f64, reference: &[(&str, String)]) -> (Chosen, f64) {
     let (mut asked, mut exact) = (scene.clone(), scene.clone());
     asked.set("accuracy", &accuracy.to_string()).unwrap();
@@ -55,7 +55,7 @@ fn chosen_and_true(scene: &Scene, accuracy: f64, reference: &[(&str, String)]) -
     let mut error = 0.0_f64;
     for (found, exact) in found.branches.iter().zip(&exact.branches) {
         let columns =
-            [&found.released[0], &found.monitors[0]].map(|name| found.column(name).unwrap());
+            [&found.released[0], &scene.settings.settle[0]].map(|name| found.column(name).unwrap());
         let [a, b] = [found, exact].map(definite);
         assert_eq!(a.len(), b.len());
         for (a, b) in a.iter().zip(&b) {
@@ -146,6 +146,43 @@ fn orbits_with_impacts_are_as_accurate_as_asked_and_no_more() {
         count.take(&what, accuracy, chosen_and_true(&with(MITA, &settings), accuracy, &reference));
     }
     count.finish(5);
+}
+
+/// Ends at bounds have the error of their discretisation, too, and meet the accuracy.
+#[test]
+fn ends_at_bounds_are_as_accurate_as_asked_and_say_so() {
+    let orders = ("orders", "(transverse: (11, 11), in_plane: (15, 15))");
+    let mesh = vec![("degree", "7"), ("intervals", "60")];
+    for (name, accuracy, fine) in [
+        ("plate-device", 1e-3, vec![orders]),
+        ("plate-device", 1e-4, vec![orders]),
+        ("bratu", 1e-3, mesh.clone()),
+        ("bratu", 1e-5, mesh.clone()),
+        ("mita-nonimpacting", 1e-3, mesh.clone()),
+        ("mita-nonimpacting", 1e-5, mesh),
+    ] {
+        let scene = |settings: &[(&str, &str)]| {
+            let mut scene = built_in(name);
+            settings.iter().for_each(|(name, value)| scene.set(name, value).unwrap());
+            let outcome = execute(&scene, None, &mut ());
+            assert_eq!(outcome.error, None);
+            outcome.document.branches.into_iter().next().unwrap()
+        };
+        let found = scene(&[("accuracy", &accuracy.to_string())]);
+        let exact = scene(&[fine, vec![("refinement", "0")]].concat());
+        let column = found.column(&found.released[0]).unwrap();
+        let ends = |branch: &Branch| branch.of_kind(Kind::EP).cloned().collect::<Vec<_>>();
+        let mut compared = 0;
+        for (found, exact) in ends(&found).iter().zip(&ends(&exact)) {
+            let [value, exact] = [found, exact].map(|end| end.value(column).unwrap());
+            let off = (value - exact).abs();
+            println!("{name}, {accuracy:e}: {}: {off:.1e} of {:.1e}", found.event, found.error);
+            assert!(off <= 3.0 * found.error + 1e-12, "{name}: {off:.1e} of {:.1e}", found.error);
+            assert!(off <= accuracy * exact.abs(), "{name}: {off:.1e} at {exact}");
+            compared += usize::from(found.error > 1e-9);
+        }
+        assert_eq!(compared, 1, "{name}");
+    }
 }
 
 /// A deflection that vanishes has no digits, and is not asked for any.

@@ -271,7 +271,9 @@ impl Method for Shooting {
     }
 
     fn finer(&self) -> Option<(Self, usize)> {
-        let tolerance = (self.settings.relative / 100.0).max(SMALLEST_TOLERANCE);
+        // A power of ten remains one.
+        let digits = (1.0 / self.settings.relative).round();
+        let tolerance = (1.0 / (100.0 * digits)).max(SMALLEST_TOLERANCE);
         let ratio = tolerance / self.settings.relative;
         let absolute = self.settings.absolute * ratio;
         let settings = Settings { relative: tolerance, absolute, ..self.settings };

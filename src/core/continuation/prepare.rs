@@ -74,6 +74,16 @@ impl<'a> Continuation<'a> {
             .ok_or_else(|| UnknownName::new("parameter or monitor", name, known).into())
     }
 
+    /// The columns of points that settings name.
+    fn resolve_settled(&self) -> Result<Vec<usize>, TraceError> {
+        let parameters = self.system.names().parameters.len();
+        let column = |name: &String| match self.quantity(name)? {
+            Quantity::Parameter(p) => Ok(p),
+            Quantity::Monitor(m) => Ok(parameters + m),
+        };
+        self.settings.settle.iter().map(column).collect()
+    }
+
     fn resolve_released(&mut self) -> Result<Vec<usize>, TraceError> {
         let needed = 1 + self.held.len();
         if self.released.len() != needed {
@@ -322,6 +332,7 @@ impl<'a> Continuation<'a> {
         let same_curve = self.restarted_on == self.held.first().map(|(kind, _)| *kind);
         let direction = leaving.or(self.tangent.take().filter(|_| same_curve));
         let branch = self.branch(&names);
+        let settled = self.resolve_settled()?;
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
         let mut equations = Extended::new(self.system, &self.x, released.to_vec());
         let mut unknowns = equations.unload(&self.x);
@@ -357,6 +368,7 @@ impl<'a> Continuation<'a> {
             events: self.events,
             held,
             tested,
+            settled,
         };
         stepper.prepare_tests(&unknowns).map_err(evaluation)?;
         let start = if correct {

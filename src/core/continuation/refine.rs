@@ -6,6 +6,7 @@ use super::stepper::Stepper;
 use super::{Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::Extended;
+use crate::core::ladder::error_of_last;
 use crate::core::zero::{Refinement, System};
 
 impl Stepper<'_> {
@@ -33,7 +34,7 @@ impl Stepper<'_> {
 
     /// Finishes the special point loaded last on finer discretisations, until the accuracy asked for is
     /// met or `rungs` of them have been climbed: the finest point, and the estimated error of the
-    /// continued parameter. `beside` is a point of the branch near it, which says how large monitors
+    /// continued parameter. `beside` is a point of the branch near it, which says how large settled columns
     /// are.
     pub fn refine(
         &mut self,
@@ -43,11 +44,12 @@ impl Stepper<'_> {
         rungs: usize,
     ) -> Option<(Point, f64)> {
         let released = self.equations.released().to_vec();
-        let sizes: Vec<f64> = settling(point, &released)
-            .zip(settling(beside, &released))
+        let sizes: Vec<f64> = self
+            .settling(point)
+            .zip(self.settling(beside))
             .map(|(here, there)| here.abs().max(there.abs()))
             .collect();
-        let mut ladder = Ladder::new(settling(point, &released).collect());
+        let mut series: Vec<Vec<f64>> = self.settling(point).map(|value| vec![value]).collect();
         let at = self.equations.at();
         let mut refinement = at.system.refined(at.x)?;
         let mut found = None;
@@ -61,12 +63,10 @@ impl Stepper<'_> {
             let Some((fine, x)) = self.converge_refined(&mut **system, x, &released, fresh) else {
                 return found;
             };
-            let errors = ladder.climb(settling(&fine, &released).collect());
+            series.iter_mut().zip(self.settling(&fine)).for_each(|(all, value)| all.push(value));
+            let errors: Vec<f64> = series.iter().map(|values| error_of_last(values)).collect();
             let asked = self.settings.refinement;
-            let settled = errors.iter().zip(&sizes).enumerate().all(|(i, (error, size))| {
-                let tolerance = if i < released.len() { asked } else { 100.0 * asked };
-                *error <= tolerance * size
-            });
+            let settled = errors.iter().zip(&sizes).all(|(error, size)| *error <= asked * size);
             found = Some((fine, errors[0]));
             if settled || rung >= rungs {
                 break;
@@ -75,6 +75,12 @@ impl Stepper<'_> {
             refinement = next;
         }
         found
+    }
+
+    /// What must settle at a point: the parameters that vary along the branch, and the columns that settings name.
+    fn settling<'a>(&'a self, point: &'a Point) -> impl Iterator<Item = f64> + 'a {
+        let columns = self.equations.released().iter().chain(&self.settled);
+        columns.filter_map(|&column| point.value(column))
     }
 
     fn converge_refined(
@@ -110,50 +116,5 @@ impl Stepper<'_> {
             admissible: true,
         };
         Some((point, x))
-    }
-}
-
-/// What must settle: the released parameters of a point and its first monitor. Others may be meant to
-/// vanish there, like a frequency at a fold, and would be compared with rounding.
-fn settling<'a>(point: &'a Point, released: &'a [usize]) -> impl Iterator<Item = f64> + 'a {
-    let parameters = released.iter().map(|&p| point.parameters[p]);
-    parameters.chain(point.monitors.first().copied())
-}
-
-/// Values on one discretisation after another, and what is still to come.
-struct Ladder {
-    values: Vec<f64>,
-    changes: Option<Vec<f64>>,
-}
-
-impl Ladder {
-    fn new(values: Vec<f64>) -> Self {
-        Ladder { values, changes: None }
-    }
-
-    /// Takes the values of the next rung, and estimates their errors.
-    ///
-    /// A single change `d` bounds the error of the finer value if each rung at least halves it. With
-    /// two, changes are taken to go on shrinking by their ratio `ρ ≤ ½`: what is to come is
-    /// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
-    /// relied on, nor is a change below a hundredth of the one before: spectral convergence may turn
-    /// algebraic where a corner singularity takes over, and changes pass zero where errors change sign.
-    fn climb(&mut self, values: Vec<f64>) -> Vec<f64> {
-        let changes: Vec<f64> =
-            values.iter().zip(&self.values).map(|(new, old)| (new - old).abs()).collect();
-        let errors = match &self.changes {
-            None => changes.clone(),
-            Some(before) => changes
-                .iter()
-                .zip(before)
-                .map(|(&change, &before)| {
-                    let change = change.max(0.01 * before);
-                    let ratio = (change / before.max(f64::MIN_POSITIVE)).clamp(0.1, 0.5);
-                    4.0 * change * ratio / (1.0 - ratio)
-                })
-                .collect(),
-        };
-        (self.values, self.changes) = (values, Some(changes));
-        errors
     }
 }

@@ -33,6 +33,8 @@ pub(super) struct Stepper<'a> {
     pub held: Vec<MakeCondition>,
     /// Conditions whose values are test functions, one for each event that needs it.
     pub tested: Vec<Option<Box<dyn Condition>>>,
+    /// The columns of points that settle at special points, beside the released parameters.
+    pub settled: Vec<usize>,
 }
 
 /// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is rounding.

@@ -2,6 +2,10 @@
 
 use super::basis::LARGEST_COUNT;
 use super::error::PlateError;
+use crate::core::ladder::ladder;
+
+/// How many orders there are to choose from.
+const RUNGS: usize = 15;
 
 /// Numbers of functions in each direction (x, then y): even ones where the plate is symmetric in
 /// that direction, all degrees where it is not.
@@ -47,11 +51,14 @@ impl Orders {
         }
     }
 
-    /// Orders from the fewest functions to many, at the ratio that spends work on both displacements alike: each gains
-    /// about a digit of a pull-in load.
+    /// Orders from the fewest functions to many: the usual ones and coarser ones, at the ratio that spends work on both
+    /// displacements alike, so that each gains about a digit of a pull-in load; then [`finer`](Orders::finer) ones, and one
+    /// between each two.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
-        (2..=16).map(rung).filter(|orders| orders.check().is_ok()).collect()
+        let rungs =
+            ladder((2..=7).map(rung).collect(), RUNGS, |orders: &Orders| Some(orders.finer()));
+        rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
     /// The next rung of the ladder on which special points are finished. Two rungs up from the usual
