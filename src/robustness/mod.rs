@@ -88,12 +88,11 @@ pub const MAPS: &[Entry] = &[
 /// ```
 /// use tangency::output::Class;
 /// use tangency::robustness::{MAPS, map};
-/// let map = map(MAPS.iter().find(|entry| entry.name == "newton").expect("a map"))?;
-/// // Beyond the fold there is no solution at the load: Newton's formula silently finds one behind the
-/// // electrode, and the core reports stagnation.
-/// let [plain, damped] = [0, 1].map(|k| &map.panels[k].methods[0].name);
-/// assert_eq!(map.at(0, plain, [1.2, 1.4]).map(|found| found.class), Some(Class::Silent));
-/// assert_eq!(map.at(1, damped, [1.2, 0.3]).map(|found| found.class), Some(Class::Reported));
+/// let map = map(MAPS.iter().find(|entry| entry.name == "polynomials").expect("a map"))?;
+/// // Sums of powers silently lose all digits of polynomials of order 50; the recurrence keeps them.
+/// let class = |method| map.at(0, method, [50.0, 0.0]).map(|found| found.class);
+/// assert_eq!(class("powers, 16 digits"), Some(Class::Silent));
+/// assert_eq!(class("functions of plates"), Some(Class::Right));
 /// # Ok::<(), tangency::robustness::RobustnessError>(())
 /// ```
 ///

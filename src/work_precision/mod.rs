@@ -80,11 +80,11 @@ pub const DIAGRAMS: &[Entry] = &[
 ///
 /// ```
 /// use tangency::work_precision::{DIAGRAMS, Effort, measure};
-/// let entry = DIAGRAMS.iter().find(|entry| entry.name == "plate-models").expect("a diagram");
+/// let entry = DIAGRAMS.iter().find(|entry| entry.name == "derivatives").expect("a diagram");
 /// let diagram = measure(entry, Effort::Quick)?;
-/// // Fifteen sines, projected directly, give four digits of the pull-in load.
-/// let point = diagram.panels[0].point("sine, direct", "15 modes").expect("a measurement");
-/// assert!(point.error < 1e-4 && point.seconds > 0.0);
+/// // Derivatives of a period with an impact: dual numbers have all digits.
+/// let point = diagram.panels[0].point("dual numbers", "").expect("a measurement");
+/// assert!(point.error < 1e-10 && point.seconds > 0.0);
 /// # Ok::<(), tangency::work_precision::WorkPrecisionError>(())
 /// ```
 ///
