@@ -79,7 +79,7 @@ pub struct At<'a> {
 /// assert!((found.parameters[0] - 2.0).abs() < 1e-14);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
-pub trait Condition {
+pub trait Condition: Send {
     /// The kind of special point that the condition defines.
     fn kind(&self) -> Kind;
 

@@ -166,7 +166,7 @@ pub enum Dynamics {
 /// ParallelPlate.residual(&[1.0 / 3.0], &[4.0 / 27.0], &mut r);
 /// assert!(r[0].abs() < 1e-16);
 /// ```
-pub trait ZeroProblem {
+pub trait ZeroProblem: Send + Sync {
     /// The names of unknowns, parameters and monitors; their number is the problem's size.
     fn names(&self) -> Names;
 
@@ -262,7 +262,7 @@ pub struct Refinement {
 /// A zero problem as the stepper sees it: object-safe, in `f64`.
 ///
 /// Implementations own their buffers: no method allocates after its first call.
-pub trait System {
+pub trait System: Send {
     /// The names of unknowns, parameters and monitors.
     fn names(&self) -> &Names;
 

@@ -83,7 +83,7 @@ impl Catalogue {
     /// Adds a zero problem.
     pub fn zero<P>(self, name: &'static str, problem: P) -> Self
     where
-        P: ZeroProblem + Clone + Send + Sync + 'static,
+        P: ZeroProblem + Clone + 'static,
     {
         self.model(name, Zero(problem))
     }

@@ -29,7 +29,7 @@ pub(super) fn with_defaults(names: Vec<String>, defaults: &[f64]) -> Vec<(String
 /// A zero problem, solved as it is.
 pub(super) struct Zero<P>(pub P);
 
-impl<P: ZeroProblem + Clone + Send + Sync + 'static> Model for Zero<P> {
+impl<P: ZeroProblem + Clone + 'static> Model for Zero<P> {
     type Settings = ZeroSettings;
     const KIND: &'static str = "a zero problem";
 

@@ -525,3 +525,12 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         assert_eq!(found, expected);
     }
 }
+
+/// Continuations, systems and branches can be moved to another thread.
+#[test]
+fn continuations_can_be_sent_to_threads() {
+    fn sent<T: Send>() {}
+    sent::<Continuation<'static>>();
+    sent::<Box<dyn System>>();
+    sent::<Branch>();
+}

@@ -90,9 +90,9 @@ impl Watchlist<'_> {
 
 /// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
 /// with the next interval, and `m·n` equations. Collocation and shooting (`m = 1`) are methods.
-pub trait Method {
+pub trait Method: Send {
     /// Buffers for evaluations in one scalar type.
-    type Work<T: Scalar>: Default;
+    type Work<T: Scalar>: Default + Send;
 
     /// Whether extrema come from the same work as the residual and its derivatives, so that they are best
     /// asked for together.

@@ -3,10 +3,10 @@
 use super::Kind;
 use crate::core::bifurcation::{BogdanovTakens, BranchPoint, Cusp, Fold, Hopf};
 use crate::core::condition::{Condition, Level, Quantity};
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// Makes a fresh condition: one for the branch, one for each refinement.
-pub type MakeCondition = Rc<dyn Fn() -> Box<dyn Condition>>;
+pub type MakeCondition = Arc<dyn Fn() -> Box<dyn Condition> + Send + Sync>;
 
 /// Which change of sign counts, going along the branch from its first point to its last, which is the
 /// direction in which the (last released) parameter grows at the start.
@@ -77,7 +77,7 @@ impl Event {
     /// the test function.
     pub fn new<C: Condition + 'static>(
         name: impl Into<String>,
-        condition: impl Fn() -> C + 'static,
+        condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
         let kind = condition().kind();
         Self::with_test(name, kind, Test::Condition, condition)
@@ -167,7 +167,7 @@ impl Event {
         name: impl Into<String>,
         kind: Kind,
         test: Test,
-        condition: impl Fn() -> C + 'static,
+        condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
         Event {
             name: name.into(),
@@ -175,7 +175,7 @@ impl Event {
             test,
             direction: Direction::Either,
             terminal: false,
-            condition: Rc::new(move || Box::new(condition())),
+            condition: Arc::new(move || Box::new(condition())),
             instead: None,
         }
     }

@@ -6,7 +6,7 @@ use crate::core::condition::{Condition, Level};
 use crate::core::solution::Solution;
 use crate::core::zero::System;
 use std::ops::RangeInclusive;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// A curve to be traced: a builder.
 ///
@@ -301,10 +301,10 @@ impl<'a> Continuation<'a> {
     /// Holds a condition of the user's own.
     pub fn hold_condition<C: Condition + 'static>(
         mut self,
-        condition: impl Fn() -> C + 'static,
+        condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
         let kind = condition().kind();
-        self.held.push((kind, Some(Rc::new(move || Box::new(condition())))));
+        self.held.push((kind, Some(Arc::new(move || Box::new(condition())))));
         self
     }
 
