@@ -145,6 +145,7 @@ fn bad_input_is_explained() {
     fails(&["sweep", "lure"], "has nothing to sweep");
     fails(&["trace", "mita-lyapunov"], "has no branches to trace");
     fails(&["sweep", "chaos.ron", "--set", "count=0"], "a count is 0");
+    fails(&["sweep", "chaos.ron", "--set", "transiemt=5"], "did you mean `transient`?");
     let smooth =
         SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
     std::fs::write(folder.path().join("smooth.ron"), smooth).unwrap();
