@@ -19,7 +19,7 @@ use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::time::Instant;
-use tangency::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
+use tangency::core::attractor::{AttractorSearch, PeriodMap, StroboscopicError, StroboscopicMap};
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Fleet, FleetObserver, HybridFlow, HybridSettings, HybridState, HybridStatistics, Member,
@@ -43,7 +43,7 @@ struct Periods {
     done: Vec<usize>,
 }
 
-impl FleetObserver for Periods {
+impl FleetObserver<f64> for Periods {
     fn arrived(
         &mut self,
         member: usize,
@@ -61,7 +61,11 @@ impl FleetObserver for Periods {
 }
 
 /// Members after so many periods, abreast.
-fn abreast(members: &[Member], most: usize, tolerance: f64) -> Result<Vec<Member>, Box<dyn Error>> {
+fn abreast(
+    members: &[Member<f64>],
+    most: usize,
+    tolerance: f64,
+) -> Result<Vec<Member<f64>>, Box<dyn Error>> {
     let mut members = members.to_vec();
     let mut periods = Periods { most, done: vec![0; members.len()] };
     let mut fleet = Fleet::new(&Actuator, settings(tolerance))?;
@@ -71,7 +75,11 @@ fn abreast(members: &[Member], most: usize, tolerance: f64) -> Result<Vec<Member
 }
 
 /// The same one after the other.
-fn alone(members: &[Member], most: usize, tolerance: f64) -> Result<Vec<Member>, Box<dyn Error>> {
+fn alone(
+    members: &[Member<f64>],
+    most: usize,
+    tolerance: f64,
+) -> Result<Vec<Member<f64>>, Box<dyn Error>> {
     let mut members = members.to_vec();
     let mut flow = HybridFlow::new(&Actuator, settings(tolerance))?;
     for Member { state, p } in &mut members {
@@ -84,7 +92,7 @@ fn alone(members: &[Member], most: usize, tolerance: f64) -> Result<Vec<Member>,
 }
 
 /// 500 states along the motion that begins at rest, after ten periods.
-fn states(voltage: f64) -> Result<Vec<Member>, Box<dyn Error>> {
+fn states(voltage: f64) -> Result<Vec<Member<f64>>, Box<dyn Error>> {
     let mut p = Actuator::DEFAULTS.to_vec();
     p[0] = voltage;
     let state = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0; 2] };
@@ -102,7 +110,7 @@ fn motion(state: &HybridState<f64>) -> [f64; 3] {
 }
 
 /// Lines with mode and motion.
-fn lines(members: &[Member]) -> Result<String, std::fmt::Error> {
+fn lines(members: &[Member<f64>]) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     for Member { state, .. } in members {
         let [q, u, v] = motion(state);
@@ -111,10 +119,10 @@ fn lines(members: &[Member]) -> Result<String, std::fmt::Error> {
     Ok(text)
 }
 
-fn read(text: &str, voltage: f64) -> Result<Vec<Member>, Box<dyn Error>> {
+fn read(text: &str, voltage: f64) -> Result<Vec<Member<f64>>, Box<dyn Error>> {
     let mut p = Actuator::DEFAULTS.to_vec();
     p[0] = voltage;
-    let member = |line: &str| -> Result<Member, Box<dyn Error>> {
+    let member = |line: &str| -> Result<Member<f64>, Box<dyn Error>> {
         let mut words = line.split_whitespace();
         let mode = words.next().ok_or("an empty line")?.parse()?;
         let numbers = words.map(str::parse).collect::<Result<Vec<f64>, _>>()?;
@@ -129,7 +137,7 @@ fn read(text: &str, voltage: f64) -> Result<Vec<Member>, Box<dyn Error>> {
 }
 
 /// The median of the errors of states, each its largest component.
-fn error(found: &[Member], exact: &[Member]) -> f64 {
+fn error(found: &[Member<f64>], exact: &[Member<f64>]) -> f64 {
     let mut errors: Vec<f64> = found
         .iter()
         .zip(exact)
@@ -142,7 +150,7 @@ fn error(found: &[Member], exact: &[Member]) -> f64 {
     errors[errors.len() / 2]
 }
 
-type Follow = fn(&[Member], usize, f64) -> Result<Vec<Member>, Box<dyn Error>>;
+type Follow = fn(&[Member<f64>], usize, f64) -> Result<Vec<Member<f64>>, Box<dyn Error>>;
 
 /// Both ways to follow many motions.
 const WAYS: [(&str, Follow); 2] = [("abreast", abreast), ("one by one", alone)];
@@ -150,7 +158,7 @@ const WAYS: [(&str, Follow); 2] = [("abreast", abreast), ("one by one", alone)];
 /// Periods in a second of CPU time: the median of five runs.
 fn rate(
     follow: Follow,
-    members: &[Member],
+    members: &[Member<f64>],
     periods: usize,
     tolerance: f64,
 ) -> Result<f64, Box<dyn Error>> {
@@ -166,10 +174,10 @@ fn rate(
 
 /// A row for each way, for a voltage and a tolerance, from given states.
 fn report(
-    members: &[Member],
+    members: &[Member<f64>],
     (voltage, tolerance): (f64, f64),
     periods: usize,
-) -> Result<Vec<Member>, Box<dyn Error>> {
+) -> Result<Vec<Member<f64>>, Box<dyn Error>> {
     let exact = alone(members, 1, 1e-14)?;
     for (name, follow) in WAYS {
         let error = error(&follow(members, 1, tolerance)?, &exact);
@@ -183,17 +191,17 @@ fn report(
 fn sweep_on(threads: NonZeroUsize) -> Result<f64, Box<dyn Error>> {
     let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0; 2] };
     let axis = Axis { quantity: Quantity::Parameter(0), low: 0.55, high: 0.85, count: 32 };
-    let settling = Settling { transient: 200, ..Settling::default() };
+    let search = AttractorSearch { transient: 200, ..AttractorSearch::default() };
     let plan = Plan {
         axes: vec![axis],
         starts: vec![start],
         order: Order::Anew,
         strands: 1,
-        settling,
+        search,
         crisis: None,
     };
-    let make = || -> Result<Box<dyn Strobed>, StrobeError> {
-        Ok(Box::new(Stroboscope::of(&Actuator, settings(1e-9), &[])?))
+    let make = || -> Result<Box<dyn StroboscopicMap>, StroboscopicError> {
+        Ok(Box::new(PeriodMap::of(&Actuator, settings(1e-9), &[])?))
     };
     let (part, begin) = (Part { threads: Some(threads), ..Part::WHOLE }, Instant::now());
     let mut found = 0;

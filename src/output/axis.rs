@@ -55,6 +55,7 @@ pub(super) fn clip(figure: &mut Figure, ranges: [[f64; 2]; 2]) {
     }
     figure.series = series;
     figure.marks.retain(|mark| inside(&mark.at));
+    figure.tiles.retain(|tile| inside(&tile.at));
 }
 
 /// The pieces of a line inside of ranges.

@@ -4,9 +4,9 @@ use super::axis::{Scale, clip};
 use super::diagram::{diagram, panel};
 use super::document::{Against, Document, Enlargement};
 use super::error::FigureError;
-use super::figure::{Figure, Series, Style};
+use super::figure::{Figure, Series, Style, Tile};
 use super::profiles::profiles;
-use super::sweeps::{Sweeps, scatter};
+use super::sweeps::{Sweeps, basins, scatter};
 use crate::core::names::UnknownName;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the first document
@@ -87,17 +87,25 @@ fn together(
     let tables = || sweeps.iter().flat_map(|sweeps| &sweeps.sweeps);
     let x = x.or(plot.x.as_deref()).or(table.axes.first().map(String::as_str)).unwrap_or("run");
     let y = y.or(plot.y.as_deref()).unwrap_or("periods");
-    let mut scattered: Vec<Series> = tables().flat_map(|table| scatter(table, x, y)).collect();
+    let mut tiles: Vec<Tile> = tables().flat_map(|table| basins(table, x, y)).collect();
+    let mut scattered: Vec<Series> = match tiles.is_empty() {
+        true => tables().flat_map(|table| scatter(table, x, y)).collect(),
+        false => Vec::new(),
+    };
     if let Some((_, document)) = documents.first() {
         let scales = [Scale::of(document, x)?, Scale::of(document, y)?];
         for at in scattered.iter_mut().flat_map(|series| &mut series.points) {
+            *at = [0, 1].map(|k| scales[k].shown(at[k]));
+        }
+        for Tile { at, size, .. } in &mut tiles {
+            *size = [0, 1].map(|k| scales[k].shown(at[k] + size[k]) - scales[k].shown(at[k]));
             *at = [0, 1].map(|k| scales[k].shown(at[k]));
         }
     }
     let mut figure = match panel(documents, x, y) {
         Ok(figure) => figure,
         Err(FigureError::Empty { .. } | FigureError::UnknownColumn { .. })
-            if !scattered.is_empty() =>
+            if !(scattered.is_empty() && tiles.is_empty()) =>
         {
             Figure::new(title, plot.label(x), plot.label(y))
         }
@@ -115,6 +123,7 @@ fn together(
         scattered.into_iter().partition(|series| series.style == Style::Specks);
     figure.series.splice(0..0, behind);
     figure.series.extend(before);
+    figure.tiles = tiles;
     clip(&mut figure, [x, y].map(|column| plot.range(column)));
     Ok(figure)
 }

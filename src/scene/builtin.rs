@@ -123,6 +123,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "mita-diagram": "bifurcation diagram by brute force, over the branches that explain it (6.3, 6.5)",
     "mita-chatter": "the route of chatter to sticking by brute force, and its histories (6.8, 6.9)",
     "mita-band": "the chaotic bands beyond grazing, and the crisis that ends one (4.7, 4.8)",
+    "mita-basins": "basins of attraction of the orbits with impacts and without, over initial states",
     "mita-lyapunov": "the largest Lyapunov exponent beyond grazing (5.17)",
     "impact-oscillator": "the forced linear impact oscillator: grazing, fold, period doubling",
     "lure": "Lur'e's control system: a Hopf point, periodic orbits, and their period doublings",

@@ -1,6 +1,6 @@
 //! What can be wrong with a scene.
 
-use crate::core::attractor::StrobeError;
+use crate::core::attractor::StroboscopicError;
 use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
 use crate::core::flow::SettingsError as FlowSettingsError;
@@ -137,7 +137,7 @@ pub enum SceneError {
     Plan(#[from] PlanError),
     /// There is no motion to be looked at.
     #[error(transparent)]
-    Strobe(#[from] StrobeError),
+    Strobe(#[from] StroboscopicError),
     /// What is known belongs to another scene.
     #[error(
         "the runs that are done were made by another scene, or with other settings: remove their file, begin afresh, or \

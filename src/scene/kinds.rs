@@ -6,7 +6,7 @@ use super::discretisation::{
 use super::problem::{Model, Swept};
 use super::simulate::{Simulation, initial, simulate};
 use super::{Local, SceneError, Simulated};
-use crate::core::attractor::{StrobeError, Strobed, Stroboscope};
+use crate::core::attractor::{PeriodMap, StroboscopicError, StroboscopicMap};
 use crate::core::bvp::{Birth, BoundaryProblem, Equations, IntoEquations};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::dense::Dense;
@@ -230,9 +230,9 @@ impl Swept for Hybrid {
         &self,
         measures: &[String],
         tolerance: f64,
-    ) -> Result<Box<dyn Strobed + '_>, StrobeError> {
+    ) -> Result<Box<dyn StroboscopicMap + '_>, StroboscopicError> {
         let flow = Settings::new(Scheme::DormandPrince8, tolerance);
         let settings = HybridSettings { flow, ..HybridSettings::default() };
-        Ok(Box::new(Stroboscope::of(&*self.0, settings, measures)?))
+        Ok(Box::new(PeriodMap::of(&*self.0, settings, measures)?))
     }
 }

@@ -4,7 +4,7 @@ use super::discretisation::{ProblemSettings, Started};
 use super::simulate::Simulation;
 use super::slot::{self, Slots, options, written};
 use super::{Capability, Local, SceneError, Simulated};
-use crate::core::attractor::{StrobeError, Strobed};
+use crate::core::attractor::{StroboscopicError, StroboscopicMap};
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
 use crate::core::hybrid::HybridState;
@@ -96,7 +96,7 @@ pub(super) trait Swept: Sync {
         &self,
         measures: &[String],
         tolerance: f64,
-    ) -> Result<Box<dyn Strobed + '_>, StrobeError>;
+    ) -> Result<Box<dyn StroboscopicMap + '_>, StroboscopicError>;
 }
 
 /// A model with settings, erased: what a catalogue and a scene hold.

@@ -2,7 +2,7 @@
 
 use super::slot::{Plain, Slots, Usual, assign, read, slots};
 use super::{Catalogue, Grid, Run, Scene, SceneError, Simulated, Start, Sweep};
-use crate::core::attractor::Settling;
+use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
 use crate::core::names::UnknownName;
 
@@ -25,12 +25,12 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
 
 /// The settings of a sweep by name.
 fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
-    let Sweep { settling, flow_error, over, .. } = sweep;
-    let mut slots = slots!(settling => Settling {
+    let Sweep { search, flow_error, over, .. } = sweep;
+    let mut slots = slots!(search => AttractorSearch {
         transient: Plain,
-        recorded: Plain,
-        most: Plain,
-        exponent: Plain,
+        recorded_periods: Plain,
+        max_period: Plain,
+        lyapunov_periods: Plain,
     } without tolerance);
     slots.push(("flow_error", Box::new(Plain(flow_error))));
     if let [Grid { count, .. }, ..] = &mut over[..] {

@@ -4,7 +4,9 @@ use super::execute::map_of;
 use super::problem::Swept;
 use super::simulate::at_rest;
 use super::{Local, Scene, SceneError};
-use crate::core::attractor::{CrisisSearch, Layout, Settling, StrobeError, Strobed};
+use crate::core::attractor::{
+    AttractorSearch, CrisisSearch, Layout, StroboscopicError, StroboscopicMap,
+};
 use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::Mode;
 use crate::core::names::UnknownName;
@@ -42,7 +44,7 @@ pub struct Sweep {
     pub starts: Vec<Vec<(String, f64)>>,
     /// How runs are followed.
     #[serde(default)]
-    pub settling: Settling,
+    pub search: AttractorSearch,
     /// Where each run seeks the crisis in which its attractor is lost.
     #[serde(default)]
     pub crisis: Option<SoughtCrisis>,
@@ -145,8 +147,8 @@ impl Scene {
             }
         };
         let crisis = sweep.crisis.as_ref().map(|sought| sought.among(&parameters)).transpose()?;
-        let Sweep { order, strands, settling, .. } = *sweep;
-        let plan = Plan { axes, starts, order, strands, settling, crisis };
+        let Sweep { order, strands, search, .. } = *sweep;
+        let plan = Plan { axes, starts, order, strands, search, crisis };
         plan.check()?;
         Ok(plan)
     }
@@ -206,11 +208,11 @@ fn strobed<'a>(
     seen: &'a Scene,
     motions: &'a dyn Swept,
     map: Option<&LocalMap>,
-) -> Result<Box<dyn Strobed + 'a>, StrobeError> {
+) -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> {
     let Some(map) = map else { return motions.strobed(&sweep.measures, sweep.flow_error) };
     let names: Vec<String> = seen.problem.parameters().into_iter().map(|(name, _)| name).collect();
     let iterated = Iterated::of(map.clone(), &names, &sweep.measures);
-    Ok(Box::new(iterated.map_err(|cause| StrobeError::Map(cause.to_string()))?))
+    Ok(Box::new(iterated.map_err(|cause| StroboscopicError::Map(cause.to_string()))?))
 }
 
 /// A sweep about to be done.

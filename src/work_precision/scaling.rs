@@ -25,7 +25,7 @@ const SWEEP: &str = r#"Scene(
     sweeps: [(
         name: "voltages",
         over: [(name: "voltage", low: 0.55, high: 0.85, count: 32)],
-        settling: (transient: 200, exponent: 400),
+        search: (transient: 200, lyapunov_periods: 400),
     )],
 )"#;
 

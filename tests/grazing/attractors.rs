@@ -4,8 +4,10 @@
 use crate::common::close;
 use crate::grazing::points::{actuator, oscillator, settings};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
+use num_dual::Dual64;
 use tangency::core::attractor::{
-    CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
+    Attractor, AttractorSearch, CrisisSearch, Exponent, PeriodMap, StroboscopicError,
+    StroboscopicMap,
 };
 use tangency::core::grazing::{GrazingError, Iterated, LocalMap};
 use tangency::core::hybrid::{HybridSettings, HybridState, HybridSystem};
@@ -36,33 +38,34 @@ fn tangents_are_pushed_forward() {
             state.x
         };
         let (ahead, behind) = (image(1.0), image(-1.0));
-        let (mut state, mut tangent) = (at(&x), v.to_vec());
+        let moving = (0..2).map(|k| Dual64::new(x[k], v[k])).collect();
+        let mut moving = HybridState { mode: 0, time: 0.0.into(), x: moving };
         let period = iterated.record(&mut at(&x), &p).unwrap();
         assert_eq!((period.events.len(), period.measures[0] > 0.0), (impacts, impacts == 1));
-        iterated.push_forward(&mut state, &mut tangent, &p).unwrap();
+        iterated.push_forward(&mut moving, &p).unwrap();
         for k in 0..2 {
-            close(tangent[k], (ahead[k] - behind[k]) / (2.0 * step), 1e-6);
+            close(moving.x[k].eps, (ahead[k] - behind[k]) / (2.0 * step), 1e-6);
         }
     }
 }
 
 /// What the map and the simulated motion settle on at a voltage so far beyond grazing.
-fn both(beyond: f64, settling: Settling) -> [Settled; 2] {
+fn both(beyond: f64, search: AttractorSearch) -> [Attractor; 2] {
     let (map, grazing) = map();
     let mut p = Actuator::DEFAULTS;
     (p[0], p[1]) = (grazing + beyond, 0.485);
     let mut iterated = Iterated::of(map, &Actuator.parameters(), &[]).unwrap();
-    let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[]).unwrap();
+    let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[]).unwrap();
     [
-        settling.follow(&mut iterated, at(&[-1e-4, 0.0]), &p).unwrap(),
-        settling.follow(&mut motion, at(&[0.1, -0.2]), &p).unwrap(),
+        search.follow(&mut iterated, at(&[-1e-4, 0.0]), &p).unwrap(),
+        search.follow(&mut motion, at(&[0.1, -0.2]), &p).unwrap(),
     ]
 }
 
 /// Behind its period doubling, V = 0.176318773, P(1,1) attracts, and its exponent is that of the flow.
 #[test]
 fn cycles_have_their_exponents() {
-    let [map, flow] = both(6e-3, Settling { transient: 1000, ..Settling::default() });
+    let [map, flow] = both(6e-3, AttractorSearch { transient: 1000, ..AttractorSearch::default() });
     assert_eq!((map.periods, flow.periods), (Some(1), Some(1)));
     assert_eq!((map.count("impact"), flow.count("front")), (1.0, 1.0));
     let [map, flow] = [map, flow].map(|settled| settled.exponent.unwrap().value);
@@ -73,9 +76,13 @@ fn cycles_have_their_exponents() {
 /// Chaos beyond grazing: both exponents are positive, and agree within their errors; so do the shares of impacts.
 #[test]
 fn chaos_has_its_exponent() {
-    let settling =
-        Settling { transient: 500, recorded: 4000, exponent: 4000, ..Settling::default() };
-    let [map, flow] = both(1.5e-3, settling);
+    let search = AttractorSearch {
+        transient: 500,
+        recorded_periods: 4000,
+        lyapunov_periods: 4000,
+        ..AttractorSearch::default()
+    };
+    let [map, flow] = both(1.5e-3, search);
     assert_eq!((map.periods, flow.periods), (None, None));
     let [a, b]: [Exponent; 2] = [&map, &flow].map(|settled| settled.exponent.unwrap());
     assert!(b.value > 5.0 * b.error, "{b:?}");
@@ -92,12 +99,17 @@ fn chaos_is_lost_where_the_map_says() {
     close(point.p[0], 0.178194172275, 1e-11);
     let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();
     let mut iterated = Iterated::of(map, &Actuator.parameters(), &[]).unwrap();
-    let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[]).unwrap();
-    let settling = Settling { transient: 6000, recorded: 50, exponent: 0, ..Settling::default() };
+    let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[]).unwrap();
+    let search = AttractorSearch {
+        transient: 6000,
+        recorded_periods: 50,
+        lyapunov_periods: 0,
+        ..AttractorSearch::default()
+    };
     let between = [0.1790, 0.1780];
-    let lost = |motion: &mut dyn Strobed, start: &[f64]| {
-        let search = CrisisSearch::of(0, between, 1e-6);
-        let crisis = settling.crisis(motion, at(start), &point.p, &search).unwrap();
+    let lost = |motion: &mut dyn StroboscopicMap, start: &[f64]| {
+        let sought = CrisisSearch::of(0, between, 1e-6);
+        let crisis = search.crisis(motion, at(start), &point.p, &sought).unwrap();
         assert_eq!(crisis.beyond, Some(1));
         crisis.between[1]
     };
@@ -117,7 +129,7 @@ fn maps_that_are_left_say_so() {
     let mut iterated = Iterated::of(map, &["voltage".into()], &[]).unwrap();
     let left = iterated.advance(&mut at(&[0.5, 0.9]), &[grazing + 3.0]).unwrap_err();
     assert!(
-        matches!(left, StrobeError::Map(_)) && left.to_string().contains("begin nearer"),
+        matches!(left, StroboscopicError::Map(_)) && left.to_string().contains("begin nearer"),
         "{left}"
     );
 }

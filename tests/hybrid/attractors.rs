@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use tangency::core::attractor::{
-    CrisisSearch, Exponent, Settled, Settling, StrobeError, Strobed, Stroboscope,
+    Attractor, AttractorSearch, CrisisSearch, Exponent, PeriodMap, StroboscopicError,
+    StroboscopicMap,
 };
 use tangency::core::bvp::{Birth, BoundarySystem, Mesh, Shooting};
 use tangency::core::field::Forcing;
@@ -27,9 +28,14 @@ fn at(mode: usize, x: &[f64]) -> HybridState<f64> {
     HybridState { mode, time: 0.0, x: x.to_vec() }
 }
 
-fn settled<S: HybridSystem>(system: &S, start: &[f64], p: &[f64], settling: Settling) -> Settled {
-    let mut motion = Stroboscope::of(system, HybridSettings::default(), &[]).unwrap();
-    settling.follow(&mut motion, at(0, start), p).unwrap()
+fn settled<S: HybridSystem>(
+    system: &S,
+    start: &[f64],
+    p: &[f64],
+    search: AttractorSearch,
+) -> Attractor {
+    let mut motion = PeriodMap::of(system, HybridSettings::default(), &[]).unwrap();
+    search.follow(&mut motion, at(0, start), p).unwrap()
 }
 
 fn mita(voltage: f64, frequency: f64) -> [f64; 9] {
@@ -83,8 +89,9 @@ impl HybridSystem for Quadratic {
 #[test]
 fn the_exponent_of_chaos_is_known() {
     // A clock that neither grows nor shrinks would hide slower growth, not this.
-    let settling = Settling { exponent: 20_000, transient: 20, ..Settling::default() };
-    let found = settled(&Quadratic, &[0.3, 0.0], &[2.0], settling);
+    let search =
+        AttractorSearch { lyapunov_periods: 20_000, transient: 20, ..AttractorSearch::default() };
+    let found = settled(&Quadratic, &[0.3, 0.0], &[2.0], search);
     let Exponent { value, error } = found.exponent.unwrap();
     assert_eq!(found.periods, None);
     assert!(error > 1e-5 && error < 0.01, "{error}");
@@ -100,7 +107,7 @@ fn the_exponent_of_an_oscillator_is_its_damping() {
     let u = 3.0;
     assert!(form.trace(u).powi(2) < 4.0 * form.determinant());
     let p = [form.amplitude(u), frequency, restitution, damping, 1.0];
-    let found = settled(&ImpactOscillator, &[0.0, 0.0], &p, Settling::default());
+    let found = settled(&ImpactOscillator, &[0.0, 0.0], &p, AttractorSearch::default());
     assert_eq!((found.periods, found.count("impact")), (Some(1), 1.0));
     let period = std::f64::consts::TAU / frequency;
     let exact = 0.5 * (restitution * restitution * (-damping * period).exp()).ln();
@@ -114,7 +121,7 @@ fn exponents_of_cycles_are_logarithms_of_multipliers() {
     let cycles = [(0.24, 1, 1.0), (0.52, 1, 1.0), (0.57, 2, 2.0), (0.75, 1, 2.0), (0.85, 1, 4.0)];
     for (voltage, periods, impacts) in cycles {
         let p = mita(voltage, 0.5);
-        let found = settled(&Actuator, &[0.1, -0.2], &p, Settling::default());
+        let found = settled(&Actuator, &[0.1, -0.2], &p, AttractorSearch::default());
         assert_eq!(
             (found.periods, found.count("front")),
             (Some(periods), impacts),
@@ -145,7 +152,7 @@ fn exponents_tell_chaos_from_windows() {
             &Actuator,
             &[0.1, -0.2],
             &mita(voltage, 0.485),
-            Settling { transient: 1000, ..Settling::default() },
+            AttractorSearch { transient: 1000, ..AttractorSearch::default() },
         )
     };
     let (chaos, window) = (of(0.1735), of(0.177));
@@ -159,7 +166,8 @@ fn exponents_tell_chaos_from_windows() {
 #[test]
 fn sticking_forgets_everything() {
     for (voltage, impacts, accumulations) in [(0.85, 4.0, 0.0), (0.875, f64::INFINITY, 1.0)] {
-        let found = settled(&Actuator, &[0.1, -0.2], &mita(voltage, 0.5), Settling::default());
+        let found =
+            settled(&Actuator, &[0.1, -0.2], &mita(voltage, 0.5), AttractorSearch::default());
         assert_eq!((found.periods, found.accumulations), (Some(1), accumulations));
         assert_eq!(found.count("front"), impacts);
         let exponent = found.exponent.unwrap().value;
@@ -171,11 +179,16 @@ fn sticking_forgets_everything() {
 #[test]
 fn chatter_at_any_restitution_neither_stalls_nor_miscounts() {
     let of = |e: f64| {
-        let settling = Settling { transient: 50, recorded: 20, exponent: 0, ..Settling::default() };
+        let search = AttractorSearch {
+            transient: 50,
+            recorded_periods: 20,
+            lyapunov_periods: 0,
+            ..AttractorSearch::default()
+        };
         let mut p = mita(0.875, 0.5);
         p[3] = e;
-        let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[]).unwrap();
-        settling.follow(&mut motion, at(0, &[0.1, -0.2]), &p)
+        let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[]).unwrap();
+        search.follow(&mut motion, at(0, &[0.1, -0.2]), &p)
     };
     let plastic = of(0.0).unwrap();
     assert_eq!((plastic.periods, plastic.accumulations), (Some(1), 1.0));
@@ -184,10 +197,15 @@ fn chatter_at_any_restitution_neither_stalls_nor_miscounts() {
         assert!(found.count("front") > 0.0 && found.records.len() <= 20, "e = {e}: {found:?}");
     }
     // A ball over a table at rest bounces for ever at e = 1, with the same height.
-    let settling = Settling { transient: 0, recorded: 50, exponent: 0, ..Settling::default() };
-    let mut motion = Stroboscope::of(&BouncingBall, HybridSettings::default(), &[]).unwrap();
+    let search = AttractorSearch {
+        transient: 0,
+        recorded_periods: 50,
+        lyapunov_periods: 0,
+        ..AttractorSearch::default()
+    };
+    let mut motion = PeriodMap::of(&BouncingBall, HybridSettings::default(), &[]).unwrap();
     let found =
-        settling.follow(&mut motion, at(BouncingBall::FLIGHT, &[0.5, 0.0]), &[0.0, 1.0]).unwrap();
+        search.follow(&mut motion, at(BouncingBall::FLIGHT, &[0.5, 0.0]), &[0.0, 1.0]).unwrap();
     let total: usize = found.records.iter().map(|period| period.events.len()).sum();
     // It falls for a time of 1 and is back after 2 more.
     let exact = (found.records.len() as f64 * std::f64::consts::TAU - 1.0).div_euclid(2.0) + 1.0;
@@ -200,28 +218,34 @@ fn measures_of_a_period_are_those_of_the_orbit() {
     let names =
         ["max_displacement", "displacement_range", "poincare_velocity", "impact_velocity", "step"];
     let names = names.map(String::from);
-    let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &names).unwrap();
-    let found =
-        Settling::default().follow(&mut motion, at(0, &[0.1, -0.2]), &mita(0.24, 0.5)).unwrap();
+    let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &names).unwrap();
+    let found = AttractorSearch::default()
+        .follow(&mut motion, at(0, &[0.1, -0.2]), &mita(0.24, 0.5))
+        .unwrap();
     let measures = &found.records[0].measures;
     close(measures[0], 0.5, 1e-14);
     let impact = &found.records[0].events[0];
     close(impact.before.x[1], measures[3], 1e-14);
     // The frame slips with u₁ = 1.8 u/6 against μN/5 + …: by the momentum that the impact gives it.
     assert!(measures[1] > 0.9 && measures[2] > 0.4 && measures[4] > 0.0, "{measures:?}");
-    let unknown = Stroboscope::of(&Actuator, HybridSettings::default(), &["pressure".into()]).err();
-    assert!(matches!(unknown, Some(StrobeError::NoMeasure { .. })));
+    let unknown = PeriodMap::of(&Actuator, HybridSettings::default(), &["pressure".into()]).err();
+    assert!(matches!(unknown, Some(StroboscopicError::NoMeasure { .. })));
 }
 
 fn plan(order: Order, strands: usize, count: usize) -> Plan {
     let axis = Axis { quantity: Quantity::Parameter(0), low: 0.55, high: 0.62, count };
-    let settling = Settling { transient: 30, recorded: 10, exponent: 20, ..Settling::default() };
+    let search = AttractorSearch {
+        transient: 30,
+        recorded_periods: 10,
+        lyapunov_periods: 20,
+        ..AttractorSearch::default()
+    };
     Plan {
         axes: vec![axis],
         starts: vec![at(0, &[0.1, -0.2])],
         order,
         strands,
-        settling,
+        search,
         crisis: None,
     }
 }
@@ -232,12 +256,12 @@ fn swept(
     known: &BTreeMap<usize, Found>,
     most: usize,
 ) -> BTreeMap<usize, Found> {
-    let make = || -> Result<Box<dyn Strobed>, StrobeError> {
+    let make = || -> Result<Box<dyn StroboscopicMap>, StroboscopicError> {
         let flow = Settings::new(Scheme::DormandPrince8, 1e-9);
         let settings = HybridSettings { flow, ..HybridSettings::default() };
-        Ok(Box::new(Stroboscope::of(&Actuator, settings, &[])?))
+        Ok(Box::new(PeriodMap::of(&Actuator, settings, &[])?))
     };
-    let end = |found: &Found| found.settled.as_ref().ok().map(|settled| settled.end.clone());
+    let end = |found: &Found| found.attractor.as_ref().ok().map(|settled| settled.end.clone());
     let done = |run: usize| known.get(&run).map(end);
     let mut all = known.clone();
     let mut left = most;
@@ -294,12 +318,13 @@ fn plans_without_meaning_are_refused() {
 /// thousands of periods below, and dies by V = 0.23538.
 #[test]
 fn a_chaotic_band_ends_in_a_crisis() {
-    let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[]).unwrap();
-    let settling = Settling { transient: 3000, exponent: 0, ..Settling::default() };
+    let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[]).unwrap();
+    let search =
+        AttractorSearch { transient: 3000, lyapunov_periods: 0, ..AttractorSearch::default() };
     let start = at(0, &[0.1, -0.2]);
     let p = mita(0.0, 0.45);
-    let find = |motion: &mut Stroboscope, between| {
-        settling.crisis(motion, start.clone(), &p, &CrisisSearch::of(0, between, 2e-5))
+    let find = |motion: &mut PeriodMap, between| {
+        search.crisis(motion, start.clone(), &p, &CrisisSearch::of(0, between, 2e-5))
     };
     let crisis = find(&mut motion, [0.24, 0.2345]).unwrap();
     let [alive, lost] = crisis.between;
@@ -307,5 +332,5 @@ fn a_chaotic_band_ends_in_a_crisis() {
     assert_eq!(crisis.beyond, Some(1));
     // Chaos at both ends.
     let refused = find(&mut motion, [0.25, 0.24]).unwrap_err();
-    assert_eq!(refused, StrobeError::NoCrisis { from: 0.25, to: 0.24, steps: 1 });
+    assert_eq!(refused, StroboscopicError::NoCrisis { from: 0.25, to: 0.24, steps: 1 });
 }

@@ -17,7 +17,7 @@ struct Periods {
     events: Vec<usize>,
 }
 
-impl FleetObserver for Periods {
+impl FleetObserver<f64> for Periods {
     fn event(&mut self, member: usize, _event: &Event<f64>) {
         self.events[member] += 1;
     }
@@ -39,7 +39,7 @@ impl FleetObserver for Periods {
     }
 }
 
-fn members(count: usize) -> Vec<Member> {
+fn members(count: usize) -> Vec<Member<f64>> {
     let member = |k: usize| {
         let mut p = Actuator::DEFAULTS.to_vec();
         // From motion without impacts, by way of chatter, to chaos.
@@ -51,7 +51,7 @@ fn members(count: usize) -> Vec<Member> {
 }
 
 fn followed(
-    members: &mut [Member],
+    members: &mut [Member<f64>],
     settings: HybridSettings,
     most: usize,
 ) -> (Vec<Result<(), HybridError>>, Vec<usize>) {
@@ -160,7 +160,7 @@ impl HybridSystem for Circular {
 /// Ends where members arrive.
 struct Once;
 
-impl FleetObserver for Once {
+impl FleetObserver<f64> for Once {
     fn arrived(
         &mut self,
         _member: usize,
@@ -179,7 +179,7 @@ fn sines_of_a_fleet_are_those_of_real_numbers() {
     let angles: Vec<f64> = quadrants.chain(large).collect();
     let state = HybridState { mode: 0, time: 0.0, x: vec![0.0; 2] };
     let member = |a: &f64| Member { state: state.clone(), p: vec![*a] };
-    let mut fleet: Vec<Member> = angles.iter().map(member).collect();
+    let mut fleet: Vec<Member<f64>> = angles.iter().map(member).collect();
     let mut many = Fleet::new(&Circular, settings(Scheme::DormandPrince8)).expect("settings");
     let results = many.advance(&mut fleet, |_| 1.0, &mut Once);
     for ((a, member), result) in angles.iter().zip(&fleet).zip(&results) {

@@ -206,7 +206,8 @@ fn branches_of_maps_are_restarted() {
 /// with the same exponent; a parameter that is none of the map's is refused.
 #[test]
 fn maps_are_swept() {
-    let few = [("count", "3"), ("recorded", "50"), ("exponent", "100"), ("order", "5")];
+    let few =
+        [("count", "3"), ("recorded_periods", "50"), ("lyapunov_periods", "100"), ("order", "5")];
     let scene = with("mita-lyapunov", &few);
     let sweeps = sweep(&scene, "few", Part::WHOLE, None, &mut ()).unwrap();
     let [flow, map] = &sweeps.sweeps[..] else { panic!("{}", sweeps.sweeps.len()) };

@@ -29,9 +29,9 @@ const SCENE: &str = r#"Scene(
     plot: (y: "displacement_range", swept: [("voltage", "front.velocity"), ("voltage", "exponent")]),
     sweeps: [
         (name: "up", order: up, strands: 3, over: [(name: "voltage", low: 0.3, high: 0.7, count: 31)],
-         settling: (transient: 40, recorded: 20, exponent: 40), measures: ["displacement_range"]),
+         search: (transient: 40, recorded_periods: 20, lyapunov_periods: 40), measures: ["displacement_range"]),
         (name: "starts", over: [(name: "displacement", low: -0.3, high: 0.3, count: 3), (name: "velocity", low: 0, high: 0.2, count: 3)],
-         set: [("voltage", "0.2")], settling: (transient: 200, recorded: 40, exponent: 0)),
+         set: [("voltage", "0.2")], search: (transient: 200, recorded_periods: 40, lyapunov_periods: 0)),
     ],
 )"#;
 
@@ -190,7 +190,7 @@ fn the_diagram_shows_its_events() {
         sweep.over[0] = Grid { name: "voltage".into(), low: voltages[0], high: voltages[1], count };
         (sweep.order, sweep.strands) = (order, 1);
         sweep.starts = vec![vec![("displacement".into(), 0.1), ("velocity".into(), -0.2)]];
-        (sweep.settling.transient, sweep.settling.exponent) = (1500, 0);
+        (sweep.search.transient, sweep.search.lyapunov_periods) = (1500, 0);
         let found = swept(&scene, "diagram", Part::WHOLE, None, &mut ()).unwrap();
         let table = found.sweeps[0].clone();
         let column = |name: &str| table.run_columns.iter().position(|known| known == name).unwrap();
@@ -218,10 +218,10 @@ fn the_diagram_shows_its_events() {
 fn crises_are_found_by_sweeps() {
     let text = "Scene(title: \"Crises\", problem: Mita(), plot: (x: \"frequency\", y: \"voltage\"), sweeps: [
         (name: \"crisis\", over: [(name: \"frequency\", low: 0.45, high: 0.455, count: 2)],
-         starts: [[(\"displacement\", 0.1), (\"velocity\", -0.2)]], settling: (transient: 600, recorded: 50, exponent: 0),
+         starts: [[(\"displacement\", 0.1), (\"velocity\", -0.2)]], search: (transient: 600, recorded_periods: 50, lyapunov_periods: 0),
          crisis: (name: \"voltage\", from: 0.25, to: 0.22, steps: 6, tolerance: 2e-4)),
         (name: \"none\", over: [(name: \"frequency\", low: 0.45, high: 0.45, count: 1)],
-         settling: (transient: 100, recorded: 50, exponent: 0),
+         search: (transient: 100, recorded_periods: 50, lyapunov_periods: 0),
          crisis: (name: \"voltage\", from: 0.1, to: 0.05, steps: 2, tolerance: 1e-3)),
     ])";
     let scene = Scene::parse(text).unwrap();
@@ -250,8 +250,8 @@ fn built_in_sweeps_run_and_are_drawn() {
         let mut arguments = vec!["sweep", scene.name];
         // A crisis is none if motion is not given the time to leave.
         let few = match scene.text.contains("crisis: (") {
-            true => ["count=2", "transient=400", "recorded=20", "exponent=0"],
-            false => ["count=5", "transient=30", "recorded=20", "exponent=40"],
+            true => ["count=2", "transient=400", "recorded_periods=20", "lyapunov_periods=0"],
+            false => ["count=5", "transient=30", "recorded_periods=20", "lyapunov_periods=40"],
         };
         few.iter().for_each(|setting| arguments.extend(["--set", setting]));
         let output = tangency(folder.path(), &arguments);

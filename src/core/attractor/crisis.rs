@@ -1,8 +1,8 @@
 //! Where an attractor is lost.
 
-use super::Strobed;
-use super::error::StrobeError;
-use super::settling::{Settled, Settling};
+use super::StroboscopicMap;
+use super::error::StroboscopicError;
+use super::search::{Attractor, AttractorSearch};
 use crate::core::hybrid::HybridState;
 
 /// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves it for good.
@@ -11,7 +11,7 @@ pub struct Crisis {
     /// The parameter at which motion was still on it after the transient, and that at which it had left.
     pub between: [f64; 2],
     /// The attractor at the first of them.
-    pub attractor: Settled,
+    pub attractor: Attractor,
     /// The cycle on which motion settled beyond, by its number of periods; `None` if motion ended there.
     pub beyond: Option<usize>,
 }
@@ -52,14 +52,14 @@ impl CrisisSearch {
 const STARTS: usize = 3;
 
 /// What motion does at one value of the parameter: it is on the attractor, on a cycle, or it ends.
-type Outcome = Result<Settled, StrobeError>;
+type Outcome = Result<Attractor, StroboscopicError>;
 
 /// Whether motion is not on the attractor: it has settled on a cycle, or ends.
 fn is_lost(outcome: &Outcome) -> bool {
     outcome.as_ref().map_or(true, |settled| settled.periods.is_some())
 }
 
-impl Settling {
+impl AttractorSearch {
     /// Where the attractor is lost that motion from a state is on, if it is no cycle.
     ///
     /// The parameter goes on in steps, each from where the one before ended, which takes it over windows of cycles.
@@ -68,29 +68,29 @@ impl Settling {
     /// a time that grows without bound towards the crisis.
     ///
     /// ```
-    /// use tangency::core::attractor::{CrisisSearch, Settling, StrobeError, Strobed, Stroboscope};
+    /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
     /// use tangency::core::hybrid::{HybridSettings, HybridState};
     /// use tangency::problems::mita::Actuator;
     /// // Chaos at ω = 0.5 ends where orbits with two impacts a period begin: at their fold, V = 0.717840.
-    /// let mut motion = Stroboscope::of(&Actuator, HybridSettings::default(), &[])?;
-    /// let settling = Settling { transient: 300, recorded: 100, exponent: 0, ..Settling::default() };
+    /// let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[])?;
+    /// let attractors = AttractorSearch { transient: 300, recorded_periods: 100, lyapunov_periods: 0, ..AttractorSearch::default() };
     /// let start = HybridState { mode: 0, time: 0.0, x: vec![0.1, -0.2] };
     /// let search = CrisisSearch::of(0, [0.71, 0.73], 1e-3);
-    /// let [chaos, cycle] = settling.crisis(&mut motion, start, &Actuator::DEFAULTS, &search)?.between;
+    /// let [chaos, cycle] = attractors.crisis(&mut motion, start, &Actuator::DEFAULTS, &search)?.between;
     /// assert!(chaos < 0.71784 + 1e-3 && cycle > 0.71784);
-    /// # Ok::<(), StrobeError>(())
+    /// # Ok::<(), StroboscopicError>(())
     /// ```
     ///
     /// # Errors
-    /// [`StrobeError::NoCrisis`] if motion settles on cycles only, or on none where the search ends; another one if
+    /// [`StroboscopicError::NoCrisis`] if motion settles on cycles only, or on none where the search ends; another one if
     /// it ends where the search begins.
     pub fn crisis(
         &self,
-        motion: &mut dyn Strobed,
+        motion: &mut dyn StroboscopicMap,
         start: HybridState<f64>,
         p: &[f64],
         search: &CrisisSearch,
-    ) -> Result<Crisis, StrobeError> {
+    ) -> Result<Crisis, StroboscopicError> {
         let mut p = p.to_vec();
         let mut follow = |value: f64, state: HybridState<f64>| {
             p[search.parameter] = value;
@@ -112,7 +112,7 @@ impl Settling {
         }
         let (Some((mut on, mut attractor)), Some((mut off, mut lost))) = (alive, last) else {
             let [from, to] = search.between;
-            return Err(StrobeError::NoCrisis { from, to, steps: search.steps });
+            return Err(StroboscopicError::NoCrisis { from, to, steps: search.steps });
         };
         while (off - on).abs() > search.tolerance {
             let middle = 0.5 * (on + off);

@@ -4,7 +4,7 @@ use crate::core::hybrid::HybridError;
 
 /// Why a motion cannot be followed period by period.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StrobeError {
+pub enum StroboscopicError {
     /// The hybrid motion ends.
     #[error(transparent)]
     Hybrid(#[from] HybridError),

@@ -1,10 +1,12 @@
 //! The largest Lyapunov exponent.
 
-use super::Strobed;
-use super::error::StrobeError;
+use super::StroboscopicMap;
+use super::error::StroboscopicError;
 use crate::core::hybrid::HybridState;
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::zero::Border;
+use num_dual::Dual64;
+use std::ops::ControlFlow;
 
 /// A largest Lyapunov exponent, per period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,56 +19,75 @@ pub struct Exponent {
 }
 
 impl Exponent {
-    /// The number of batches whose means tell the error.
+    /// The number of batches from whose means the standard error is computed.
     pub const BATCHES: usize = 20;
+}
 
-    /// The exponent of a motion, from the growth of a tangent vector over so many periods.
-    ///
-    /// # Errors
-    /// [`StrobeError`] if the motion ends.
-    pub fn of(
-        motion: &mut dyn Strobed,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-        periods: usize,
-    ) -> Result<Self, StrobeError> {
-        let batch = periods.div_ceil(Self::BATCHES).max(1);
-        let mut tangent = vec![1.0; state.x.len()];
-        // The vector turns into the direction of fastest growth first.
-        for _ in 0..batch {
-            motion.push_forward(state, &mut tangent, p)?;
-            if normalised(&mut tangent) == 0.0 {
-                return Ok(Exponent { value: f64::NEG_INFINITY, error: 0.0 });
-            }
+/// The growth of a tangent vector, period by period, from which the exponent is found.
+pub(super) struct Growth {
+    /// The periods in a batch. The vector turns into the direction of fastest growth in one more batch before.
+    batch: usize,
+    periods: usize,
+    means: [f64; Exponent::BATCHES],
+    /// The tangent vector has vanished.
+    forgotten: bool,
+}
+
+impl Growth {
+    /// The growth over so many periods.
+    pub fn over(periods: usize) -> Self {
+        let batch = periods.div_ceil(Exponent::BATCHES).max(1);
+        Growth { batch, periods: 0, means: [0.0; Exponent::BATCHES], forgotten: false }
+    }
+
+    /// Takes in a tangent vector after a period, and gives it the length 1. Ends with the last period.
+    pub fn push(&mut self, x: &mut [Dual64]) -> ControlFlow<()> {
+        let growth = normalised(x);
+        self.forgotten = growth == 0.0;
+        if let Some(k) = self.periods.checked_sub(self.batch)
+            && let Some(mean) = self.means.get_mut(k / self.batch)
+        {
+            *mean += growth.ln() / self.batch as f64;
         }
-        let mut means = [0.0; Self::BATCHES];
-        for mean in &mut means {
-            for _ in 0..batch {
-                motion.push_forward(state, &mut tangent, p)?;
-                let growth = normalised(&mut tangent);
-                if growth == 0.0 {
-                    return Ok(Exponent { value: f64::NEG_INFINITY, error: 0.0 });
-                }
-                *mean += growth.ln() / batch as f64;
-            }
+        self.periods += 1;
+        match self.forgotten || self.periods >= (Exponent::BATCHES + 1) * self.batch {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
-        let count = Self::BATCHES as f64;
-        let value = means.iter().sum::<f64>() / count;
-        let variance = means.iter().map(|mean| (mean - value).powi(2)).sum::<f64>() / (count - 1.0);
-        Ok(Exponent { value, error: (variance / count).sqrt() })
+    }
+
+    /// The exponent.
+    pub fn exponent(&self) -> Exponent {
+        if self.forgotten {
+            return Exponent { value: f64::NEG_INFINITY, error: 0.0 };
+        }
+        let count = Exponent::BATCHES as f64;
+        let value = self.means.iter().sum::<f64>() / count;
+        let squares = self.means.iter().map(|mean| (mean - value).powi(2));
+        let variance = squares.sum::<f64>() / (count - 1.0);
+        Exponent { value, error: (variance / count).sqrt() }
     }
 }
 
 /// Of a smaller multiplier no digit is known.
 const FORGOTTEN: f64 = 1e-12;
 
-/// Gives a vector the length 1, and returns the length that it had.
-fn normalised(vector: &mut [f64]) -> f64 {
-    let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+/// Gives a tangent vector the length 1, and returns the length that it had.
+fn normalised(x: &mut [Dual64]) -> f64 {
+    let length = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
     if length > 0.0 {
-        vector.iter_mut().for_each(|v| *v /= length);
+        x.iter_mut().for_each(|x| x.eps /= length);
     }
     length
+}
+
+/// A state with a tangent vector.
+pub(super) fn with_tangent(
+    HybridState { mode, time, x }: &HybridState<f64>,
+    tangent: impl Fn(usize) -> f64,
+) -> HybridState<Dual64> {
+    let x = x.iter().enumerate().map(|(i, x)| Dual64::new(*x, tangent(i))).collect();
+    HybridState { mode: *mode, time: (*time).into(), x }
 }
 
 /// The motion linearised over a cycle.
@@ -79,25 +100,23 @@ pub(super) struct Monodromy {
 
 /// The motion linearised over `q` periods; `None` if it ends in another mode.
 pub(super) fn monodromy(
-    motion: &mut dyn Strobed,
+    map: &mut dyn StroboscopicMap,
     start: &HybridState<f64>,
     p: &[f64],
     q: usize,
-) -> Result<Option<Monodromy>, StrobeError> {
+) -> Result<Option<Monodromy>, StroboscopicError> {
     let n = start.x.len();
     let (mut matrix, mut end) = (vec![0.0; n * n], start.clone());
-    let mut tangent = Vec::new();
     for column in 0..n {
-        end.clone_from(start);
-        tangent.clear();
-        tangent.extend((0..n).map(|i| f64::from(u8::from(i == column))));
+        let mut moving = with_tangent(start, |i| f64::from(u8::from(i == column)));
         for _ in 0..q {
-            motion.push_forward(&mut end, &mut tangent, p)?;
+            map.push_forward(&mut moving, p)?;
         }
-        if end.mode != start.mode {
+        if moving.mode != start.mode {
             return Ok(None);
         }
-        (0..n).for_each(|i| matrix[i * n + column] = tangent[i]);
+        (0..n).for_each(|i| matrix[i * n + column] = moving.x[i].eps);
+        end.x.iter_mut().zip(&moving.x).for_each(|(end, x)| *end = x.re);
     }
     Ok(Some(Monodromy { matrix, end }))
 }

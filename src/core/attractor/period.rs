@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 
 /// An event of a period.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Happening {
+pub struct EventRecord {
     /// Its number.
     pub event: usize,
     /// When, from the beginning of the period on.
@@ -28,7 +28,7 @@ pub struct Period {
     /// The state in which it begins.
     pub start: HybridState<f64>,
     /// Its events.
-    pub events: Vec<Happening>,
+    pub events: Vec<EventRecord>,
     /// What was measured.
     pub measures: Vec<f64>,
 }
@@ -49,7 +49,7 @@ impl Leg {
 }
 
 /// What is found out about one measure.
-enum Gauge {
+enum Accumulator {
     /// The largest and the smallest value so far, of a state by its place in every mode.
     Extremes { place: Vec<Option<usize>>, range: [f64; 2], extrema: Extrema<f64> },
     /// The largest value of one state where another one rises through zero.
@@ -68,17 +68,23 @@ struct Slow {
     at: HybridState<f64>,
 }
 
+/// What is recorded of every period.
+#[derive(Clone, Copy)]
+pub(super) struct Recording<'a> {
+    pub system: &'a dyn HybridEquations,
+    pub modes: &'a [Mode],
+    pub measures: &'a [Measure],
+    /// Numbers of events by guard.
+    pub numbers: &'a [usize],
+}
+
 /// Watches one period of a hybrid motion.
 pub(super) struct Recorder<'a> {
-    system: &'a dyn HybridEquations,
-    /// The measures asked for.
-    measures: &'a [Measure],
-    /// Numbers of events by guard.
-    numbers: &'a [usize],
-    gauges: Vec<Gauge>,
-    began: f64,
+    of: Recording<'a>,
+    accumulators: Vec<Accumulator>,
+    start: HybridState<f64>,
     legs: Vec<Leg>,
-    happenings: Vec<Happening>,
+    events: Vec<EventRecord>,
 }
 
 fn places(modes: &[Mode], name: &str) -> Vec<Option<usize>> {
@@ -87,38 +93,36 @@ fn places(modes: &[Mode], name: &str) -> Vec<Option<usize>> {
 }
 
 impl<'a> Recorder<'a> {
-    pub fn new(
-        system: &'a dyn HybridEquations,
-        modes: &[Mode],
-        measures: &'a [Measure],
-        numbers: &'a [usize],
-        state: &HybridState<f64>,
-    ) -> Self {
-        let gauge = |measure: &Measure| match measure {
+    /// Watches the period that begins in a state.
+    pub fn new(of: Recording<'a>, state: &HybridState<f64>) -> Self {
+        let Recording { system, modes, measures, .. } = of;
+        let accumulator = |measure: &Measure| match measure {
             Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => {
                 let range = [f64::INFINITY, f64::NEG_INFINITY];
-                Gauge::Extremes { place: places(modes, name), range, extrema: Extrema::default() }
+                Accumulator::Extremes {
+                    place: places(modes, name),
+                    range,
+                    extrema: Extrema::default(),
+                }
             }
             Measure::Rising { through, value } => {
                 let both = places(modes, through).into_iter().zip(places(modes, value));
                 let places = both.map(|(a, b)| Some([a?, b?])).collect();
-                Gauge::Rising { places, most: 0.0, rises: Rises::default() }
+                Accumulator::Rising { places, most: 0.0, rises: Rises::default() }
             }
             Measure::Penetration => {
                 let guards = system.guards().into_iter();
                 let guards = guards.map(|guard| (guard.modes, Extrema::default())).collect();
-                Gauge::Depth { guards, least: f64::INFINITY, slowest: None }
+                Accumulator::Depth { guards, least: f64::INFINITY, slowest: None }
             }
-            Measure::Cycle(_) => Gauge::Legs,
+            Measure::Cycle(_) => Accumulator::Legs,
         };
         let mut recorder = Recorder {
-            system,
-            measures,
-            numbers,
-            gauges: measures.iter().map(gauge).collect(),
-            began: state.time,
+            of,
+            accumulators: measures.iter().map(accumulator).collect(),
+            start: state.clone(),
             legs: Vec::new(),
-            happenings: Vec::new(),
+            events: Vec::new(),
         };
         recorder.begin(state.mode, &state.x);
         recorder
@@ -127,10 +131,10 @@ impl<'a> Recorder<'a> {
     fn begin(&mut self, mode: usize, x: &[f64]) {
         self.legs.push(Leg { mode, exit: None, start: x.to_vec(), end: x.to_vec() });
         self.take(mode, x);
-        for gauge in &mut self.gauges {
-            match gauge {
-                Gauge::Extremes { extrema, .. } => extrema.restart(),
-                Gauge::Depth { guards, .. } => {
+        for accumulator in &mut self.accumulators {
+            match accumulator {
+                Accumulator::Extremes { extrema, .. } => extrema.restart(),
+                Accumulator::Depth { guards, .. } => {
                     guards.iter_mut().for_each(|(_, extrema)| extrema.restart());
                 }
                 _ => {}
@@ -140,8 +144,8 @@ impl<'a> Recorder<'a> {
 
     /// Takes a state in that may be an extreme one.
     fn take(&mut self, mode: usize, x: &[f64]) {
-        for gauge in &mut self.gauges {
-            if let Gauge::Extremes { place, range, .. } = gauge
+        for accumulator in &mut self.accumulators {
+            if let Accumulator::Extremes { place, range, .. } = accumulator
                 && let Some(place) = place[mode]
             {
                 widen(range, x[place]);
@@ -150,32 +154,34 @@ impl<'a> Recorder<'a> {
     }
 
     /// What has happened, the motion having ended in this state.
-    pub fn finish(mut self, start: HybridState<f64>, end: &HybridState<f64>, p: &[f64]) -> Period {
+    pub fn finish(mut self, end: &HybridState<f64>, p: &[f64]) -> Period {
         self.take(end.mode, &end.x);
         if let Some(leg) = self.legs.last_mut() {
             leg.end.clone_from(&end.x);
         }
         let legs: Vec<Passage<f64>> = self.legs.iter().map(Leg::passage).collect();
-        let value = |(measure, gauge): (&Measure, &Gauge)| match (measure, gauge) {
-            (Measure::Maximum(_), Gauge::Extremes { range, .. }) => range[1],
-            (Measure::Minimum(_), Gauge::Extremes { range, .. }) => range[0],
-            (_, Gauge::Extremes { range, .. }) => range[1] - range[0],
-            (_, Gauge::Rising { most, .. }) => *most,
-            (_, Gauge::Depth { least, slowest: None, .. }) => -least,
-            (_, Gauge::Depth { slowest: Some(event), .. }) => {
-                self.beyond(event, end.time - self.began, p)
+        let value = |(measure, accumulator): (&Measure, &Accumulator)| match (measure, accumulator)
+        {
+            (Measure::Maximum(_), Accumulator::Extremes { range, .. }) => range[1],
+            (Measure::Minimum(_), Accumulator::Extremes { range, .. }) => range[0],
+            (_, Accumulator::Extremes { range, .. }) => range[1] - range[0],
+            (_, Accumulator::Rising { most, .. }) => *most,
+            (_, Accumulator::Depth { least, slowest: None, .. }) => -least,
+            (_, Accumulator::Depth { slowest: Some(event), .. }) => {
+                self.beyond(event, end.time - self.start.time, p)
             }
-            (Measure::Cycle(position), _) => self.system.measure(*position, &legs, 1, p),
+            (Measure::Cycle(position), _) => self.of.system.measure(*position, &legs, 1, p),
             _ => f64::NAN,
         };
-        let measures = self.measures.iter().zip(&self.gauges).map(value).collect();
-        Period { start, events: self.happenings, measures }
+        let measures = self.of.measures.iter().zip(&self.accumulators).map(value).collect();
+        Period { start: self.start, events: self.events, measures }
     }
 
     /// How far motion would go beyond the surface of an event; not a number if it does not turn within a time.
     fn beyond(&self, Slow { guard, at, .. }: &Slow, within: f64, p: &[f64]) -> f64 {
-        let turn = virtual_point(self.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);
-        turn.map_or(f64::NAN, |(time, x)| -self.system.guard(*guard, at.mode, time, &x, p))
+        let turn =
+            virtual_point(self.of.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);
+        turn.map_or(f64::NAN, |(time, x)| -self.of.system.guard(*guard, at.mode, time, &x, p))
     }
 }
 
@@ -186,9 +192,9 @@ fn widen(range: &mut [f64; 2], value: f64) {
 impl HybridObserver<f64> for Recorder<'_> {
     fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         let last = step.place(end);
-        for gauge in &mut self.gauges {
-            match gauge {
-                Gauge::Extremes { place, range, extrema } => {
+        for accumulator in &mut self.accumulators {
+            match accumulator {
+                Accumulator::Extremes { place, range, extrema } => {
                     let Some(place) = place[mode] else { continue };
                     widen(range, step.start()[place]);
                     extrema.search(&State(place), step, |found| {
@@ -197,7 +203,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                         }
                     });
                 }
-                Gauge::Rising { places, most, rises } => {
+                Accumulator::Rising { places, most, rises } => {
                     let Some([through, value]) = places[mode] else { continue };
                     rises.search(&State(through), step, |place, x| {
                         if place <= last {
@@ -205,11 +211,11 @@ impl HybridObserver<f64> for Recorder<'_> {
                         }
                     });
                 }
-                Gauge::Depth { guards, least, .. } => {
+                Accumulator::Depth { guards, least, .. } => {
                     let watched =
                         guards.iter_mut().enumerate().filter(|(_, at)| at.0.contains(&mode));
                     for (guard, (_, extrema)) in watched {
-                        let watch = GuardOf { system: self.system, guard, mode, scale: 1.0 };
+                        let watch = GuardOf { system: self.of.system, guard, mode, scale: 1.0 };
                         extrema.search(&watch, step, |found| {
                             if found.place <= last {
                                 *least = least.min(found.value);
@@ -217,7 +223,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                         });
                     }
                 }
-                Gauge::Legs => {}
+                Accumulator::Legs => {}
             }
         }
     }
@@ -230,16 +236,16 @@ impl HybridObserver<f64> for Recorder<'_> {
             leg.end.clone_from(&event.before);
         }
         let before = HybridState { mode, time, x: event.before.clone() };
-        for gauge in &mut self.gauges {
-            if let Gauge::Depth { slowest, .. } = gauge
+        for accumulator in &mut self.accumulators {
+            if let Accumulator::Depth { slowest, .. } = accumulator
                 && !accumulation
                 && slowest.as_ref().is_none_or(|slow| approach < slow.approach)
             {
                 *slowest = Some(Slow { approach, guard, at: before.clone() });
             }
         }
-        let (event_number, time) = (self.numbers[guard], time - self.began);
-        self.happenings.push(Happening { event: event_number, time, before, accumulation });
+        let (event_number, time) = (self.of.numbers[guard], time - self.start.time);
+        self.events.push(EventRecord { event: event_number, time, before, accumulation });
         self.begin(next, &event.after);
         ControlFlow::Continue(())
     }

@@ -21,15 +21,15 @@
 //!
 //! [`Scalar`]: crate::core::scalar::Scalar
 
-mod abreast;
+mod batch;
 mod control;
-mod course;
 mod error;
 mod extrema;
+mod forecast;
 mod integrate;
+mod lane_state;
 mod lanes;
 mod motion;
-mod outlook;
 mod rises;
 mod rodas;
 mod roots;
@@ -41,15 +41,15 @@ mod step;
 mod tableau;
 mod work;
 
-pub(in crate::core) use abreast::Abreast;
+pub(in crate::core) use batch::BatchStepper;
 pub use control::Size;
-pub(in crate::core) use course::{Course, Reached};
 pub use error::{FlowError, SettingsError};
 pub use extrema::{Extrema, Extremum};
+pub(in crate::core) use forecast::EventForecast;
 pub use integrate::{Flow, Statistics};
-pub(in crate::core) use lanes::LANES;
+pub(in crate::core) use lane_state::{LaneState, Reached};
 pub use lanes::Lanes;
-pub(in crate::core) use outlook::Outlook;
+pub(in crate::core) use lanes::{InLanes, LANES};
 pub(in crate::core) use rises::Rises;
 pub(in crate::core) use roots::{NEGATIVE, Sign};
 pub use roots::{Root, Roots};

@@ -3,7 +3,7 @@
 use super::error::GrazingError;
 use super::iteration::Buffers;
 use super::map::LocalMap;
-use crate::core::attractor::{Happening, Layout, Period, StrobeError, Strobed};
+use crate::core::attractor::{EventRecord, Layout, Period, StroboscopicError, StroboscopicMap};
 use crate::core::hybrid::{HybridState, Measure, Mode};
 use num_dual::Dual64;
 
@@ -21,7 +21,7 @@ const IMPACT: usize = 0;
 /// surface has the event `impact`, and `penetration` is measured.
 ///
 /// ```
-/// use tangency::core::attractor::Settling;
+/// use tangency::core::attractor::AttractorSearch;
 /// use tangency::core::grazing::{GrazingPoint, Iterated, LocalMap, MapSettings};
 /// use tangency::core::hybrid::HybridState;
 /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
@@ -34,7 +34,7 @@ const IMPACT: usize = 0;
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
 /// let mut iterated = Iterated::of(map, &["amplitude".into()], &[])?;
 /// let start = HybridState { mode: 0, time: 0.0, x: vec![1e-4, 0.0] };
-/// let settled = Settling::default().follow(&mut iterated, start, &[0.10001])?;
+/// let settled = AttractorSearch::default().follow(&mut iterated, start, &[0.10001])?;
 /// assert_eq!((settled.periods, settled.count("impact")), (Some(1), 1.0));
 /// let exact = (0.8_f64.powi(2) * (-0.1 * std::f64::consts::TAU).exp()).ln() / 2.0;
 /// assert!((settled.exponent.expect("an exponent").value - exact).abs() < 1e-3);
@@ -48,8 +48,7 @@ pub struct Iterated {
     layout: Layout,
     real: Buffers<f64>,
     dual: Buffers<Dual64>,
-    /// A point and parameters on dual numbers.
-    moving: Vec<Dual64>,
+    /// Parameters on dual numbers.
     fixed: Vec<Dual64>,
 }
 
@@ -84,7 +83,6 @@ impl Iterated {
             },
             real: Buffers::new(order),
             dual: Buffers::new(order),
-            moving: Vec::new(),
             fixed: Vec::new(),
             map,
         })
@@ -103,7 +101,7 @@ impl Iterated {
     }
 
     /// The image of a state in its place, and the penetration before.
-    fn image(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<f64, StrobeError> {
+    fn image(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<f64, StroboscopicError> {
         self.load(p);
         let penetration = self.real.apply(&self.map, &mut state.x, &self.p);
         self.check(&state.x)?;
@@ -111,10 +109,10 @@ impl Iterated {
     }
 
     /// Refuses a point that is nowhere near the grazing.
-    fn check(&self, x: &[f64]) -> Result<(), StrobeError> {
+    fn check(&self, x: &[f64]) -> Result<(), StroboscopicError> {
         let far = |(x, _): &(&f64, &String)| x.is_nan() || x.abs() > MOST;
         let Some((x, name)) = x.iter().zip(self.map.coordinates()).find(far) else { return Ok(()) };
-        Err(StrobeError::Map(format!(
+        Err(StroboscopicError::Map(format!(
             "the local map of order {} has left its grazing: the deviation of `{name}` is {x:.1e}, and should stay small; \
              begin nearer",
             self.map.space().order()
@@ -122,21 +120,29 @@ impl Iterated {
     }
 }
 
-impl Strobed for Iterated {
+impl StroboscopicMap for Iterated {
     fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    fn advance(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<(), StrobeError> {
+    fn advance(
+        &mut self,
+        state: &mut HybridState<f64>,
+        p: &[f64],
+    ) -> Result<(), StroboscopicError> {
         self.image(state, p).map(|_| ())
     }
 
-    fn record(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<Period, StrobeError> {
+    fn record(
+        &mut self,
+        state: &mut HybridState<f64>,
+        p: &[f64],
+    ) -> Result<Period, StroboscopicError> {
         let start = state.clone();
         let penetration = self.image(state, p)?;
         let impact = || {
             let before = start.clone();
-            Happening { event: IMPACT, time: 0.0, before, accumulation: false }
+            EventRecord { event: IMPACT, time: 0.0, before, accumulation: false }
         };
         let events = (penetration > 0.0).then(impact).into_iter().collect();
         let measures = self.layout.measures.iter().map(|_| penetration).collect();
@@ -145,19 +151,15 @@ impl Strobed for Iterated {
 
     fn push_forward(
         &mut self,
-        state: &mut HybridState<f64>,
-        tangent: &mut Vec<f64>,
+        state: &mut HybridState<Dual64>,
         p: &[f64],
-    ) -> Result<(), StrobeError> {
+    ) -> Result<(), StroboscopicError> {
         self.load(p);
-        let Iterated { map, dual, moving, fixed, .. } = self;
+        let Iterated { map, dual, fixed, .. } = self;
         fixed.clear();
         fixed.extend(self.p.iter().map(|p| Dual64::from(*p)));
-        moving.clear();
-        moving.extend(state.x.iter().zip(&*tangent).map(|(x, v)| Dual64::new(*x, *v)));
-        dual.apply(map, moving, fixed);
-        state.x.iter_mut().zip(&*moving).for_each(|(x, moving)| *x = moving.re);
-        tangent.iter_mut().zip(&*moving).for_each(|(v, moving)| *v = moving.eps);
-        self.check(&state.x)
+        dual.apply(map, &mut state.x, fixed);
+        let real: Vec<f64> = state.x.iter().map(|x| x.re).collect();
+        self.check(&real)
     }
 }

@@ -179,7 +179,7 @@ pub trait MeasureNumber: Scalar {
 
 scalars! {
     wide: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
-    explicit: Lanes
+    explicit: Lanes Dual<Lanes>
         Jet<16> Jet<64> Jet<256> Jet<1024>
         Dual<Jet<16>> Dual<Jet<64>> Dual<Jet<256>> Dual<Jet<1024>>;
     // Of the wide scalars, `Wide<f64>` is `Narrow`.

@@ -1,8 +1,8 @@
 //! Doing the runs.
 
 use super::plan::{Order, Part, Plan, PlanError};
-use crate::core::attractor::{Settled, StrobeError, Strobed};
-use crate::core::hybrid::HybridState;
+use crate::core::attractor::{Attractor, StroboscopicError, StroboscopicMap};
+use crate::core::hybrid::{HybridState, Member};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ pub struct Found {
     /// The values on the axes.
     pub values: Vec<f64>,
     /// What it has settled on, or why it did not; where a crisis was sought, the last attractor before it.
-    pub settled: Result<Settled, StrobeError>,
+    pub attractor: Result<Attractor, StroboscopicError>,
     /// Where a crisis was sought and found: on the attractor, and off it.
     pub crisis: Option<[f64; 2]>,
 }
@@ -24,7 +24,7 @@ pub struct Found {
 impl Found {
     /// The state from which the next run of its strand goes on.
     fn end(&self) -> Option<HybridState<f64>> {
-        self.settled.as_ref().ok().map(|settled| settled.end.clone())
+        self.attractor.as_ref().ok().map(|attractor| attractor.end.clone())
     }
 }
 
@@ -32,28 +32,28 @@ impl Found {
 pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
 
 /// Makes a motion.
-pub type Make<'a> = dyn Fn() -> Result<Box<dyn Strobed + 'a>, StrobeError> + Sync + 'a;
+pub type Make<'a> =
+    dyn Fn() -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> + Sync + 'a;
 
-/// Does all runs of a part of a plan but those that are done already: `done` gives the state in which a run ended
-/// (`None` inside if it failed). `make` makes the motion, once for each strand; `p` are the parameters
-/// that do not vary.
+/// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished run ended (`None`
+/// inside if it failed). `make` makes the map, once for each batch of strands; `p` are the parameters that do not vary.
 ///
 /// ```
 /// use std::ops::ControlFlow;
-/// use tangency::core::attractor::{Settling, StrobeError, Strobed, Stroboscope};
+/// use tangency::core::attractor::{AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
 /// use tangency::core::hybrid::{HybridSettings, HybridState};
 /// use tangency::core::sweep::{Axis, Found, Order, Part, Plan, Quantity, execute};
 /// use tangency::problems::classic::ImpactOscillator;
 /// // The oscillator with a stop under a growing forcing: without impacts, and with one in every period.
 /// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
 /// let axis = Axis { quantity: Quantity::Parameter(0), low: 1.0, high: 5.0, count: 3 };
-/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Anew, strands: 1, settling: Settling::default(), crisis: None };
-/// let make = || -> Result<Box<dyn Strobed>, StrobeError> {
-///     Ok(Box::new(Stroboscope::of(&ImpactOscillator, HybridSettings::default(), &[])?))
+/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Anew, strands: 1, search: AttractorSearch::default(), crisis: None };
+/// let make = || -> Result<Box<dyn StroboscopicMap>, StroboscopicError> {
+///     Ok(Box::new(PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?))
 /// };
 /// let mut impacts = vec![0.0; 3];
 /// execute(&plan, Part::WHOLE, &[1.0, 2.2, 0.8, 0.1, 1.0], &make, &|_| None, &mut |found: Found| {
-///     impacts[found.run] = found.settled.map_or(f64::NAN, |settled| settled.count("impact"));
+///     impacts[found.run] = found.attractor.map_or(f64::NAN, |attractor| attractor.count("impact"));
 ///     ControlFlow::Continue(())
 /// })?;
 /// assert_eq!(impacts, [0.0, 0.0, 1.0]);
@@ -75,19 +75,28 @@ pub fn execute(
     if number == 0 || number > of {
         return Err(PlanError::Part { number, of });
     }
-    let mine = plan.strand_list().into_iter().enumerate().filter(|(k, _)| k % of == number - 1);
-    let strands: Vec<Vec<usize>> = mine.map(|(_, strand)| strand).collect();
+    let all = plan.strand_list();
+    // Decided by the plan alone: what a run finds must not depend on which part of it is done where.
+    let abreast = plan.crisis.is_none() && all.len() >= LEAST_ABREAST;
+    let mine = all.into_iter().enumerate().filter(|(k, _)| k % of == number - 1);
+    let unfinished = |strand: &Vec<usize>| strand.iter().any(|run| done(*run).is_none());
+    let strands: Vec<Vec<usize>> =
+        mine.map(|(_, strand)| strand).filter(|strand| unfinished(strand)).collect();
     let pool = part.pool()?;
+    let threads =
+        pool.as_ref().map_or_else(rayon::current_num_threads, |p| p.current_num_threads());
+    let size = if abreast { batch_size(strands.len(), threads) } else { 1 };
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
     std::thread::scope(|scope| {
         let stop = &stop;
         scope.spawn(move || {
-            let follow = |sender: &mut Sender<Found>, strand: &Vec<usize>| {
-                Strand { plan, p, make, done, stop }.follow(strand, sender);
+            let follow = |sender: &mut Sender<Found>, strands: &[Vec<usize>]| {
+                Batch { plan, p, make, done, stop, abreast }.follow(strands, sender);
             };
-            // Each strand is a task of its own: some take much longer than others.
-            let work = || strands.par_iter().with_max_len(1).for_each_with(sender, follow);
+            // Each batch is a task of its own: some take much longer than others.
+            let batches = || strands.par_chunks(size).with_max_len(1);
+            let work = || batches().for_each_with(sender, follow);
             match pool {
                 Some(pool) => pool.install(work),
                 None => work(),
@@ -102,60 +111,92 @@ pub fn execute(
     Ok(())
 }
 
-/// What all strands share.
-struct Strand<'a, 'm> {
+/// From so many strands on, their runs are followed abreast: fewer leave too many lanes empty …
+const LEAST_ABREAST: usize = 4;
+/// … and no more at a time, since what is not done is lost where a sweep ends before.
+const MOST_ABREAST: usize = 64;
+
+/// In how large batches strands are divided: as many batches as threads, or several times as many.
+fn batch_size(strands: usize, threads: usize) -> usize {
+    let rounds = strands.div_ceil(threads * MOST_ABREAST).max(1);
+    strands.div_ceil(threads * rounds).max(LEAST_ABREAST)
+}
+
+/// What a run has found: an attractor, and where it is lost if that is sought.
+type Outcome = Result<(Attractor, Option<[f64; 2]>), StroboscopicError>;
+
+/// What all batches of strands share.
+struct Batch<'a, 'm> {
     plan: &'a Plan,
     p: &'a [f64],
     make: &'a Make<'m>,
     done: &'a (dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
     stop: &'a AtomicBool,
+    abreast: bool,
 }
 
-impl<'m> Strand<'_, 'm> {
-    /// Does the runs of a strand, one after the other.
-    fn follow(&self, strand: &[usize], sender: &Sender<Found>) {
-        let mut motion = None;
-        let mut before: Option<HybridState<f64>> = None;
-        for &run in strand {
+impl<'m> Batch<'_, 'm> {
+    /// Does the runs of strands: the first runs of all, then the second ones, and so on.
+    fn follow(&self, strands: &[Vec<usize>], sender: &Sender<Found>) {
+        let longest = strands.iter().map(Vec::len).max().unwrap_or(0);
+        let mut before: Vec<Option<HybridState<f64>>> = vec![None; strands.len()];
+        let mut map = (self.make)();
+        for position in 0..longest {
+            let mut runs = Vec::new();
+            for (strand, before) in strands.iter().zip(&mut before) {
+                let Some(run) = strand.get(position) else { continue };
+                match (self.done)(*run) {
+                    Some(end) => *before = end,
+                    None => runs.push((*run, before)),
+                }
+            }
+            let starts = runs.iter_mut().map(|(run, before)| self.start(*run, before.take()));
+            let starts = starts.collect();
+            let outcomes = self.outcomes(&mut map, starts);
             if self.stop.load(Ordering::Relaxed) {
                 return;
             }
-            if let Some(end) = (self.done)(run) {
-                before = end;
-                continue;
-            }
-            let found = self.run(run, &mut motion, before.take());
-            before = found.end();
-            if sender.send(found).is_err() {
-                return;
+            for ((run, before), outcome) in runs.into_iter().zip(outcomes) {
+                let crisis = outcome.as_ref().ok().and_then(|(_, crisis)| *crisis);
+                let attractor = outcome.map(|(attractor, _)| attractor);
+                let found = Found { run, values: self.plan.values(run), attractor, crisis };
+                *before = found.end();
+                if sender.send(found).is_err() {
+                    return;
+                }
             }
         }
     }
 
-    fn run(
-        &self,
-        run: usize,
-        motion: &mut Option<Box<dyn Strobed + 'm>>,
-        before: Option<HybridState<f64>>,
-    ) -> Found {
+    /// Where a run begins, after that before it.
+    fn start(&self, run: usize, before: Option<HybridState<f64>>) -> Member<f64> {
         let (p, start) = self.plan.setting(run, self.p);
         let followed = self.plan.order != Order::Anew;
-        let state = before.filter(|_| followed).unwrap_or(start);
-        let made = match motion.take() {
-            Some(motion) => Ok(motion),
-            None => (self.make)(),
+        Member { state: before.filter(|_| followed).unwrap_or(start), p }
+    }
+
+    /// What runs find that begin at the same time.
+    fn outcomes(
+        &self,
+        map: &mut Result<Box<dyn StroboscopicMap + 'm>, StroboscopicError>,
+        starts: Vec<Member<f64>>,
+    ) -> Vec<Outcome> {
+        let map = match map {
+            Ok(map) => &mut **map,
+            Err(error) => return starts.iter().map(|_| Err(error.clone())).collect(),
         };
-        let Plan { settling, crisis: sought, .. } = self.plan;
-        let settled = made.and_then(|made| {
-            let motion = &mut **motion.insert(made);
-            let Some(search) = sought else {
-                return Ok((settling.follow(motion, state, &p)?, None));
-            };
-            let found = settling.crisis(motion, state, &p, search)?;
-            Ok((found.attractor, Some(found.between)))
-        });
-        let crisis = settled.as_ref().ok().and_then(|(_, crisis)| *crisis);
-        let settled = settled.map(|(settled, _)| settled);
-        Found { run, values: self.plan.values(run), settled, crisis }
+        let Plan { search, crisis, .. } = self.plan;
+        if self.abreast {
+            let found = search.follow_all(map, starts, &|| !self.stop.load(Ordering::Relaxed));
+            return found.into_iter().map(|found| Ok((found?, None))).collect();
+        }
+        let follow = |Member { state, p }: Member<f64>| match crisis {
+            None => Ok((search.follow(map, state, &p)?, None)),
+            Some(sought) => {
+                let found = search.crisis(map, state, &p, sought)?;
+                Ok((found.attractor, Some(found.between)))
+            }
+        };
+        starts.into_iter().map(follow).collect()
     }
 }

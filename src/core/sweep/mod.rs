@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`] lists **runs**: one for each start and each point of a grid over parameters, or over the states in which
 //! motion begins. Each run is followed until it is known what it settles on
-//! ([`Settling`](crate::core::attractor::Settling)). Runs may begin anew, or go on where the run before
+//! ([`AttractorSearch`](crate::core::attractor::AttractorSearch)). Runs may begin anew, or go on where the run before
 //! ended, up or down the parameter: **strands** of runs, which need not wait for each other.
 //!
 //! What a run finds depends on its strand only: it is the same to the last bit whatever the number of threads,

@@ -1,6 +1,6 @@
 //! Which runs there are, and which of them follow each other.
 
-use crate::core::attractor::{CrisisSearch, Settling};
+use crate::core::attractor::{AttractorSearch, CrisisSearch};
 use crate::core::hybrid::HybridState;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
@@ -81,10 +81,10 @@ impl Part {
 /// Runs over a grid, from one or several starts.
 ///
 /// ```
-/// use tangency::core::{attractor::Settling, hybrid::HybridState, sweep::{Axis, Order, Plan, Quantity}};
+/// use tangency::core::{attractor::AttractorSearch, hybrid::HybridState, sweep::{Axis, Order, Plan, Quantity}};
 /// let start = HybridState { mode: 0, time: 0.0, x: vec![0.0, 0.0] };
 /// let axis = Axis { quantity: Quantity::Parameter(0), low: 1.0, high: 2.0, count: 5 };
-/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Down, strands: 2, settling: Settling::default(),
+/// let plan = Plan { axes: vec![axis], starts: vec![start], order: Order::Down, strands: 2, search: AttractorSearch::default(),
 ///     crisis: None };
 /// assert_eq!(plan.runs(), 5);
 /// // Down from 2 to 1.5, and from 1.25 to 1.
@@ -102,7 +102,7 @@ pub struct Plan {
     /// In how many strands, each from its start, the axis is divided where runs follow each other.
     pub strands: usize,
     /// How runs are followed.
-    pub settling: Settling,
+    pub search: AttractorSearch,
     /// Each run finds out where the attractor is lost that motion is on.
     pub crisis: Option<CrisisSearch>,
 }
@@ -218,8 +218,8 @@ impl Plan {
         let counts = [
             (self.points(), "a count"),
             (self.starts.len(), "the number of starts"),
-            (self.settling.recorded, "`recorded`"),
-            (self.settling.most, "`most`"),
+            (self.search.recorded_periods, "`recorded_periods`"),
+            (self.search.max_period, "`max_period`"),
         ];
         if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count == 0) {
             return Err(PlanError::Nothing { what });

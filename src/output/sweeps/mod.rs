@@ -7,5 +7,5 @@ mod table;
 
 pub use file::SWEEPS;
 pub use merge::{MergeError, merge};
-pub(super) use scatter::scatter;
+pub(super) use scatter::{basins, scatter};
 pub use table::{Row, SweepTable, Sweeps};

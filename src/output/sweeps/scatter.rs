@@ -1,7 +1,7 @@
 //! Sweeps as points of a figure.
 
 use super::table::{Row, SweepTable};
-use crate::output::figure::{Series, Style};
+use crate::output::figure::{Hue, Series, Style, Tile};
 
 /// Where the number of a column is found.
 enum Source {
@@ -48,6 +48,14 @@ impl SweepTable {
         }
     }
 
+    /// The smallest distance of two values in a column of runs; 0 if all are equal.
+    fn spacing(&self, column: usize) -> f64 {
+        let mut values: Vec<f64> = self.rows.values().map(|row| row.values[column]).collect();
+        values.sort_by(f64::total_cmp);
+        let distances = values.windows(2).map(|pair| pair[1] - pair[0]);
+        distances.filter(|distance| *distance > 0.0).reduce(f64::min).unwrap_or(0.0)
+    }
+
     /// The numbers of a run for two axes.
     fn pairs(&self, row: &Row, x: &Source, y: &Source) -> Vec<[f64; 2]> {
         if let (Source::Run(x), Source::Run(y)) = (x, y) {
@@ -67,23 +75,51 @@ impl SweepTable {
     }
 }
 
-/// The points of a sweep in two columns; nothing if it does not have them. Over a grid of both columns, each kind of
-/// attractor is a series of its own: they show the basins.
+/// The points of a sweep in two columns; nothing if it does not have them.
 pub(in crate::output) fn scatter(sweep: &SweepTable, x: &str, y: &str) -> Vec<Series> {
     let (Some(from), Some(to)) = (sweep.source(x), sweep.source(y)) else { return Vec::new() };
     // One crisis in each run.
     let crises = sweep.crisis().is_some_and(|crisis| [x, y].contains(&crisis));
     let style = if crises { Style::Dots } else { Style::Specks };
+    let points = sweep.rows.values().flat_map(|row| sweep.pairs(row, &from, &to));
+    let finite = points.filter(|at| at.iter().all(|value| value.is_finite()));
+    let series = Series::new(sweep.name.clone(), style, finite);
+    if sweep.rows.is_empty() { Vec::new() } else { vec![series] }
+}
+
+/// The colours of attractors, in the order in which they are met.
+const HUES: [Hue; 4] = [Hue::Blue, Hue::Yellow, Hue::Green, Hue::Red];
+
+/// The basins of attraction in a grid over both columns: a tile for each run, coloured by the kind of its attractor;
+/// nothing if the sweep is over other columns.
+pub(in crate::output) fn basins(sweep: &SweepTable, x: &str, y: &str) -> Vec<Tile> {
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
-    let mut series: Vec<Series> = Vec::new();
-    for row in sweep.rows.values() {
-        let name = if grid { sweep.kind(row) } else { sweep.name.clone() };
-        let points = sweep.pairs(row, &from, &to);
-        let finite = points.into_iter().filter(|at| at.iter().all(|value| value.is_finite()));
-        match series.iter_mut().find(|series| series.name == name) {
-            Some(series) => series.points.extend(finite),
-            None => series.push(Series::new(name, style, finite)),
-        }
+    let (Some(Source::Run(x)), Some(Source::Run(y))) = (sweep.source(x), sweep.source(y)) else {
+        return Vec::new();
+    };
+    let sizes = [x, y].map(|column| sweep.spacing(column));
+    if !grid || sizes.contains(&0.0) {
+        return Vec::new();
     }
-    series
+    let mut kinds: Vec<String> = Vec::new();
+    let mut tiles: Vec<Tile> = Vec::new();
+    for row in sweep.rows.values() {
+        let (at, meaning) = ([row.values[x], row.values[y]], sweep.kind(row));
+        // One tile for neighbours of one kind in a column.
+        if let Some(Tile { at: before, size: [_, height], meaning: same, .. }) = tiles.last_mut()
+            && (*same == meaning && before[0] == at[0])
+            && (before[1] + 0.5 * (*height + sizes[1]) - at[1]).abs() < 1e-6 * sizes[1]
+        {
+            before[1] += 0.5 * sizes[1];
+            *height += sizes[1];
+            continue;
+        }
+        let number = kinds.iter().position(|kind| *kind == meaning).unwrap_or(kinds.len());
+        if number == kinds.len() {
+            kinds.push(meaning.clone());
+        }
+        let (hue, shade) = (HUES[number % HUES.len()], number / HUES.len());
+        tiles.push(Tile { at, size: sizes, hue, shade, meaning });
+    }
+    tiles
 }

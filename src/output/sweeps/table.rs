@@ -1,6 +1,6 @@
 //! The tables of a sweep: a row for each run, and a row for everything recorded.
 
-use crate::core::attractor::{Happening, Layout, Period, Settled};
+use crate::core::attractor::{Attractor, EventRecord, Layout, Period};
 use crate::core::hybrid::{HybridState, Mode};
 use crate::core::sweep::Found;
 use crate::output::Plot;
@@ -127,10 +127,10 @@ impl SweepTable {
     /// Takes in what a run has found.
     pub fn push(&mut self, found: &Found, start: usize, modes: &[Mode]) {
         let states = all_states(modes).len();
-        let row = match &found.settled {
-            Ok(settled) => Row {
-                values: self.values(found, start, settled),
-                points: points(found.run, settled, modes, states),
+        let row = match &found.attractor {
+            Ok(attractor) => Row {
+                values: self.values(found, start, attractor),
+                points: points(found.run, attractor, modes, states),
                 failure: None,
             },
             Err(failure) => Row {
@@ -142,17 +142,17 @@ impl SweepTable {
         self.rows.insert(found.run, row);
     }
 
-    fn values(&self, found: &Found, start: usize, settled: &Settled) -> Vec<f64> {
+    fn values(&self, found: &Found, start: usize, attractor: &Attractor) -> Vec<f64> {
         let mut values = vec![found.run as f64, start as f64];
         values.extend_from_slice(&found.values);
         values.extend(found.crisis.iter().flat_map(|[a, b]| [0.5 * (a + b), 0.5 * (a - b).abs()]));
-        values.push(settled.periods.unwrap_or(0) as f64);
-        values.extend(settled.events.iter().map(|(_, count)| *count));
-        values.push(settled.accumulations);
-        let exponent = settled.exponent.map_or([f64::NAN; 2], |e| [e.value, e.error]);
+        values.push(attractor.periods.unwrap_or(0) as f64);
+        values.extend(attractor.events.iter().map(|(_, count)| *count));
+        values.push(attractor.accumulations);
+        let exponent = attractor.exponent.map_or([f64::NAN; 2], |e| [e.value, e.error]);
         values.extend(exponent);
-        values.extend([0.0, settled.end.mode as f64]);
-        values.extend_from_slice(&settled.end.x);
+        values.extend([0.0, attractor.end.mode as f64]);
+        values.extend_from_slice(&attractor.end.x);
         values.resize(self.run_columns.len(), f64::NAN);
         values
     }
@@ -182,7 +182,7 @@ impl SweepTable {
 }
 
 /// All points of a run, one after the other.
-fn points(run: usize, settled: &Settled, modes: &[Mode], states: usize) -> Vec<f64> {
+fn points(run: usize, attractor: &Attractor, modes: &[Mode], states: usize) -> Vec<f64> {
     let names = all_states(modes);
     let mut points = Vec::new();
     let mut put = |[period, event, time]: [f64; 3], state: &HybridState<f64>, measures: &[f64]| {
@@ -196,10 +196,10 @@ fn points(run: usize, settled: &Settled, modes: &[Mode], states: usize) -> Vec<f
         }
         points.extend_from_slice(measures);
     };
-    let nothing = vec![f64::NAN; settled.records.first().map_or(0, |p| p.measures.len())];
-    for (period, Period { start, events, measures }) in settled.records.iter().enumerate() {
+    let nothing = vec![f64::NAN; attractor.records.first().map_or(0, |p| p.measures.len())];
+    for (period, Period { start, events, measures }) in attractor.records.iter().enumerate() {
         put([period as f64, 0.0, 0.0], start, measures);
-        for Happening { event, time, before, .. } in events {
+        for EventRecord { event, time, before, .. } in events {
             put([period as f64, (event + 1) as f64, *time], before, &nothing);
         }
     }

@@ -6,25 +6,86 @@
 mod dual;
 mod sine;
 
+use crate::core::scalar::Scalar;
+use num_dual::{Dual, Dual64};
 use std::fmt::{Display, Formatter};
 use std::ops::{
     Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
 };
-use wide::f64x8;
+
+#[cfg(not(target_feature = "avx512f"))]
+use wide::f64x4 as Vector;
+/// As many numbers as registers hold: more of them would not stay in registers. What a lane holds does not depend on
+/// their number.
+#[cfg(target_feature = "avx512f")]
+use wide::f64x8 as Vector;
 
 /// How many numbers there are side by side.
-pub(in crate::core) const LANES: usize = 8;
+pub(in crate::core) const LANES: usize = size_of::<Vector>() / size_of::<f64>();
+
+/// A scalar of which [`LANES`] go side by side.
+pub trait InLanes: Scalar {
+    /// The scalars of all lanes.
+    type Wide: Scalar;
+
+    /// Puts scalars side by side.
+    fn gather(each: [Self; LANES]) -> Self::Wide;
+
+    /// The scalar of one lane.
+    fn lane(wide: &Self::Wide, lane: usize) -> Self;
+
+    /// The real parts of all lanes.
+    fn reals(wide: &Self::Wide) -> Lanes;
+}
+
+impl InLanes for f64 {
+    type Wide = Lanes;
+
+    #[inline(always)]
+    fn gather(each: [f64; LANES]) -> Lanes {
+        Lanes::from(each)
+    }
+
+    #[inline(always)]
+    fn lane(wide: &Lanes, lane: usize) -> f64 {
+        wide.0.as_array()[lane]
+    }
+
+    #[inline(always)]
+    fn reals(wide: &Lanes) -> Lanes {
+        *wide
+    }
+}
+
+impl InLanes for Dual64 {
+    type Wide = Dual<Lanes>;
+
+    #[inline(always)]
+    fn gather(each: [Dual64; LANES]) -> Dual<Lanes> {
+        Dual::new(Lanes::from(each.map(|x| x.re)), Lanes::from(each.map(|x| x.eps)))
+    }
+
+    #[inline(always)]
+    fn lane(wide: &Dual<Lanes>, lane: usize) -> Dual64 {
+        Dual::new(f64::lane(&wide.re, lane), f64::lane(&wide.eps, lane))
+    }
+
+    #[inline(always)]
+    fn reals(wide: &Dual<Lanes>) -> Lanes {
+        wide.re
+    }
+}
 
 /// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison, or a decision by
 /// the real part, can only be one for all, and sees the first lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes(f64x8);
+pub struct Lanes(Vector);
 
 impl Lanes {
     /// One number in all lanes.
     #[inline(always)]
     pub fn splat(value: f64) -> Self {
-        Lanes(f64x8::splat(value))
+        Lanes(Vector::splat(value))
     }
 
     /// The numbers of the lanes.
@@ -41,7 +102,7 @@ impl Lanes {
 
     /// A function that has no vector form, lane by lane.
     fn map(self, function: impl Fn(f64) -> f64) -> Self {
-        Lanes(f64x8::new(self.each().map(function)))
+        Lanes(Vector::new(self.each().map(function)))
     }
 
     /// The larger number in each lane.
@@ -78,7 +139,7 @@ impl Lanes {
 impl From<[f64; LANES]> for Lanes {
     #[inline(always)]
     fn from(values: [f64; LANES]) -> Self {
-        Lanes(f64x8::new(values))
+        Lanes(Vector::new(values))
     }
 }
 
@@ -112,7 +173,7 @@ macro_rules! operators {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: f64) -> Self {
-                Lanes(self.0.$method(f64x8::splat(other)))
+                Lanes(self.0.$method(Vector::splat(other)))
             }
         }
 

@@ -1,7 +1,6 @@
 //! Sine and cosine side by side.
 
-use super::Lanes;
-use wide::f64x8;
+use super::{Lanes, Vector};
 
 /// A number of this size or less is reduced exactly enough.
 const LARGEST: f64 = 1e5;
@@ -30,9 +29,9 @@ const COSINE: [f64; 6] = [
 
 /// A polynomial by Horner's rule.
 #[inline(always)]
-fn polynomial(coefficients: &[f64; 6], x: f64x8) -> f64x8 {
+fn polynomial(coefficients: &[f64; 6], x: Vector) -> Vector {
     let [first, rest @ ..] = coefficients;
-    rest.iter().fold(f64x8::splat(*first), |sum, c| sum * x + f64x8::splat(*c))
+    rest.iter().fold(Vector::splat(*first), |sum, c| sum * x + Vector::splat(*c))
 }
 
 impl Lanes {
@@ -40,24 +39,24 @@ impl Lanes {
     #[inline(always)]
     pub(super) fn circular(self) -> (Self, Self) {
         let Lanes(x) = self;
-        let rounded = x * f64x8::splat(std::f64::consts::FRAC_2_PI) + f64x8::splat(ROUNDING);
-        let quarters = rounded - f64x8::splat(ROUNDING);
-        let r = x - quarters * f64x8::splat(HALF_PI[0]) - quarters * f64x8::splat(HALF_PI[1]);
+        let rounded = x * Vector::splat(std::f64::consts::FRAC_2_PI) + Vector::splat(ROUNDING);
+        let quarters = rounded - Vector::splat(ROUNDING);
+        let r = x - quarters * Vector::splat(HALF_PI[0]) - quarters * Vector::splat(HALF_PI[1]);
         let square = r * r;
         let sine = r + r * square * polynomial(&SINE, square);
-        let half = square * f64x8::splat(0.5);
-        let cosine = f64x8::ONE - (half - square * square * polynomial(&COSINE, square));
+        let half = square * Vector::splat(0.5);
+        let cosine = Vector::ONE - (half - square * square * polynomial(&COSINE, square));
         // The quadrant, from −2 to 2: odd ones exchange sine and cosine.
         let quadrant =
-            quarters - f64x8::splat(4.0) * (quarters * f64x8::splat(0.25)).round_ties_even();
-        let odd = quadrant.abs().simd_eq(f64x8::ONE);
+            quarters - Vector::splat(4.0) * (quarters * Vector::splat(0.25)).round_ties_even();
+        let odd = quadrant.abs().simd_eq(Vector::ONE);
         let (first, second) = (odd.select(cosine, sine), odd.select(sine, cosine));
-        let two = quadrant.abs().simd_eq(f64x8::splat(2.0));
-        let sine_falls = two | quadrant.simd_eq(f64x8::splat(-1.0));
-        let cosine_falls = two | quadrant.simd_eq(f64x8::ONE);
-        let signed = |falls: f64x8, value: f64x8| falls.select(-value, value);
+        let two = quadrant.abs().simd_eq(Vector::splat(2.0));
+        let sine_falls = two | quadrant.simd_eq(Vector::splat(-1.0));
+        let cosine_falls = two | quadrant.simd_eq(Vector::ONE);
+        let signed = |falls: Vector, value: Vector| falls.select(-value, value);
         let found = [signed(sine_falls, first), signed(cosine_falls, second)];
-        let near = x.abs().simd_le(f64x8::splat(LARGEST));
+        let near = x.abs().simd_le(Vector::splat(LARGEST));
         if near.all() {
             return (Lanes(found[0]), Lanes(found[1]));
         }

@@ -1,39 +1,63 @@
 //! Many motions of one system at once, the flows of which step abreast in the lanes of a vector register.
 
-mod berth;
+mod slot;
 mod steps;
 
-use self::berth::{Berth, Next, Outcome};
-use super::erased::HybridEquations;
+use self::slot::{Next, Outcome, Slot};
+use super::erased::{EventNumber, FieldNumber, HybridEquations};
 use super::error::HybridError;
 use super::event::Event;
+use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
-use crate::core::flow::{Abreast, LANES, Outlook};
+use crate::core::flow::{BatchStepper, EventForecast, InLanes, LANES, Step};
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
+
+/// A scalar in which many motions are followed: `f64`, or `Dual64` with derivatives.
+pub trait FleetNumber: EventNumber + InLanes<Wide: FieldNumber> {}
+
+impl<T: EventNumber + InLanes<Wide: FieldNumber>> FleetNumber for T {}
 
 /// So many motions are under way at the same time: with a few modes, most find others in theirs to go abreast.
 const UNDER_WAY: usize = 64;
 
 /// One of many motions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Member {
+pub struct Member<T> {
     /// Where it is.
-    pub state: HybridState<f64>,
+    pub state: HybridState<T>,
     /// The parameters.
-    pub p: Vec<f64>,
+    pub p: Vec<T>,
 }
 
 /// Sees many motions, each by its number.
-pub trait FleetObserver {
+pub trait FleetObserver<T: Scalar> {
+    /// Whether steps are shown as well, which makes those abreast slower.
+    fn sees_steps(&self) -> bool {
+        false
+    }
+
+    /// A step of a member, as [`HybridObserver::step`](super::HybridObserver::step).
+    fn step<F: FieldIn<T>>(
+        &mut self,
+        _member: usize,
+        _mode: usize,
+        _step: &mut Step<F, T>,
+        _end: T,
+    ) {
+    }
+
     /// An event of a member.
-    fn event(&mut self, _member: usize, _event: &Event<f64>) {}
+    fn event(&mut self, _member: usize, _event: &Event<T>) {}
 
     /// The duration of a member has passed. It goes on for the same duration from the state as it is left here, or
     /// ends.
     fn arrived(
         &mut self,
         member: usize,
-        state: &mut HybridState<f64>,
+        state: &mut HybridState<T>,
         statistics: &HybridStatistics,
     ) -> ControlFlow<()>;
 }
@@ -41,8 +65,8 @@ pub trait FleetObserver {
 /// The motions of many members of one system, each as if it were alone: what becomes of a member is the same to the
 /// last bit whatever others there are, and in whichever order.
 ///
-/// It is what [`HybridFlow`] finds, but for rounding. Steps are taken, and guards are seen to keep clear of zero, for
-/// eight members at a time that are in the same mode; where a guard may vanish, one member is looked at alone. A
+/// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken, and guards are seen to keep clear of zero, for
+/// several members at a time that are in the same mode; where a guard may vanish, one member is looked at alone. A
 /// system says by [`in_lanes`](HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise, and by an
 /// implicit method, members are followed one after the other.
 ///
@@ -52,7 +76,7 @@ pub trait FleetObserver {
 /// use tangency::problems::mita::Actuator;
 /// /// Follows every member for two periods.
 /// struct Twice([usize; 20]);
-/// impl FleetObserver for Twice {
+/// impl FleetObserver<f64> for Twice {
 ///     fn arrived(&mut self, k: usize, state: &mut HybridState<f64>, _: &HybridStatistics) -> ControlFlow<()> {
 ///         self.0[k] += 1;
 ///         state.time = 0.0;
@@ -64,24 +88,27 @@ pub trait FleetObserver {
 ///     p[0] = 0.3 + 0.01 * k as f64;
 ///     Member { state: HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0; 2] }, p }
 /// };
-/// let mut members: Vec<Member> = (0..20).map(member).collect();
+/// let mut members: Vec<Member<f64>> = (0..20).map(member).collect();
 /// let (mut fleet, mut twice) = (Fleet::new(&Actuator, HybridSettings::default())?, Twice([0; 20]));
 /// let period = std::f64::consts::PI / 0.5;
 /// let results = fleet.advance(&mut members, |_| period, &mut twice);
 /// assert!(results.iter().all(Result::is_ok) && twice.0 == [2; 20]);
 /// # Ok::<(), tangency::core::hybrid::HybridError>(())
 /// ```
-pub struct Fleet<'a> {
-    worker: HybridFlow<'a, f64>,
-    abreast: Option<Abreast>,
+pub struct Fleet<'a, T: FleetNumber> {
+    worker: HybridFlow<'a, T>,
+    stepper: Option<BatchStepper<T>>,
     /// What is seen of the guards of a mode in the last step.
-    outlooks: Vec<Outlook>,
+    forecasts: Vec<EventForecast>,
     /// The guards to be looked at alone.
-    loud: Vec<usize>,
-    berths: Vec<Berth>,
+    candidates: Vec<usize>,
+    slots: Vec<Slot<T>>,
 }
 
-impl<'a> Fleet<'a> {
+impl<'a, T: FleetNumber> Fleet<'a, T>
+where
+    GuardOf<'a>: Watchable<T>,
+{
     /// The motions of a system with these settings.
     ///
     /// # Errors
@@ -91,9 +118,9 @@ impl<'a> Fleet<'a> {
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
         let worker = HybridFlow::new(system, settings)?;
-        let abreast = Abreast::new(&settings.flow).filter(|_| system.in_lanes());
-        let (outlooks, loud, berths) = Default::default();
-        Ok(Fleet { worker, abreast, outlooks, loud, berths })
+        let stepper = BatchStepper::new(&settings.flow).filter(|_| system.in_lanes());
+        let (forecasts, candidates, slots) = Default::default();
+        Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
     /// Moves all members on, each for its duration, and again as long as the observer says so. Where an error ends
@@ -103,47 +130,47 @@ impl<'a> Fleet<'a> {
     /// For each member, as [`HybridFlow::advance`].
     pub fn advance(
         &mut self,
-        members: &mut [Member],
-        duration: impl Fn(&Member) -> f64,
-        observer: &mut impl FleetObserver,
+        members: &mut [Member<T>],
+        duration: impl Fn(&Member<T>) -> T,
+        observer: &mut impl FleetObserver<T>,
     ) -> Vec<Result<(), HybridError>> {
         let mut waiting = 0..members.len();
-        let mut harbour = Harbour {
+        let mut scheduler = Scheduler {
             queues: self.worker.modes.iter().map(|_| Vec::new()).collect(),
             free: (0..UNDER_WAY).collect(),
             results: members.iter().map(|_| Ok(())).collect(),
             members,
         };
-        self.berths.resize_with(UNDER_WAY, Berth::new);
+        self.slots.resize_with(UNDER_WAY, Slot::new);
         loop {
-            while let Some(number) = harbour.free.pop() {
+            while let Some(number) = scheduler.free.pop() {
                 let Some(member) = waiting.next() else { break };
-                let boarding = &harbour.members[member];
-                self.berths[number].board(member, boarding, duration(boarding));
-                let outcome = self.go(number, Next::Depart, observer);
-                harbour.go_on(number, &self.berths[number], outcome);
+                let loaded = &scheduler.members[member];
+                self.slots[number].load(member, loaded, duration(loaded));
+                let outcome = self.go(number, Next::Start, observer);
+                scheduler.go_on(number, &self.slots[number], outcome);
             }
-            let Some((mode, abreast, count)) = harbour.longest() else { break };
+            let Some((mode, abreast, count)) = scheduler.longest() else { break };
             let errors = self.attempt(mode, &abreast[..count]);
-            for (lane, berth) in abreast[..count].iter().enumerate() {
-                let outcome = self.judge(mode, (lane, *berth), errors[lane], observer);
-                harbour.go_on(*berth, &self.berths[*berth], outcome);
+            for (lane, slot) in abreast[..count].iter().enumerate() {
+                let outcome = self.classify(mode, (lane, *slot), errors[lane], observer);
+                scheduler.go_on(*slot, &self.slots[*slot], outcome);
             }
         }
-        harbour.results
+        scheduler.results
     }
 }
 
-/// Which berths wait in which mode, which are free, and what has become of the members.
-struct Harbour<'m> {
+/// Which slots wait in which mode, which are free, and what has become of the members.
+struct Scheduler<'m, T> {
     /// Berths by the mode of their members.
     queues: Vec<Vec<usize>>,
     free: Vec<usize>,
-    members: &'m mut [Member],
+    members: &'m mut [Member<T>],
     results: Vec<Result<(), HybridError>>,
 }
 
-impl Harbour<'_> {
+impl<T: Scalar> Scheduler<'_, T> {
     /// The mode in which most are waiting, and as many of them as go abreast.
     fn longest(&mut self) -> Option<(usize, [usize; LANES], usize)> {
         let modes = self.queues.iter_mut().enumerate().filter(|(_, queue)| !queue.is_empty());
@@ -156,13 +183,13 @@ impl Harbour<'_> {
     }
 
     /// Puts a member into the queue of its mode, or back where it came from.
-    fn go_on(&mut self, number: usize, berth: &Berth, outcome: Outcome) {
+    fn go_on(&mut self, number: usize, slot: &Slot<T>, outcome: Outcome) {
         if let Ok(ControlFlow::Continue(())) = outcome {
-            self.queues[berth.state.mode].push(number);
+            self.queues[slot.state.mode].push(number);
             return;
         }
-        self.members[berth.member].state.clone_from(&berth.state);
-        self.results[berth.member] = outcome.map(|_| ());
+        self.members[slot.member].state.clone_from(&slot.state);
+        self.results[slot.member] = outcome.map(|_| ());
         self.free.push(number);
     }
 }

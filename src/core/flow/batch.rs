@@ -3,12 +3,12 @@
 //! Every flow has its own place, step and parameters. What the step of one of them means is decided for it alone:
 //! here steps are tried, and watched functions are seen to keep clear of zero, which is nearly all of the work.
 
-use super::course::Course;
 use super::error::FlowError;
+use super::forecast::EventForecast;
 use super::integrate::Flow;
-use super::lanes::{LANES, Lanes};
+use super::lane_state::LaneState;
+use super::lanes::{InLanes, LANES, Lanes};
 use super::motion::Motion;
-use super::outlook::Outlook;
 use super::settings::Settings;
 use super::stages::Stages;
 use super::step::{Known, Step};
@@ -18,18 +18,18 @@ use crate::core::watch::WatchIn;
 use num_dual::Dual;
 use std::cell::Cell;
 
-impl Flow<f64> {
-    /// Sets out on a course.
+impl<T: InLanes> Flow<T> {
+    /// Sets out on a lane_state.
     ///
     /// # Errors
     /// [`FlowError`] if the state is outside the domain of the field.
-    pub(in crate::core) fn set_out<F: FieldIn<f64>>(
+    pub(in crate::core) fn set_out<F: FieldIn<T>>(
         &mut self,
         field: &F,
-        [start, length]: [f64; 2],
-        x: &[f64],
-        p: &[f64],
-        course: &mut Course,
+        [start, length]: [T; 2],
+        x: &[T],
+        p: &[T],
+        lane_state: &mut LaneState<T>,
     ) -> Result<(), FlowError> {
         let evaluations = Cell::new(0);
         let motion = Motion { field, start, length, p, evaluations: &evaluations };
@@ -37,36 +37,36 @@ impl Flow<f64> {
         self.inside(&motion, 0.0)?;
         let h = self.first_step(&motion)?;
         let slope = self.buffers.stages.slope(0);
-        let slope = slope.iter().map(|slope| slope / length);
-        course.begin([start, length], h, x, slope, &self.settings);
-        course.statistics.evaluations = evaluations.get();
+        let slope = slope.iter().map(|slope| *slope / length);
+        lane_state.begin([start, length], h, x, slope, &self.settings);
+        lane_state.statistics.evaluations = evaluations.get();
         Ok(())
     }
 
     /// Shows the step of one lane as if it were of this flow. What is known exactly then is the state at its end.
-    pub(in crate::core) fn show_lane<F: FieldIn<f64>>(
+    pub(in crate::core) fn show_lane<F: FieldIn<T>>(
         &mut self,
         field: &F,
-        p: &[f64],
-        (abreast, lane, course): (&Abreast, usize, &mut Course),
-        observe: impl FnOnce(&mut Step<F, f64>),
+        p: &[T],
+        (abreast, lane, lane_state): (&BatchStepper<T>, usize, &mut LaneState<T>),
+        observe: impl FnOnce(&mut Step<F, T>),
     ) {
-        let Course { start, length, sigma, .. } = *course;
-        let (h, _) = course.step();
-        let (n, evaluations) = (course.x.len(), Cell::new(0));
+        let LaneState { start, length, sigma, .. } = *lane_state;
+        let (h, _) = lane_state.step();
+        let (n, evaluations) = (lane_state.x.len(), Cell::new(0));
         let motion = &Motion { field, start, length, p, evaluations: &evaluations };
         let (scheme, tolerance) = (self.settings.scheme, self.settings.absolute);
         let buffers = &mut self.buffers;
         buffers.x.clear();
-        buffers.x.extend_from_slice(&course.x);
+        buffers.x.extend_from_slice(&lane_state.x);
         buffers.scales.clear();
         buffers.scales.resize(n, 1.0);
         buffers.stages.resize(n);
         buffers.partial.resize(n);
-        let known = abreast.slopes(n).iter().map(|slope| slope.each()[lane] / h);
+        let known = abreast.slopes(n).iter().map(|slope| T::lane(slope, lane) / h);
         buffers.stages.slopes.iter_mut().zip(known).for_each(|(to, from)| *to = from);
         for (to, from) in buffers.stages.end.iter_mut().zip(&abreast.stages.end) {
-            *to = from.each()[lane];
+            *to = T::lane(from, lane);
         }
         // The end of the step, as if it had been asked for.
         let first = scheme.tableau().map_or(0, |tableau| tableau.end() * n);
@@ -75,69 +75,71 @@ impl Flow<f64> {
         buffers.slopes.extend_from_slice(&buffers.stages.slopes[first..first + n]);
         let known = Known::at(1.0);
         observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known });
-        course.statistics.evaluations += evaluations.get();
+        lane_state.statistics.evaluations += evaluations.get();
     }
 }
 
 /// Flows abreast, in one step.
-pub(in crate::core) struct Abreast {
+pub(in crate::core) struct BatchStepper<T: InLanes> {
     tableau: &'static Tableau,
     /// States, slopes, parameters, times and durations of the step as they are given, lane by lane.
-    given: [Vec<[f64; LANES]>; 3],
-    time: [f64; LANES],
-    length: [f64; LANES],
-    x: Vec<Lanes>,
-    p: Vec<Lanes>,
-    stages: Stages<Lanes>,
+    given: [Vec<[T; LANES]>; 3],
+    time: [T; LANES],
+    length: [T; LANES],
+    x: Vec<T::Wide>,
+    p: Vec<T::Wide>,
+    stages: Stages<T::Wide>,
     /// What watched functions see.
     dual_x: [Vec<Dual<Lanes>>; 2],
     dual_p: Vec<Dual<Lanes>>,
+    dual_time: [Dual<Lanes>; 2],
 }
 
-impl Abreast {
+impl<T: InLanes> BatchStepper<T> {
     /// Flows abreast, by an explicit method.
     pub fn new(settings: &Settings) -> Option<Self> {
-        Some(Abreast {
+        Some(BatchStepper {
             tableau: settings.scheme.tableau()?,
             given: Default::default(),
-            time: [0.0; LANES],
-            length: [0.0; LANES],
+            time: [T::zero(); LANES],
+            length: [T::zero(); LANES],
             x: Vec::new(),
             p: Vec::new(),
             stages: Stages::default(),
             dual_x: Default::default(),
             dual_p: Vec::new(),
+            dual_time: [Dual::from_re(Lanes::splat(0.0)); 2],
         })
     }
 
     /// Puts a flow into a lane. Lanes that stay empty need one all the same.
-    pub fn load(&mut self, lane: usize, course: &Course, p: &[f64]) {
+    pub fn load(&mut self, lane: usize, lane_state: &LaneState<T>, p: &[T]) {
         let [x, slope, parameters] = &mut self.given;
-        for (to, from) in [(x, &course.x[..]), (slope, &course.slope), (parameters, p)] {
-            to.resize(from.len(), [0.0; LANES]);
+        for (to, from) in [(x, &lane_state.x[..]), (slope, &lane_state.slope), (parameters, p)] {
+            to.resize(from.len(), [T::zero(); LANES]);
             to.iter_mut().zip(from).for_each(|(to, from)| to[lane] = *from);
         }
-        self.time[lane] = course.start + course.length * course.sigma;
-        self.length[lane] = course.length * course.step().0;
+        self.time[lane] = lane_state.start + lane_state.length * lane_state.sigma;
+        self.length[lane] = lane_state.length * lane_state.step().0;
     }
 
     /// All slopes, in units of the step, of `n` states.
-    fn slopes(&self, n: usize) -> &[Lanes] {
+    fn slopes(&self, n: usize) -> &[T::Wide] {
         &self.stages.slopes[..(self.tableau.end() + 1) * n]
     }
 
     /// Tries a step in every lane and returns the errors, in units of the tolerance.
-    pub fn attempt<F: FieldIn<Lanes>>(&mut self, field: &F, settings: &Settings) -> [f64; LANES] {
-        let Abreast { tableau, given, x, p, stages, .. } = self;
-        let [start, length] = [self.time, self.length].map(Lanes::from);
+    pub fn attempt<F: FieldIn<T::Wide>>(&mut self, field: &F, settings: &Settings) -> [f64; LANES] {
+        let BatchStepper { tableau, given, time, length, x, p, stages, .. } = self;
+        let (start, length) = (T::gather(*time), T::gather(*length));
         let evaluations = &Cell::new(0);
         x.clear();
-        x.extend(given[0].iter().map(|x| Lanes::from(*x)));
+        x.extend(given[0].iter().map(|x| T::gather(*x)));
         p.clear();
-        p.extend(given[2].iter().map(|p| Lanes::from(*p)));
+        p.extend(given[2].iter().map(|p| T::gather(*p)));
         stages.resize(x.len());
         for (to, slope) in stages.slopes.iter_mut().zip(&given[1]) {
-            *to = Lanes::from(*slope) * length;
+            *to = T::gather(*slope) * length;
         }
         let motion = Motion { field, start, length, p, evaluations };
         stages.advance(tableau, &motion, (0.0, 1.0), x);
@@ -149,9 +151,10 @@ impl Abreast {
     fn errors(&self, settings: &Settings) -> [f64; LANES] {
         let (n, slopes, mut squares) = (self.x.len(), &self.stages.slopes, [Lanes::splat(0.0); 2]);
         for (i, (x, end)) in self.x.iter().zip(&self.stages.end).enumerate() {
-            let tolerated = x.size().most(end.size()) * settings.relative + settings.absolute;
+            let [x, end] = [x, end].map(|x| T::reals(x).size());
+            let tolerated = x.most(end) * settings.relative + settings.absolute;
             let sum = |row: Row| {
-                let terms = row.iter().map(|(j, e)| slopes[j * n + i] * *e);
+                let terms = row.iter().map(|(j, e)| T::reals(&slopes[j * n + i]) * *e);
                 terms.fold(Lanes::splat(0.0), |sum, term| sum + term) / tolerated
             };
             for (square, row) in
@@ -177,34 +180,37 @@ impl Abreast {
         for (dual, (x, stage)) in self.dual_x.iter_mut().zip(ends) {
             let slopes = &self.stages.slopes[stage * n..(stage + 1) * n];
             dual.clear();
-            dual.extend(x.iter().zip(slopes).map(|(x, slope)| Dual::new(*x, *slope)));
+            let moving = x.iter().zip(slopes);
+            dual.extend(moving.map(|(x, slope)| Dual::new(T::reals(x), T::reals(slope))));
         }
+        let time: [f64; LANES] = std::array::from_fn(|lane| self.time[lane].real());
+        let length: [f64; LANES] = std::array::from_fn(|lane| self.length[lane].real());
+        let (time, length) = (Lanes::from(time), Lanes::from(length));
+        self.dual_time = [Dual::new(time, length), Dual::new(time + length, length)];
         self.dual_p.clear();
-        self.dual_p.extend(self.p.iter().map(|p| Dual::from_re(*p)));
+        self.dual_p.extend(self.p.iter().map(|p| Dual::from_re(T::reals(p))));
     }
 
     /// What can be said about a watched function from its values and slopes at both ends.
-    pub fn outlook<W: WatchIn<Dual<Lanes>>>(&self, watch: &W) -> Outlook {
-        let [time, length] = [self.time, self.length].map(Lanes::from);
-        let [start, end] = [0, 1].map(|end| {
-            let time = Dual::new(time + length * end as f64, length);
-            watch.value_in(time, &self.dual_x[end], &self.dual_p)
-        });
-        Outlook::of([start, end])
+    pub fn forecast<W: WatchIn<Dual<Lanes>>>(&self, watch: &W) -> EventForecast {
+        let [start, end] = &self.dual_time;
+        let start = watch.value_in(*start, &self.dual_x[0], &self.dual_p);
+        let end = watch.value_in(*end, &self.dual_x[1], &self.dual_p);
+        EventForecast::of(start, end)
     }
 
     /// Accepts the step of a lane with this error.
-    pub fn accept(&self, lane: usize, error: f64, course: &mut Course) {
-        let (n, (h, last)) = (course.x.len(), course.step());
+    pub fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>) {
+        let (n, (h, last)) = (lane_state.x.len(), lane_state.step());
         let slopes = &self.stages.slopes[self.tableau.end() * n..];
         let length = self.length[lane];
-        let end = self.stages.end.iter().map(|end| end.each()[lane]);
-        course.x.iter_mut().zip(end).for_each(|(x, end)| *x = end);
-        for (to, slope) in course.slope.iter_mut().zip(slopes) {
-            *to = slope.each()[lane] / length;
+        let end = self.stages.end.iter().map(|end| T::lane(end, lane));
+        lane_state.x.iter_mut().zip(end).for_each(|(x, end)| *x = end);
+        for (to, slope) in lane_state.slope.iter_mut().zip(slopes) {
+            *to = T::lane(slope, lane) / length;
         }
-        course.sigma = if last { 1.0 } else { course.sigma + h };
-        course.accept(h, error);
+        lane_state.sigma = if last { 1.0 } else { lane_state.sigma + h };
+        lane_state.accept(h, error);
     }
 
     /// How many evaluations of the field a step takes.

@@ -11,7 +11,7 @@ const NEAR: f64 = 1e-3;
 
 /// What ends and slopes of a step tell about a watched function, one bit for each lane.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::core) struct Outlook {
+pub(in crate::core) struct EventForecast {
     /// Values and slopes at the start and at the end.
     ends: [Dual<Lanes>; 2],
     /// It is positive at the start.
@@ -24,25 +24,25 @@ pub(in crate::core) struct Outlook {
     falls: u32,
 }
 
-impl Outlook {
+impl EventForecast {
     /// What can be said about a function with these values and slopes at both ends.
-    pub(super) fn of([start, end]: [Dual<Lanes>; 2]) -> Self {
+    pub(super) fn of(start: Dual<Lanes>, end: Dual<Lanes>) -> Self {
         let middle = (end.re - start.re) * 1.5 - (start.eps + end.eps) * 0.25;
         let slopes = [start.eps, middle, end.eps];
-        let [first, second, third] = slopes.map(Lanes::size);
+        let (first, second, third) = (start.eps.size(), middle.size(), end.eps.size());
         let (least, most) = (first.least(second).least(third), first.most(second).most(third));
         let (zero, none) = (Lanes::splat(0.0), Lanes::splat(ZERO));
         let same = slopes.iter().fold(!0, |bits, slope| bits & (*slope * slopes[2]).exceeds(zero));
         let monotone = same & (least * 5.0).exceeds(most);
         // The slope changes its sign once, at a rate that changes by less than three times.
         let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
-        let [a, b] = rates.map(Lanes::size);
+        let (a, b) = (rates[0].size(), rates[1].size());
         let turns = zero.exceeds(slopes[0] * slopes[2])
             & (rates[0] * rates[1]).exceeds(zero)
             & (b * 3.0).exceeds(a)
             & (a * 3.0).exceeds(b);
         let (positive, lower) = (start.re.exceeds(none), start.re.least(end.re));
-        Outlook {
+        EventForecast {
             ends: [start, end],
             positive,
             clear: lower.exceeds(none) & (monotone | lower.exceeds(most)),

@@ -1,50 +1,56 @@
 //! Where a member is while it is under way.
 
 use super::Member;
-use crate::core::flow::{Course, Sign};
+use crate::core::flow::{LaneState, Sign};
 use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::simulation::{HybridState, HybridStatistics};
+use crate::core::scalar::Scalar;
 use std::ops::ControlFlow;
 
 /// A member under way.
-pub(super) struct Berth {
+pub(super) struct Slot<T: Scalar> {
     pub member: usize,
-    pub duration: f64,
+    pub duration: T,
     /// The state where its leg began.
-    pub state: HybridState<f64>,
-    pub p: Vec<f64>,
-    pub end: f64,
+    pub state: HybridState<T>,
+    pub p: Vec<T>,
+    /// Real parts of the parameters.
+    pub real_p: Vec<f64>,
+    pub end: T,
     pub statistics: HybridStatistics,
     pub still: (f64, usize),
-    pub series: Vec<Series<f64>>,
+    pub series: Vec<Series<T>>,
     pub pace: Option<f64>,
-    pub course: Course,
+    pub lane_state: LaneState<T>,
     /// What is known of the guards of its mode.
     pub signs: Vec<Sign>,
 }
 
-impl Berth {
+impl<T: Scalar> Slot<T> {
     pub fn new() -> Self {
-        Berth {
+        Slot {
             member: 0,
-            duration: 0.0,
-            state: HybridState { mode: 0, time: 0.0, x: Vec::new() },
+            duration: T::zero(),
+            state: HybridState { mode: 0, time: T::zero(), x: Vec::new() },
             p: Vec::new(),
-            end: 0.0,
+            real_p: Vec::new(),
+            end: T::zero(),
             statistics: HybridStatistics::default(),
             still: (0.0, 0),
             series: Vec::new(),
             pace: None,
-            course: Course::new(),
+            lane_state: LaneState::new(),
             signs: Vec::new(),
         }
     }
 
-    pub fn board(&mut self, number: usize, member: &Member, duration: f64) {
+    pub fn load(&mut self, number: usize, member: &Member<T>, duration: T) {
         (self.member, self.duration) = (number, duration);
         self.state.clone_from(&member.state);
         self.p.clone_from(&member.p);
+        self.real_p.clear();
+        self.real_p.extend(member.p.iter().map(T::real));
     }
 }
 
@@ -52,13 +58,13 @@ impl Berth {
 #[derive(Clone, Copy)]
 pub(super) enum Next {
     /// Its duration begins.
-    Depart,
+    Start,
     /// A leg begins.
     Leg,
     /// A leg is followed without the others.
     Alone,
     /// Its duration has passed.
-    Arrive,
+    Finish,
 }
 
 /// What becomes of a member after something was done with it: it goes on in the lanes, or has ended.

@@ -1,10 +1,11 @@
 //! A flow between two steps, which are taken beside those of others.
 
 use super::control::Control;
+use super::forecast::EventForecast;
 use super::integrate::Statistics;
-use super::outlook::Outlook;
 use super::settings::Settings;
 use super::step::CLOSE;
+use crate::core::scalar::Scalar;
 
 /// So many shorter steps are taken towards a root; what takes more is looked at alone.
 const TRIES: usize = 4;
@@ -32,19 +33,19 @@ pub(in crate::core) struct Reached {
 }
 
 /// A flow under way, between two steps.
-pub(in crate::core) struct Course {
+pub(in crate::core) struct LaneState<T> {
     /// The time at its start.
-    pub(super) start: f64,
+    pub(super) start: T,
     /// Its duration.
-    pub(super) length: f64,
+    pub(super) length: T,
     /// How far it has come, from 0 to 1.
     pub(super) sigma: f64,
     /// The step to try.
     h: f64,
     /// The state.
-    pub(super) x: Vec<f64>,
+    pub(super) x: Vec<T>,
     /// The slope by time.
-    pub(super) slope: Vec<f64>,
+    pub(super) slope: Vec<T>,
     largest_step: f64,
     control: Control,
     purpose: Purpose,
@@ -52,13 +53,13 @@ pub(in crate::core) struct Course {
     pub statistics: Statistics,
 }
 
-impl Course {
+impl<T: Scalar> LaneState<T> {
     /// No flow as yet.
     pub fn new() -> Self {
         let settings = Settings::default();
-        Course {
-            start: 0.0,
-            length: 0.0,
+        LaneState {
+            start: T::zero(),
+            length: T::zero(),
             sigma: 0.0,
             h: 0.0,
             x: Vec::new(),
@@ -73,10 +74,10 @@ impl Course {
     /// Begins, with a first step to try, in a state with its slope by time.
     pub(super) fn begin(
         &mut self,
-        [start, length]: [f64; 2],
+        [start, length]: [T; 2],
         h: f64,
-        x: &[f64],
-        slope: impl Iterator<Item = f64>,
+        x: &[T],
+        slope: impl Iterator<Item = T>,
         settings: &Settings,
     ) {
         self.x.clear();
@@ -91,7 +92,7 @@ impl Course {
     }
 
     /// The state.
-    pub fn state(&self) -> &[f64] {
+    pub fn state(&self) -> &[T] {
         &self.x
     }
 
@@ -132,17 +133,17 @@ impl Course {
     }
 
     /// Sets out for the only root of a watched function in the step just tried; none if that cannot be done.
-    pub fn aim(&mut self, watched: usize, outlook: &Outlook, lane: usize) -> Option<()> {
-        let guess = outlook.fall(lane).filter(|_| self.purpose == Purpose::Advance)?;
+    pub fn aim(&mut self, watched: usize, forecast: &EventForecast, lane: usize) -> Option<()> {
+        let guess = forecast.fall(lane).filter(|_| self.purpose == Purpose::Advance)?;
         self.purpose = Purpose::Aim { watched, fraction: guess, tries: 0 };
         Some(())
     }
 
     /// Whether the shorter step just tried ends so close to the root that it is known. If not, another one is to be
     /// tried, or the whole step looked at alone.
-    pub fn reached(&mut self, outlooks: &[Outlook], lane: usize) -> Option<Reached> {
+    pub fn reached(&mut self, forecasts: &[EventForecast], lane: usize) -> Option<Reached> {
         let Purpose::Aim { watched, fraction, tries } = self.purpose else { return None };
-        let change = outlooks[watched].correction(lane);
+        let change = forecasts[watched].correction(lane);
         let next = fraction * (1.0 + change);
         if (change * fraction).abs() <= CLOSE {
             return Some(Reached { watched, fraction: 1.0 + change, whole: 1.0 / fraction });

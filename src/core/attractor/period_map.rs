@@ -1,0 +1,253 @@
+//! Hybrid systems sampled once in every period.
+
+use super::error::StroboscopicError;
+use super::period::{Period, Recorder, Recording};
+use super::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};
+use crate::core::field::Forcing;
+use crate::core::flow::Step;
+use crate::core::hybrid::{
+    Event, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
+    HybridState, HybridStatistics, Measure, Member,
+};
+use crate::core::scalar_field::FieldIn;
+use num_dual::Dual64;
+use std::ops::ControlFlow;
+
+/// The motion of a hybrid system, sampled once in every period of its forcing.
+///
+/// Many trajectories are followed abreast, by a [`Fleet`].
+///
+/// ```
+/// use tangency::core::attractor::{AttractorSearch, StroboscopicMap, PeriodMap};
+/// use tangency::core::hybrid::{HybridSettings, HybridState};
+/// use tangency::problems::classic::ImpactOscillator;
+/// let mut oscillator = PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?;
+/// // One impact in every period of the forcing, and what it is attracted with:
+/// let p = [5.0, 2.2, 0.8, 0.1, 1.0];
+/// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
+/// let settled = AttractorSearch::default().follow(&mut oscillator, start, &p)?;
+/// assert_eq!((settled.periods, settled.count("impact")), (Some(1), 1.0));
+/// // Damping and restitution leave |μ|² = e² exp(−c·2π/ω).
+/// let exact = (0.8_f64.powi(2) * (-0.1 * std::f64::consts::TAU / 2.2).exp()).ln() / 2.0;
+/// assert!((settled.exponent.expect("an exponent").value - exact).abs() < 1e-9);
+/// # Ok::<(), tangency::core::attractor::StroboscopicError>(())
+/// ```
+pub struct PeriodMap<'a> {
+    real: HybridFlow<'a, f64>,
+    dual: HybridFlow<'a, Dual64>,
+    fleet: Fleet<'a, f64>,
+    dual_fleet: Fleet<'a, Dual64>,
+    layout: Layout,
+    /// Numbers of events by guard.
+    numbers: Vec<usize>,
+    measures: Vec<Measure>,
+    /// Parameters as dual numbers.
+    p: Vec<Dual64>,
+}
+
+impl<'a> PeriodMap<'a> {
+    /// The motion of a system, of which these measures are taken: its own, and its
+    /// [`penetration`](Measure::Penetration).
+    ///
+    /// # Errors
+    /// [`StroboscopicError::NoMeasure`] if the system has no such measure, [`StroboscopicError::Hybrid`] if a setting has
+    /// no meaning.
+    pub fn of(
+        system: &'a dyn HybridEquations,
+        settings: HybridSettings,
+        measures: &[String],
+    ) -> Result<Self, StroboscopicError> {
+        let mut known = system.measures();
+        known.push((Measure::PENETRATION.into(), Measure::Penetration));
+        let measure = |name: &String| {
+            let found = known.iter().find(|(known, _)| known == name);
+            found.map(|(_, measure)| measure.clone()).ok_or_else(|| StroboscopicError::NoMeasure {
+                name: name.clone(),
+                known: known.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", "),
+            })
+        };
+        let (mut events, mut numbers) = (Vec::<String>::new(), Vec::new());
+        for guard in system.guards() {
+            let number = events.iter().position(|event| *event == guard.name);
+            numbers.push(number.unwrap_or(events.len()));
+            if number.is_none() {
+                events.push(guard.name);
+            }
+        }
+        Ok(PeriodMap {
+            real: HybridFlow::new(system, settings)?,
+            dual: HybridFlow::new(system, settings)?,
+            fleet: Fleet::new(system, settings)?,
+            dual_fleet: Fleet::new(system, settings)?,
+            layout: Layout { modes: system.modes(), events, measures: measures.to_vec() },
+            numbers,
+            measures: measures.iter().map(measure).collect::<Result<_, _>>()?,
+            p: Vec::new(),
+        })
+    }
+
+    fn period(&self, p: &[f64]) -> Result<f64, StroboscopicError> {
+        let system = self.real.system();
+        match system.forcing() {
+            Forcing::Periodic { .. } => Ok(system.period(p)),
+            Forcing::None => Err(StroboscopicError::NoPeriod),
+        }
+    }
+}
+
+impl StroboscopicMap for PeriodMap<'_> {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn advance(
+        &mut self,
+        state: &mut HybridState<f64>,
+        p: &[f64],
+    ) -> Result<(), StroboscopicError> {
+        let (period, phase) = (self.period(p)?, state.time);
+        self.real.advance(state, period, p, &mut ())?;
+        // From the same time in every period: long times have fewer digits.
+        state.time = phase;
+        Ok(())
+    }
+
+    fn record(
+        &mut self,
+        state: &mut HybridState<f64>,
+        p: &[f64],
+    ) -> Result<Period, StroboscopicError> {
+        let period = self.period(p)?;
+        let PeriodMap { real, layout: Layout { modes, .. }, measures, numbers, .. } = self;
+        let of = Recording { system: real.system(), modes, measures, numbers };
+        let mut recorder = Recorder::new(of, state);
+        real.advance(state, period, p, &mut recorder)?;
+        let recorded = recorder.finish(state, p);
+        state.time = recorded.start.time;
+        Ok(recorded)
+    }
+
+    fn push_forward(
+        &mut self,
+        state: &mut HybridState<Dual64>,
+        p: &[f64],
+    ) -> Result<(), StroboscopicError> {
+        let (period, phase) = (self.period(p)?, state.time);
+        self.p.clear();
+        self.p.extend(p.iter().map(|p| Dual64::from(*p)));
+        self.dual.advance(state, period.into(), &self.p, &mut ())?;
+        state.time = phase;
+        Ok(())
+    }
+
+    fn advance_all(
+        &mut self,
+        members: &mut [Member<f64>],
+        recorded: bool,
+        each: &mut EachPeriod,
+    ) -> Outcomes {
+        if self.real.system().forcing() == Forcing::None {
+            return members.iter().map(|_| Err(StroboscopicError::NoPeriod)).collect();
+        }
+        let PeriodMap { real, fleet, layout: Layout { modes, .. }, measures, numbers, .. } = self;
+        let system = real.system();
+        let of = Recording { system, modes, measures, numbers };
+        let sample = |Member { state, p }: &Member<f64>| Sampled {
+            phase: state.time,
+            p: p.clone(),
+            recorder: recorded.then(|| Recorder::new(of, state)),
+        };
+        let mut sampler = Sampler { of, sampled: members.iter().map(sample).collect(), each };
+        let period = |member: &Member<f64>| system.period(&member.p);
+        let results = fleet.advance(members, period, &mut sampler);
+        results.into_iter().map(|result| Ok(result?)).collect()
+    }
+
+    fn push_forward_all(
+        &mut self,
+        members: &mut [Member<Dual64>],
+        each: &mut EachTangent,
+    ) -> Outcomes {
+        let system = self.real.system();
+        if system.forcing() == Forcing::None {
+            return members.iter().map(|_| Err(StroboscopicError::NoPeriod)).collect();
+        }
+        let phases = members.iter().map(|member| member.state.time).collect();
+        let period = |member: &Member<Dual64>| system.period(&member.p);
+        let results =
+            self.dual_fleet.advance(members, period, &mut TangentSampler { phases, each });
+        results.into_iter().map(|result| Ok(result?)).collect()
+    }
+}
+
+/// What is known of one of many trajectories in a period.
+struct Sampled<'a> {
+    /// The time at which a period begins.
+    phase: f64,
+    p: Vec<f64>,
+    recorder: Option<Recorder<'a>>,
+}
+
+/// Shows the periods of many trajectories.
+struct Sampler<'a, 'e> {
+    of: Recording<'a>,
+    sampled: Vec<Sampled<'a>>,
+    each: &'e mut EachPeriod<'e>,
+}
+
+impl FleetObserver<f64> for Sampler<'_, '_> {
+    fn sees_steps(&self) -> bool {
+        let recorded = self.sampled.iter().any(|sampled| sampled.recorder.is_some());
+        recorded && !self.of.measures.is_empty()
+    }
+
+    fn step<F: FieldIn<f64>>(
+        &mut self,
+        member: usize,
+        mode: usize,
+        step: &mut Step<F, f64>,
+        end: f64,
+    ) {
+        if let Some(recorder) = &mut self.sampled[member].recorder {
+            recorder.step(mode, step, end);
+        }
+    }
+
+    fn event(&mut self, member: usize, event: &Event<f64>) {
+        if let Some(recorder) = &mut self.sampled[member].recorder {
+            // A recorder never ends the motion.
+            let _ = recorder.event(event);
+        }
+    }
+
+    fn arrived(
+        &mut self,
+        member: usize,
+        state: &mut HybridState<f64>,
+        _statistics: &HybridStatistics,
+    ) -> ControlFlow<()> {
+        let Sampled { phase, p, recorder } = &mut self.sampled[member];
+        let period = recorder.take().map(|recorder| recorder.finish(state, p));
+        state.time = *phase;
+        *recorder = period.as_ref().map(|_| Recorder::new(self.of, state));
+        (self.each)(member, period, state)
+    }
+}
+
+/// Shows the tangent vectors of many trajectories.
+struct TangentSampler<'e> {
+    phases: Vec<Dual64>,
+    each: &'e mut EachTangent<'e>,
+}
+
+impl FleetObserver<Dual64> for TangentSampler<'_> {
+    fn arrived(
+        &mut self,
+        member: usize,
+        state: &mut HybridState<Dual64>,
+        _statistics: &HybridStatistics,
+    ) -> ControlFlow<()> {
+        state.time = self.phases[member];
+        (self.each)(member, state)
+    }
+}

@@ -1,0 +1,355 @@
+//! Following motions until it is known which attractors they are on.
+
+use super::error::StroboscopicError;
+use super::exponent::{
+    Exponent, Growth, Monodromy, correction, monodromy, of_matrix, with_tangent,
+};
+use super::period::Period;
+use super::{Layout, StroboscopicMap};
+use crate::core::hybrid::{HybridState, Member, Repetition};
+use num_dual::Dual64;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// How long a motion is followed, and when it counts as periodic. All times are periods.
+///
+/// ```
+/// use tangency::core::attractor::AttractorSearch;
+/// let patient = AttractorSearch { transient: 5000, ..AttractorSearch::default() };
+/// assert!(patient.recorded_periods == 200 && patient.max_period == 16);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AttractorSearch {
+    /// The length of the transient, which is not recorded.
+    pub transient: usize,
+    /// How many periods are searched for a cycle, and recorded of a motion that is not periodic.
+    pub recorded_periods: usize,
+    /// The largest number of periods in a cycle.
+    pub max_period: usize,
+    /// A motion may be periodic when it comes back this near, in units of its largest state. The periodic point is
+    /// then improved by Newton's method, and counts if it is stable.
+    pub tolerance: f64,
+    /// Over how many periods the exponent of a motion that is not periodic is averaged; 0 for no exponent.
+    pub lyapunov_periods: usize,
+}
+
+impl Default for AttractorSearch {
+    /// A transient of 300 periods, then 200, up to 16 in a cycle, a tolerance of 1e-5, exponents over 2000.
+    fn default() -> Self {
+        AttractorSearch {
+            transient: 300,
+            recorded_periods: 200,
+            max_period: 16,
+            tolerance: 1e-5,
+            lyapunov_periods: 2000,
+        }
+    }
+}
+
+/// The attractor that a motion is on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attractor {
+    /// The periods in a cycle; `None` if the motion did not repeat.
+    pub periods: Option<usize>,
+    /// One cycle, or all periods recorded.
+    pub records: Vec<Period>,
+    /// The events by name, and how often each came in a cycle (in a period, if there is no cycle): infinitely often
+    /// where they accumulate.
+    pub events: Vec<(String, f64)>,
+    /// How often infinitely many events came in a finite time, likewise.
+    pub accumulations: f64,
+    /// The largest Lyapunov exponent, per period.
+    pub exponent: Option<Exponent>,
+    /// The state in the end.
+    pub end: HybridState<f64>,
+}
+
+impl Attractor {
+    /// How often an event came in a cycle (in a period, if there is no cycle).
+    pub fn count(&self, event: &str) -> f64 {
+        self.events.iter().find(|(name, _)| name == event).map_or(0.0, |(_, count)| *count)
+    }
+}
+
+/// A periodic point counts if Newton's method ends there, with steps below this in units of the largest state …
+const CONVERGED: f64 = 1e-11;
+/// … after no more than so many …
+const ROUNDS: usize = 8;
+/// … no farther away than this.
+const NEAR: f64 = 0.03;
+
+/// A stable periodic point.
+struct Cycle {
+    start: HybridState<f64>,
+    exponent: Exponent,
+}
+
+/// A motion on its way to an attractor.
+struct Run {
+    member: Member<f64>,
+    /// The periods of the transient so far.
+    periods: usize,
+    repetition: Repetition,
+    records: Vec<Period>,
+    /// The number of records from which on Newton's method is tried again.
+    next_try: usize,
+    /// The number of periods after which motion has come back.
+    candidate: Option<usize>,
+    exponent: Option<Exponent>,
+    /// A cycle, or why the motion has ended.
+    outcome: Option<Result<Attractor, StroboscopicError>>,
+}
+
+impl Run {
+    fn new(search: &AttractorSearch, member: Member<f64>) -> Self {
+        Run {
+            member,
+            periods: 0,
+            repetition: Repetition::new(search.max_period, search.tolerance),
+            records: Vec::new(),
+            next_try: 0,
+            candidate: None,
+            exponent: None,
+            outcome: None,
+        }
+    }
+
+    /// Takes a period in, until motion may be periodic.
+    fn record(&mut self, period: Period, state: &HybridState<f64>) -> ControlFlow<()> {
+        let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
+        let found = self.repetition.push(period.start.clone(), numbers.collect(), state);
+        self.records.push(period);
+        self.candidate = found.filter(|_| self.records.len() >= self.next_try);
+        proceed(self.candidate.is_none())
+    }
+
+    /// Improves the cycle that motion may be on.
+    fn improve(&mut self, map: &mut dyn StroboscopicMap) {
+        let Some(q) = self.candidate.take() else { return };
+        // Where motion is slow but does not settle, Newton's method is not tried every time.
+        self.next_try = 2 * self.records.len();
+        let Member { state, p } = &self.member;
+        if let Some(cycle) = improved(map, state, p, q) {
+            self.outcome = Some(periodic(map, cycle, p, q));
+        }
+    }
+
+    /// The attractor.
+    fn finish(self, layout: &Layout) -> Result<Attractor, StroboscopicError> {
+        let Run { records, exponent, member, outcome, .. } = self;
+        outcome.unwrap_or_else(|| {
+            let (events, accumulations) = counts(layout, &records, records.len());
+            let end = member.state;
+            Ok(Attractor { periods: None, records, events, accumulations, exponent, end })
+        })
+    }
+}
+
+/// Whether to go on.
+fn proceed(goes_on: bool) -> ControlFlow<()> {
+    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+}
+
+/// A map whose trajectories are followed one by one.
+struct OneByOne<'m>(&'m mut dyn StroboscopicMap);
+
+impl StroboscopicMap for OneByOne<'_> {
+    fn layout(&self) -> &Layout {
+        self.0.layout()
+    }
+
+    fn advance(
+        &mut self,
+        state: &mut HybridState<f64>,
+        p: &[f64],
+    ) -> Result<(), StroboscopicError> {
+        self.0.advance(state, p)
+    }
+
+    fn record(
+        &mut self,
+        state: &mut HybridState<f64>,
+        p: &[f64],
+    ) -> Result<Period, StroboscopicError> {
+        self.0.record(state, p)
+    }
+
+    fn push_forward(
+        &mut self,
+        state: &mut HybridState<Dual64>,
+        p: &[f64],
+    ) -> Result<(), StroboscopicError> {
+        self.0.push_forward(state, p)
+    }
+}
+
+/// Follows those of the runs that are wanted.
+fn advance(
+    map: &mut dyn StroboscopicMap,
+    runs: &mut [Run],
+    wanted: impl Fn(&Run) -> bool,
+    recorded: bool,
+    mut each: impl FnMut(&mut Run, Option<Period>, &HybridState<f64>) -> ControlFlow<()>,
+) {
+    let wanted: Vec<usize> = (0..runs.len()).filter(|k| wanted(&runs[*k])).collect();
+    let mut members: Vec<Member<f64>> = wanted.iter().map(|k| runs[*k].member.clone()).collect();
+    let outcomes = map.advance_all(&mut members, recorded, &mut |k, period, state| {
+        each(&mut runs[wanted[k]], period, state)
+    });
+    for ((k, member), outcome) in wanted.into_iter().zip(members).zip(outcomes) {
+        runs[k].member = member;
+        runs[k].outcome = outcome.err().map(Err);
+    }
+}
+
+impl AttractorSearch {
+    /// Follows a motion and finds the attractor that it is on.
+    ///
+    /// # Errors
+    /// [`StroboscopicError`] if the motion ends.
+    pub fn follow(
+        &self,
+        map: &mut dyn StroboscopicMap,
+        state: HybridState<f64>,
+        p: &[f64],
+    ) -> Result<Attractor, StroboscopicError> {
+        let mut run = [Run::new(self, Member { state, p: p.to_vec() })];
+        self.follow_runs(&mut OneByOne(map), &mut run, &|| true);
+        let [run] = run;
+        run.finish(map.layout())
+    }
+
+    /// Follows many motions abreast ([`StroboscopicMap::advance_all`]), while `goes_on`: if it ends before, nothing
+    /// is known of any of them. What is found of a motion does not depend on the others, to the last bit.
+    ///
+    /// # Errors
+    /// For each motion, as [`follow`](Self::follow).
+    pub fn follow_all(
+        &self,
+        map: &mut dyn StroboscopicMap,
+        members: Vec<Member<f64>>,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Vec<Result<Attractor, StroboscopicError>> {
+        let mut runs: Vec<Run> = members.into_iter().map(|member| Run::new(self, member)).collect();
+        self.follow_runs(map, &mut runs, goes_on);
+        runs.into_iter().map(|run| run.finish(map.layout())).collect()
+    }
+
+    fn follow_runs(
+        &self,
+        map: &mut dyn StroboscopicMap,
+        runs: &mut [Run],
+        goes_on: &dyn Fn() -> bool,
+    ) {
+        if self.transient > 0 {
+            advance(
+                map,
+                runs,
+                |_| true,
+                false,
+                |run, _, _| {
+                    run.periods += 1;
+                    proceed(run.periods < self.transient && goes_on())
+                },
+            );
+        }
+        let lasts = |run: &Run| run.outcome.is_none() && run.records.len() < self.recorded_periods;
+        while goes_on() && runs.iter().any(lasts) {
+            advance(map, runs, lasts, true, |run, period, state| {
+                let outcome = period.map_or(proceed(true), |period| run.record(period, state));
+                proceed(outcome.is_continue() && lasts(run) && goes_on())
+            });
+            runs.iter_mut().for_each(|run| run.improve(map));
+        }
+        if self.lyapunov_periods > 0 && goes_on() {
+            self.exponents(map, runs, goes_on);
+        }
+    }
+
+    /// The exponents of motions that are on no cycle.
+    fn exponents(
+        &self,
+        map: &mut dyn StroboscopicMap,
+        runs: &mut [Run],
+        goes_on: &dyn Fn() -> bool,
+    ) {
+        let mut aperiodic: Vec<&mut Run> =
+            runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
+        let ahead = |run: &&mut Run| Member {
+            state: with_tangent(&run.member.state, |_| 1.0),
+            p: run.member.p.iter().map(|p| Dual64::from(*p)).collect(),
+        };
+        let mut members: Vec<Member<Dual64>> = aperiodic.iter().map(ahead).collect();
+        let mut growths: Vec<Growth> =
+            members.iter().map(|_| Growth::over(self.lyapunov_periods)).collect();
+        let outcomes = map.push_forward_all(&mut members, &mut |k, state| {
+            proceed(growths[k].push(&mut state.x).is_continue() && goes_on())
+        });
+        for ((run, growth), outcome) in aperiodic.iter_mut().zip(growths).zip(outcomes) {
+            run.exponent = Some(growth.exponent());
+            run.outcome = outcome.err().map(Err);
+        }
+    }
+}
+
+/// One cycle of `q` periods as what a motion has settled on.
+fn periodic(
+    map: &mut dyn StroboscopicMap,
+    Cycle { start, exponent }: Cycle,
+    p: &[f64],
+    q: usize,
+) -> Result<Attractor, StroboscopicError> {
+    let mut state = start.clone();
+    let records: Vec<Period> =
+        (0..q).map(|_| map.record(&mut state, p)).collect::<Result<_, _>>()?;
+    let (events, accumulations) = counts(map.layout(), &records, 1);
+    let (periods, exponent) = (Some(q), Some(exponent));
+    Ok(Attractor { periods, records, events, accumulations, exponent, end: start })
+}
+
+/// Events by name, and accumulations, as means over so many cycles.
+fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f64)>, f64) {
+    let all = || records.iter().flat_map(|period| &period.events);
+    let mean = |count: usize| count as f64 / cycles.max(1) as f64;
+    let count = |(number, name): (usize, &String)| {
+        let own = || all().filter(|e| e.event == number);
+        let infinite = own().any(|e| e.accumulation);
+        (name.clone(), if infinite { f64::INFINITY } else { mean(own().count()) })
+    };
+    let events = layout.events.iter().enumerate().map(count).collect();
+    (events, mean(all().filter(|e| e.accumulation).count()))
+}
+
+/// The stable point of period `q` near a state, by Newton's method; `None` if there is none. A motion that ends on
+/// the way says no more than that.
+fn improved(
+    map: &mut dyn StroboscopicMap,
+    near: &HybridState<f64>,
+    p: &[f64],
+    q: usize,
+) -> Option<Cycle> {
+    let (mut start, n) = (near.clone(), near.x.len());
+    let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let largest = size(&near.x).max(f64::MIN_POSITIVE);
+    let mut last = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let Monodromy { matrix, end } = monodromy(map, &start, p, q).ok()??;
+        let value = of_matrix(&matrix, n, q);
+        let step = correction(&matrix, &start.x, &end.x)?;
+        let away: Vec<f64> =
+            start.x.iter().zip(&step).zip(&near.x).map(|((x, s), near)| x + s - near).collect();
+        if size(&away) > NEAR * largest {
+            return None;
+        }
+        if size(&step) <= CONVERGED * largest {
+            // What is left of the orbit's error moves the exponent less than the last step did.
+            let moved = (value - last).abs();
+            let error = if moved.is_finite() { moved } else { 0.0 };
+            return (value < 0.0).then_some(Cycle { start, exponent: Exponent { value, error } });
+        }
+        start.x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+        last = value;
+    }
+    None
+}
