@@ -19,6 +19,7 @@ pub mod linear;
 pub mod motion;
 pub mod names;
 pub mod newton;
+mod number;
 pub mod orbit;
 pub mod quadrature;
 pub mod scalar;

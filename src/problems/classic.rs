@@ -120,3 +120,37 @@ impl BoundaryProblem for Bratu {
         vec![("max_u".into(), Monitor::maximum(0, 0))]
     }
 }
+
+/// Exponential decay `x' = −rate·x`, `x(0) = 1`, for a unit of time: `x = e^{−rate t}`.
+///
+/// ```
+/// use tangency::core::bvp::{BoundaryProblem, Ends};
+/// use tangency::problems::classic::Decay;
+/// let mut b = [0.0];
+/// Decay.boundary(Ends { start: &[3.0], end: &[1.0] }, &[], &mut b);
+/// assert_eq!(b, [2.0]);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Decay;
+
+impl BoundaryProblem for Decay {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![vec!["x".into()]]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        vec!["rate".into()]
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = -q[0] * x[0];
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - 1.0;
+    }
+}

@@ -183,20 +183,8 @@ impl<M: Method> BoundarySystem<M> {
     /// units of the segment's duration.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let z = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
@@ -232,20 +220,8 @@ impl<M: Method> BoundarySystem<M> {
     /// [`LeftDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = tau * tau);
@@ -273,20 +249,8 @@ impl<M: Method> BoundarySystem<M> {
     /// [`LeftDomain`] where the field has no meaning at the nodes.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
@@ -309,20 +273,8 @@ impl<M: Method> BoundarySystem<M> {
     /// assembled.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());

@@ -2,36 +2,13 @@
 
 use super::number::Jet;
 use super::space::MOST_ORDER;
-use num_dual::{DualNum, DualStruct, Mappable};
-use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
-use std::cmp::Ordering;
+use crate::core::number::number_of_reals;
+use num_dual::DualNum;
+use num_traits::Signed;
 use std::f64::consts::{LN_2, LN_10};
 use std::fmt::{Display, Formatter};
-use std::iter::{Product, Sum};
 
-impl<const C: usize> PartialEq for Jet<C> {
-    fn eq(&self, other: &Self) -> bool {
-        self.c[0] == other.c[0]
-    }
-}
-
-impl<const C: usize> PartialOrd for Jet<C> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        self.c[0].partial_cmp(&other.c[0])
-    }
-}
-
-impl<const C: usize> PartialEq<f64> for Jet<C> {
-    fn eq(&self, other: &f64) -> bool {
-        self.c[0] == *other
-    }
-}
-
-impl<const C: usize> PartialOrd<f64> for Jet<C> {
-    fn partial_cmp(&self, other: &f64) -> Option<Ordering> {
-        self.c[0].partial_cmp(other)
-    }
-}
+number_of_reals!([const C: usize] Jet<C>, real: |x: &Jet<C>| x.c[0], constant: Jet::constant);
 
 /// The constant term and, after it, the number of others.
 impl<const C: usize> Display for Jet<C> {
@@ -41,36 +18,6 @@ impl<const C: usize> Display for Jet<C> {
             1 => Ok(()),
             count => write!(f, " + {} terms", count - 1),
         }
-    }
-}
-
-impl<const C: usize> From<f64> for Jet<C> {
-    fn from(value: f64) -> Self {
-        Jet::constant(value)
-    }
-}
-
-impl<const C: usize> Zero for Jet<C> {
-    fn zero() -> Self {
-        Jet::constant(0.0)
-    }
-
-    fn is_zero(&self) -> bool {
-        self.c[0] == 0.0
-    }
-}
-
-impl<const C: usize> One for Jet<C> {
-    fn one() -> Self {
-        Jet::constant(1.0)
-    }
-}
-
-impl<const C: usize> Num for Jet<C> {
-    type FromStrRadixErr = <f64 as Num>::FromStrRadixErr;
-
-    fn from_str_radix(text: &str, radix: u32) -> Result<Self, Self::FromStrRadixErr> {
-        f64::from_str_radix(text, radix).map(Jet::constant)
     }
 }
 
@@ -93,60 +40,6 @@ impl<const C: usize> Signed for Jet<C> {
 
     fn is_negative(&self) -> bool {
         self.c[0] < 0.0
-    }
-}
-
-impl<const C: usize> Inv for Jet<C> {
-    type Output = Self;
-    fn inv(self) -> Self {
-        self.reciprocal()
-    }
-}
-
-impl<const C: usize> Sum for Jet<C> {
-    fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
-        terms.fold(Jet::constant(0.0), |sum, term| sum + term)
-    }
-}
-
-impl<const C: usize> Product for Jet<C> {
-    fn product<I: Iterator<Item = Self>>(factors: I) -> Self {
-        factors.fold(Jet::constant(1.0), |product, factor| product * factor)
-    }
-}
-
-impl<const C: usize> FromPrimitive for Jet<C> {
-    fn from_i64(n: i64) -> Option<Self> {
-        f64::from_i64(n).map(Jet::constant)
-    }
-
-    fn from_u64(n: u64) -> Option<Self> {
-        f64::from_u64(n).map(Jet::constant)
-    }
-
-    fn from_f64(n: f64) -> Option<Self> {
-        Some(Jet::constant(n))
-    }
-}
-
-impl<const C: usize> DualStruct for Jet<C> {
-    type Real = f64;
-    type Inner = f64;
-
-    fn re(&self) -> f64 {
-        self.c[0]
-    }
-
-    fn from_inner(inner: &f64) -> Self {
-        Jet::constant(*inner)
-    }
-}
-
-impl<const C: usize> Mappable<Self> for Jet<C> {
-    type Output<O> = O;
-
-    fn map_dual<M: Fn(Self) -> O, O>(self, f: M) -> O {
-        f(self)
     }
 }
 

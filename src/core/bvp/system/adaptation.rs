@@ -13,20 +13,8 @@ impl<M: Method> BoundarySystem<M> {
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
@@ -50,20 +38,8 @@ impl<M: Method> BoundarySystem<M> {
     /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// // A solution that decays within a tenth.
@@ -114,20 +90,8 @@ impl<M: Method> BoundarySystem<M> {
     /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::LeftDomain`].
     ///
     /// ```
-    /// # use tangency::core::{bvp::*, scalar::Scalar, zero::System};
-    /// # #[derive(Clone)]
-    /// # struct Decay;
-    /// # impl BoundaryProblem for Decay {
-    /// #     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["x".into()]] }
-    /// #     fn parameters(&self) -> Vec<String> { vec!["rate".into()] }
-    /// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], q: &[T], f: &mut [T]) {
-    /// #         f[0] = -q[0] * x[0];
-    /// #     }
-    /// #     fn duration<T: Scalar>(&self, _: usize, _: &[T]) -> T { T::one() }
-    /// #     fn boundary<T: Scalar>(&self, ends: Ends<T>, _: &[T], b: &mut [T]) {
-    /// #         b[0] = ends.start[0] - 1.0;
-    /// #     }
-    /// # }
+    /// # use tangency::core::{bvp::*, zero::System};
+    /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());

@@ -1,67 +1,11 @@
 //! Numbers side by side as numbers of `num_dual`, which is what equations are written against.
 
 use super::Lanes;
-use num_dual::{DualNum, DualStruct, Mappable};
-use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
-use std::cmp::Ordering;
-use std::iter::{Product, Sum};
+use crate::core::number::number_of_reals;
+use num_dual::DualNum;
+use num_traits::{Signed, Zero};
 
-impl PartialEq for Lanes {
-    fn eq(&self, other: &Self) -> bool {
-        self.first() == other.first()
-    }
-}
-
-impl PartialOrd for Lanes {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        self.first().partial_cmp(&other.first())
-    }
-}
-
-impl PartialEq<f64> for Lanes {
-    fn eq(&self, other: &f64) -> bool {
-        self.first() == *other
-    }
-}
-
-impl PartialOrd<f64> for Lanes {
-    fn partial_cmp(&self, other: &f64) -> Option<Ordering> {
-        self.first().partial_cmp(other)
-    }
-}
-
-impl From<f64> for Lanes {
-    #[inline(always)]
-    fn from(value: f64) -> Self {
-        Lanes::splat(value)
-    }
-}
-
-impl Zero for Lanes {
-    #[inline(always)]
-    fn zero() -> Self {
-        Lanes::splat(0.0)
-    }
-
-    fn is_zero(&self) -> bool {
-        self.first() == 0.0
-    }
-}
-
-impl One for Lanes {
-    #[inline(always)]
-    fn one() -> Self {
-        Lanes::splat(1.0)
-    }
-}
-
-impl Num for Lanes {
-    type FromStrRadixErr = <f64 as Num>::FromStrRadixErr;
-
-    fn from_str_radix(text: &str, radix: u32) -> Result<Self, Self::FromStrRadixErr> {
-        f64::from_str_radix(text, radix).map(Lanes::splat)
-    }
-}
+number_of_reals!([] Lanes, real: |x: &Lanes| x.first(), constant: Lanes::splat);
 
 impl Signed for Lanes {
     fn abs(&self) -> Self {
@@ -82,60 +26,6 @@ impl Signed for Lanes {
 
     fn is_negative(&self) -> bool {
         self.first() < 0.0
-    }
-}
-
-impl Inv for Lanes {
-    type Output = Self;
-    fn inv(self) -> Self {
-        self.recip()
-    }
-}
-
-impl Sum for Lanes {
-    fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
-        terms.fold(Lanes::zero(), |sum, term| sum + term)
-    }
-}
-
-impl Product for Lanes {
-    fn product<I: Iterator<Item = Self>>(factors: I) -> Self {
-        factors.fold(Lanes::one(), |product, factor| product * factor)
-    }
-}
-
-impl FromPrimitive for Lanes {
-    fn from_i64(n: i64) -> Option<Self> {
-        f64::from_i64(n).map(Lanes::splat)
-    }
-
-    fn from_u64(n: u64) -> Option<Self> {
-        f64::from_u64(n).map(Lanes::splat)
-    }
-
-    fn from_f64(n: f64) -> Option<Self> {
-        Some(Lanes::splat(n))
-    }
-}
-
-impl DualStruct for Lanes {
-    type Real = f64;
-    type Inner = f64;
-
-    fn re(&self) -> f64 {
-        self.first()
-    }
-
-    fn from_inner(inner: &f64) -> Self {
-        Lanes::splat(*inner)
-    }
-}
-
-impl Mappable<Self> for Lanes {
-    type Output<O> = O;
-
-    fn map_dual<M: Fn(Self) -> O, O>(self, f: M) -> O {
-        f(self)
     }
 }
 
