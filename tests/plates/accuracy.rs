@@ -53,7 +53,7 @@ fn default_settings_suffice(supports: &str, first: usize) {
     for (k, in_plane) in IN_PLANE.into_iter().enumerate() {
         let others = [1, 2].map(|case| gap_and_aspect(2 * (first + k) + case));
         for (gap_ratio, aspect) in [corners[(k + first / 4) % 4], others[0], others[1]] {
-            let (found, [load, deflection]) = both(usual(supports, in_plane, aspect), gap_ratio, 4);
+            let (found, [load, deflection]) = both(usual(supports, in_plane, aspect), gap_ratio, 3);
             let what = format!(
                 "{supports}, {}, gap ratio {gap_ratio:.3}, aspect {aspect:.3}",
                 in_plane.name()

@@ -132,13 +132,9 @@ fn a_point_costs_few_evaluations_however_many_unknowns_there_are() {
         let (points, counts) = trace(orders, &settings);
         let Counts { residuals, assemblies, factorisations, solves, derivatives, spectra } = counts;
         let most = |count: usize, of_a_point: usize| count <= of_a_point * points;
-        assert!(
-            most(residuals, 4) && most(assemblies, 2) && most(factorisations, 2),
-            "{points} points: {counts:?}"
-        );
-        assert!(
-            most(solves, 12) && most(derivatives, 12) && most(spectra, 2),
-            "{points} points: {counts:?}"
-        );
+        let iterations = most(residuals, 6) && most(assemblies, 8) && most(factorisations, 5);
+        let others = most(solves, 10) && most(derivatives, 4) && most(spectra, 2);
+        println!("{points} points: {counts:?}");
+        assert!(iterations && others, "{points} points: {counts:?}");
     }
 }

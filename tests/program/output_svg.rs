@@ -80,15 +80,23 @@ fn labels(low: f64, high: f64) -> Vec<String> {
     found.map(|(_, text)| text).collect()
 }
 
+/// Steps of one, two or five times a power of ten, with as many decimals everywhere.
 #[test]
 fn labels_of_axes_are_round_and_have_the_same_decimals() {
-    let has = |found: &[String], expected: &[&str]| {
-        assert!(expected.iter().all(|text| found.iter().any(|f| f == text)), "{found:?}");
-    };
-    has(&labels(0.0, 1.0), &["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-    has(&labels(-100.0, 100.0), &["−100", "−50", "0", "50", "100"]);
-    has(&labels(172.963, 172.964), &["172.9630", "172.9640"]);
-    has(&labels(0.0, 6e-9), &["0", "1", "2", "3", "4", "5", "6"]);
+    let decimals = |text: &String| text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    for [low, high] in [[0.0, 1.0], [-100.0, 100.0], [172.963, 172.964], [0.0, 6e-9], [0.0, 3e7]] {
+        let texts: Vec<String> =
+            labels(low, high).iter().map(|text| text.replace('−', "-")).collect();
+        let (values, texts): (Vec<f64>, Vec<&String>) =
+            texts.iter().filter_map(|text| Some((text.parse::<f64>().ok()?, text))).unzip();
+        assert!(values.len() > 4, "{texts:?}");
+        assert!(texts.iter().all(|text| decimals(text) == decimals(texts[0])), "{texts:?}");
+        let step = values[1] - values[0];
+        let mantissa = step / 10_f64.powf((step.log10() + 1e-9).floor());
+        assert!([1.0, 2.0, 5.0].iter().any(|m| (mantissa / m - 1.0).abs() < 1e-6), "{texts:?}");
+        let even = |pair: &[f64]| (pair[1] - pair[0] - step).abs() < 1e-6 * step;
+        assert!(values.windows(2).all(even), "{texts:?}");
+    }
     // Very large and very small values share a power of ten.
     assert!(labels(0.0, 4e-9).iter().any(|text| text.contains("×10⁻⁹")));
     assert!(labels(0.0, 3e7).iter().any(|text| text.contains("×10⁶")));
