@@ -1,12 +1,13 @@
-//! Ladders of discretisations, and the errors that values on their rungs have.
+//! Ladders of discretisations, and the errors of values on their rungs.
 //!
-//! A problem has one notion of a finer discretisation: with [`System::refined`](crate::core::zero::System::refined) special points climb
-//! from the discretisation of their branch to finer ones; the [`ladder`] from which a scene takes the cheapest discretisation that is
-//! accurate enough consists of the same ones and of rungs between and below them. Both estimate errors from the changes between rungs, by
-//! [`error_of_last`].
+//! A problem has one definition of a finer discretisation. Special points climb by it from the
+//! discretisation of their branch ([`System::refined`](crate::core::zero::System::refined)). The
+//! [`ladder`] from which a scene takes the cheapest discretisation that is accurate enough has the
+//! same rungs, with one between each two and coarser ones below. Both estimate errors from the
+//! changes between rungs, by [`error_of_last`].
 
-/// The ladder that begins with these rungs and goes on, up to `most` of them, by the finer one of the last but one: a step to the finer
-/// discretisation is two rungs.
+/// The ladder that begins with the given rungs. Each further one, up to `most` in all, is the finer
+/// discretisation of the last but one: a step to the finer discretisation is two rungs.
 ///
 /// ```
 /// use tangency::core::ladder::ladder;
@@ -25,12 +26,14 @@ pub fn ladder<D>(mut rungs: Vec<D>, most: usize, finer: impl Fn(&D) -> Option<D>
     rungs
 }
 
-/// The estimated error of the last one of some values of a number, on rungs of growing accuracy; infinite if there is but one.
+/// The estimated error of the last of some values of a number, on rungs of growing accuracy;
+/// infinite for a single value.
 ///
-/// A single change `d` bounds the error of the finer value if each rung at least halves it. With two, changes are taken to go on shrinking
-/// by their ratio `ρ ≤ ½`: what is to come is `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
-/// relied on, nor is a change below a hundredth of the one before: spectral convergence may turn algebraic where a corner singularity
-/// takes over, and changes pass zero where errors change sign.
+/// A single change `d` bounds the error of the finer value if each rung at least halves it. With
+/// two, changes are taken to go on shrinking by their ratio `ρ ≤ ½`: what is to come is
+/// `d(ρ + ρ² + …) = dρ/(1 − ρ)`, of which four times is the estimate. A ratio below 0.1 is not
+/// relied on, nor is a change below a hundredth of the one before: spectral convergence may turn
+/// algebraic where a corner singularity takes over, and changes pass zero where errors change sign.
 ///
 /// ```
 /// use tangency::core::ladder::error_of_last;
@@ -52,8 +55,8 @@ pub fn error_of_last(values: &[f64]) -> f64 {
     }
 }
 
-/// The estimated error of the first one of such values: how far it and those between are from the last one, and that one's error. (Its own
-/// difference may be small by accident.)
+/// The estimated error of the first of such values: the largest distance of any of them from the last
+/// one, and that one's error. (The first distance alone may be small by accident.)
 pub fn error_of_first(values: &[f64]) -> f64 {
     let last = values.last().copied().unwrap_or(f64::NAN);
     let far = values.iter().map(|value| (value - last).abs()).fold(0.0, f64::max);

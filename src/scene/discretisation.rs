@@ -220,7 +220,7 @@ impl Discretisation {
         ladder(coarse, RUNGS, Discretisation::finer)
     }
 
-    /// The finer discretisation, as that of a special point on uniform meshes.
+    /// The finer discretisation by [`Method::finer`], which special points climb.
     fn finer(&self) -> Option<Self> {
         let mut finer = *self;
         match self.method {

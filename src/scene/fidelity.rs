@@ -1,9 +1,11 @@
 //! The cheapest discretisation with which special points have the accuracy that a scene asks for.
 //!
-//! A problem has a ladder of discretisations, cheapest first. With rung `k` a scene finds numbers `v_k`: the released
-//! parameters of every special point, and the columns that settings name, relative to themselves. They are compared with those
-//! of the next two rungs, and of finer ones that are known, by [`error_of_first`]. The rung taken is the lowest one whose estimate is
-//! below the accuracy, of those from a first guess downwards; or upwards, where the guess does not suffice.
+//! A problem has a ladder of discretisations, cheapest first. With rung `k` a scene finds numbers
+//! `v_k`: the released parameters of every special point, and the columns that the setting `settle`
+//! names, relative to themselves. They are compared with those of the next two rungs, and of finer
+//! ones that are known, by [`error_of_first`]. The rung taken is the lowest one whose estimate is
+//! below the accuracy, of those from a first guess downwards; or upwards, where the guess does not
+//! suffice.
 
 use super::execute::{Outcome, SceneObserver, StartPoint, reach, traced};
 use super::{Problem, Run, Scene, SceneError};
@@ -208,17 +210,25 @@ fn refused(found: String, rule: &str) -> Result<(), SceneError> {
     Err(SceneError::Invalid { place: "`accuracy`".into(), found, rule: rule.into() })
 }
 
-/// Whether discretisations must agree on a special point: not on an end that is none of a bound nor the start, which may be anywhere.
+/// Whether discretisations must agree on a special point. An end may be anywhere unless it is at a
+/// bound, at a grazing, or the start.
 fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
     let fixed = |end: &End| {
-        matches!(end, End::ParameterBound { .. } | End::MonitorBound { .. } | End::Start)
-            && end.to_string() == special.event
+        let anywhere = matches!(
+            end,
+            End::Closed { .. }
+                | End::PointLimit { .. }
+                | End::StepTooSmall { .. }
+                | End::Interrupted
+        );
+        !anywhere && end.to_string() == special.event
     };
     special.kind != Kind::EP || branch.ends.iter().any(fixed)
 }
 
-/// What is held to the accuracy at a special point: the released parameters and the columns that settings name, but for the one
-/// at whose level it is. The start is where it was put.
+/// The columns that the accuracy concerns at a special point: the released parameters and the ones
+/// that the setting `settle` names, but for the one whose level defines the point. The start is where
+/// it was put.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     if special.event == End::Start.to_string() {
         return Vec::new();
@@ -289,7 +299,7 @@ fn nth<'a>(found: &[&'a Outcome], place: usize) -> Vec<&'a Branch> {
     found.iter().filter_map(|outcome| outcome.document.branches.get(place)).collect()
 }
 
-/// The largest error of special points in the first result, by finer ones, relative to what they measure.
+/// The largest relative error of special points in the first result, by finer ones.
 fn largest(found: &[&Outcome]) -> Estimate {
     if let Some(cause) = found.iter().find_map(|outcome| outcome.error.as_ref()) {
         return unlike(cause.to_string());
@@ -306,6 +316,10 @@ fn largest(found: &[&Outcome]) -> Estimate {
             for column in columns(branch, special) {
                 let value = special.value(column).unwrap_or(f64::NAN);
                 let error = point.error(column) / size(branch, column, value);
+                if special.kind == Kind::EP && error == 0.0 {
+                    // An end that is the same on all rungs was given.
+                    continue;
+                }
                 if largest.as_ref().is_none_or(|largest| error > largest.error) {
                     let of = format!("{} of `{}`", special.event, branch.name);
                     largest = Some(Estimate { error, of });
@@ -316,7 +330,8 @@ fn largest(found: &[&Outcome]) -> Estimate {
     largest.unwrap_or_else(|| unlike("no special point to hold it to: state one by `marks`"))
 }
 
-/// Adds what the discretisation adds to the errors of special points, by the result on this rung and finer ones.
+/// Adds the errors of the discretisation to those of special points, by the results on this rung and
+/// finer ones.
 fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
         let rungs = nth(found, place);

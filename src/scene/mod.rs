@@ -58,8 +58,8 @@ pub struct Scene<P = Problem> {
     /// Values of parameters at the start, where they differ from the problem's defaults; all of them, if it has none.
     #[serde(default)]
     pub parameters: Vec<(String, f64)>,
-    /// The relative error asked of special points, ends at bounds among them: of the parameters that vary along their branch,
-    /// and of the columns that the setting `settle` names. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
+    /// The relative error asked of special points, and of ends at bounds: of the parameters that vary
+    /// along their branch, and of the columns that the setting `settle` names. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.
     #[serde(default)]
     pub accuracy: Option<f64>,

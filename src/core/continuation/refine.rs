@@ -77,7 +77,8 @@ impl Stepper<'_> {
         found
     }
 
-    /// What must settle at a point: the parameters that vary along the branch, and the columns that settings name.
+    /// The values that must settle at a point: the parameters that vary along the branch, and the
+    /// columns that the setting `settle` names.
     fn settling<'a>(&'a self, point: &'a Point) -> impl Iterator<Item = f64> + 'a {
         let columns = self.equations.released().iter().chain(&self.settled);
         columns.filter_map(|&column| point.value(column))

@@ -40,8 +40,8 @@ pub struct Settings {
     /// The relative error asked of special points where the problem can be refined; 0 asks for no
     /// refinement, and leaves the discretisation out of their `error` (between 0 and 1).
     pub refinement: f64,
-    /// Parameters and monitors that special points have to this relative error, too, beside the parameters that vary along
-    /// their branch.
+    /// Names of parameters and monitors that special points have to that relative error, beside the
+    /// parameters that vary along their branch.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub settle: Vec<String>,
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point (at most

@@ -51,9 +51,9 @@ impl Orders {
         }
     }
 
-    /// Orders from the fewest functions to many: the usual ones and coarser ones, at the ratio that spends work on both
-    /// displacements alike, so that each gains about a digit of a pull-in load; then [`finer`](Orders::finer) ones, and one
-    /// between each two.
+    /// Orders from the fewest functions to many. Up to the usual ones they have the ratio that spends
+    /// work on both displacements alike, and each gains about a digit of a pull-in load; then come
+    /// [`finer`](Orders::finer) ones, and one between each two.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =
@@ -61,7 +61,7 @@ impl Orders {
         rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
-    /// The next rung of the ladder on which special points are finished. Two rungs up from the usual
+    /// The finer orders on which special points are finished, two rungs up the ladder. Twice finer than the usual
     /// orders, pull-in loads of plates without free edges are good to 1e-8 and deflections to 1e-6
     /// (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the edges).
     #[must_use]
