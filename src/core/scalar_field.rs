@@ -153,8 +153,8 @@ pub struct FieldRef<'a, T: Scalar> {
     pub index: usize,
     /// The time of the collection at which the field's own time is zero.
     pub start: T,
-    /// The numbers on which the field depends.
-    pub p: &'a [T],
+    /// How many of the numbers the field depends on: the first ones.
+    pub numbers: usize,
 }
 
 impl<T: Scalar> Clone for FieldRef<'_, T> {
@@ -165,6 +165,14 @@ impl<T: Scalar> Clone for FieldRef<'_, T> {
 
 impl<T: Scalar> Copy for FieldRef<'_, T> {}
 
+impl<T: Scalar> FieldRef<'_, T> {
+    /// The numbers on which the field depends.
+    #[inline]
+    fn own<'p, S>(&self, p: &'p [S]) -> &'p [S] {
+        &p[..self.numbers.min(p.len())]
+    }
+}
+
 impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
     type Real<'a>
         = FieldRef<'a, f64>
@@ -172,30 +180,30 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
         Self: 'a;
 
     fn real(&self) -> FieldRef<'_, f64> {
-        let FieldRef { real, index, start, .. } = *self;
-        FieldRef { fields: real, wide: Some(real), real, index, start: start.real(), p: &[] }
+        let FieldRef { real, index, start, numbers, .. } = *self;
+        FieldRef { fields: real, wide: Some(real), real, index, start: start.real(), numbers }
     }
 
     #[inline]
     fn slope(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
-        self.fields.field_of(self.index, self.start + t, x, p, f);
+        self.fields.field_of(self.index, self.start + t, x, self.own(p), f);
     }
 
     #[inline]
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
         match self.wide {
-            Some(wide) => wide.field_of(self.index, Wide::from_re(self.start) + t, x, p, f),
+            Some(wide) => wide.field_of(self.index, Wide::from_re(self.start) + t, x, self.own(p), f),
             // An implicit step is refused then.
             None => f.fill(Wide::from_re(T::constant(f64::NAN))),
         }
     }
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
-        self.fields.domain_of(self.index, x, p)
+        self.fields.domain_of(self.index, x, self.own(p))
     }
 
     fn state_scales(&self, p: &[f64]) -> Vec<f64> {
-        self.fields.scales_of(self.index, p)
+        self.fields.scales_of(self.index, self.own(p))
     }
 
     fn state_name(&self, state: usize) -> String {

@@ -207,9 +207,9 @@ impl Method for Collocation {
             real_x.iter_mut().zip(&work.x).for_each(|(real, x)| *real = x.real());
             let t = duration * (span.start + h * self.basis.gauss[c]);
             field
-                .domain(real_x, &real_q[..field.p.len()])
+                .domain(real_x, real_q)
                 .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
-            field.slope(t, &work.x, field.p, &mut work.f);
+            field.slope(t, &work.x, q, &mut work.f);
             combine(self.basis.row(&self.basis.slopes, c), nodes, r);
             let step = duration * h;
             r.iter_mut().zip(&work.f).for_each(|(r, f)| *r -= step * *f);
@@ -359,12 +359,12 @@ where
         let t = duration * (span.start + h * basis.gauss[c]);
         combine(basis.row(&basis.values, c), nodes, &mut self.real);
         field
-            .domain(&self.real, &q[..field.p.len()])
+            .domain(&self.real, q)
             .map_err(|cause| left_domain(cause, span.segment, t.re))?;
         for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
             *x = seeded(*real, i, start);
         }
-        field.slope(t, &self.x, field.p, &mut self.f);
+        field.slope(t, &self.x, &self.q, &mut self.f);
         let step = duration * h;
         self.f.iter_mut().for_each(|f| *f *= step);
         Ok(())

@@ -106,7 +106,7 @@ fn flow_to<T: Number>(
 ) -> Result<(), LeftDomain> {
     let (start, length) = times(&interval);
     let field = interval.field();
-    flow.advance(&field, start, length * place, x, field.p)?;
+    flow.advance(&field, start, length * place, x, interval.q)?;
     Ok(())
 }
 
@@ -184,7 +184,7 @@ impl Method for Shooting {
         work.settings = Settings { relative, absolute, ..self.settings };
         let (start, length) = times(&interval);
         let field = interval.field();
-        work.observe(&field, start, length, &mut x, field.p, |step| {
+        work.observe(&field, start, length, &mut x, interval.q, |step| {
             let (start, end) = step.span();
             while next < count && (next as f64) < end * count as f64 {
                 let place = next as f64 / count as f64;
@@ -262,7 +262,7 @@ impl Method for Shooting {
         x.extend_from_slice(left);
         let (start, length) = times(&interval);
         let field = interval.field();
-        plain.observe(&field, start, length, x, field.p, |step| lookout.real(&interval, step))?;
+        plain.observe(&field, start, length, x, interval.q, |step| lookout.real(&interval, step))?;
         lookout.end(&interval, 1.0, x);
         if let Some(r) = residual {
             r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);

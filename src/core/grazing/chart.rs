@@ -153,7 +153,7 @@ where
     ) -> Result<(), GrazingError> {
         let (system, mode) = (self.system, place.mode);
         let flow = if long { &mut self.long } else { &mut self.short };
-        let field = Jet::in_mode(system, mode, Jet::from(0.0), &self.p);
+        let field = Jet::in_mode(system, mode, Jet::from(0.0));
         flow.advance(&field, place.t, duration, &mut place.x, &self.p).map_err(|source| {
             GrazingError::Flow { mode: system.modes()[mode].name.clone(), source }
         })?;

@@ -45,7 +45,7 @@ impl Orbit<'_> {
         let mut x = self.starts[first..first + size].to_vec();
         let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
         Flow::<f64>::default()
-            .advance(&field, 0.0, self.times().1[leg], &mut x, field.p)
+            .advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
             .map_err(|cause| EvaluationError::LeftDomain(LeftDomain::from(cause)))?;
         Ok(x)
     }

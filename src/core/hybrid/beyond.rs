@@ -45,8 +45,8 @@ where
     let mut flow = Flow::<T>::new(Settings::new(Scheme::DormandPrince8, TOLERANCE)).ok()?;
     let mut step = T::constant(guess);
     for _ in 0..ROUNDS + T::NDERIV {
-        let field = T::in_mode(system, mode, T::zero(), p);
-        flow.advance(&field, t, step, &mut x, field.p).ok()?;
+        let field = T::in_mode(system, mode, T::zero());
+        flow.advance(&field, t, step, &mut x, p).ok()?;
         t += step;
         let turning = turning(system, (guard, mode), t, &x, p);
         if turning.eps.real().is_nan() || turning.eps.real() <= 0.0 {
@@ -77,8 +77,8 @@ where
     let watch = GuardOf { system, guard, mode, scale };
     let (mut flow, mut turn) = (Flow::<f64>::default(), None);
     let mut extrema = Extrema::<f64>::default();
-    let field = f64::in_mode(system, mode, 0.0, &p);
-    let outcome = flow.observe(&field, t.real(), within, &mut x, field.p, |step| {
+    let field = f64::in_mode(system, mode, 0.0);
+    let outcome = flow.observe(&field, t.real(), within, &mut x, &p, |step| {
         extrema.search(&watch, step, |extremum| {
             turn.get_or_insert(within * extremum.place);
         });

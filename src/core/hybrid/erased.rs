@@ -140,12 +140,11 @@ pub trait FieldNumber: Scalar {
         None
     }
 
-    /// The field of a mode, whose own time begins at `start`, with the numbers `p`.
+    /// The field of a mode, whose own time begins at `start`.
     fn in_mode<'a>(
         system: &'a (dyn HybridEquations + 'a),
         mode: usize,
         start: Self,
-        p: &'a [Self],
     ) -> FieldRef<'a, Self> {
         let real: &dyn RealFields = system;
         FieldRef {
@@ -154,7 +153,7 @@ pub trait FieldNumber: Scalar {
             real,
             index: mode,
             start,
-            p,
+            numbers: usize::MAX,
         }
     }
 }

@@ -305,7 +305,7 @@ where
         let mut landing = None;
         lookout.event.before.clear();
         lookout.event.before.extend_from_slice(&state.x);
-        let field = T::in_mode(system, mode, T::zero(), run.p);
+        let field = T::in_mode(system, mode, T::zero());
         let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
             landing = lookout.landing(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);

@@ -177,7 +177,7 @@ impl HybridOrbit {
         let field = Residual::<f64>::on_segment(self, leg, q);
         let duration = self.duration_in(leg, q);
         let mut flow = Flow::<f64>::default();
-        let outcome = flow.observe(&field, 0.0, duration, &mut x, field.p, |step| {
+        let outcome = flow.observe(&field, 0.0, duration, &mut x, q, |step| {
             extrema.search(watch, step, |extremum| {
                 if found.is_none_or(|(_, value)| extremum.value.abs() < value.abs()) {
                     found = Some((extremum.place, extremum.value));
@@ -188,7 +188,7 @@ impl HybridOrbit {
         outcome.map_err(crate::core::zero::LeftDomain::from)?;
         let Some((place, value)) = found else { return Ok(None) };
         x.copy_from_slice(start);
-        flow.advance(&field, 0.0, place * duration, &mut x, field.p)
+        flow.advance(&field, 0.0, place * duration, &mut x, q)
             .map_err(crate::core::zero::LeftDomain::from)?;
         let guard = watch.guard;
         Ok(Some(Touch { leg, guard, since: place * duration, value, x }))

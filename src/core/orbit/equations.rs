@@ -35,16 +35,15 @@ impl Domains for HybridOrbit {
 
 impl<T: EventNumber> Fields<T> for HybridOrbit {
     fn field_of(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        let field = self.on_segment(segment, q);
-        field.slope(t, x, field.p, f);
+        self.on_segment(segment, q).slope(t, x, q, f);
     }
 }
 
 impl<T: EventNumber> Residual<T> for HybridOrbit {
     /// The field of the leg's mode, whose time begins with the leg.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        let (p, mode) = (self.split(q).0, self.legs()[segment].mode);
-        T::in_mode(&*self.system, mode, self.time(segment, q), p)
+        let (mode, numbers) = (self.legs()[segment].mode, self.parameters.len());
+        FieldRef { numbers, ..T::in_mode(&*self.system, mode, self.time(segment, q)) }
     }
 
     fn duration_in(&self, segment: usize, q: &[T]) -> T {

@@ -312,7 +312,7 @@ impl<M: Method> BoundarySystem<M> {
         let q = [p, if autonomous { &[0.0][..] } else { &[] }].concat();
         let equations = f64::residual(&**self.problem());
         let (field, forcing) = (&equations.on_segment(0, &q), equations.duration_in(0, &q));
-        let p = field.p;
+        let p = &q[..];
         let mut run = Run { field, p, flow: Flow::new(simulation.flow)?, simulation };
         let PeriodicMotion { state, period, .. } =
             run.follow(start, (!autonomous).then_some(forcing))?;

@@ -63,8 +63,12 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
     }
 
     fn scales(&self, p: &[f64]) -> Scales {
+        let sizes = self.0.scales(p);
+        if sizes.is_empty() {
+            return Scales::default();
+        }
         let names = self.0.names().unknowns.into_iter().map(|state| state.name);
-        Scales { time: None, states: names.zip(self.0.scales(p)).collect() }
+        Scales { time: None, states: names.zip(sizes).collect() }
     }
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {

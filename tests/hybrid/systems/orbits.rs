@@ -104,7 +104,7 @@ fn sampled<M: Method>(
         x.copy_from_slice(starts[segment]);
         let (field, length) =
             (problem.on_segment(segment, &q), tau * problem.duration_in(segment, &q));
-        flow.advance(&field, 0.0, length, x, field.p).unwrap();
+        flow.advance(&field, 0.0, length, x, &q).unwrap();
     })
 }
 

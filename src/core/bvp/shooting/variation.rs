@@ -59,7 +59,7 @@ where
         lookout.begin();
         lookout.end(interval, 0.0, &nodes[..n]);
         let field = dual.field();
-        self.flow.observe(&field, start, length, &mut self.x, field.p, |step| {
+        self.flow.observe(&field, start, length, &mut self.x, &self.q, |step| {
             lookout.dual(interval, step)
         })?;
         self.end.clear();

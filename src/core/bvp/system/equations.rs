@@ -297,8 +297,8 @@ impl<M: Method> Discretised<M> {
     ) -> Result<(), LeftDomain> {
         let refuse = |cause| left_domain(cause, segment, t);
         let field = f64::residual(&*self.problem).on_segment(segment, q);
-        field.domain(x, field.p).map_err(refuse)?;
-        field.slope(t, x, field.p, f);
+        field.domain(x, q).map_err(refuse)?;
+        field.slope(t, x, q, f);
         match first_not_finite(f) {
             Some(i) => Err(refuse(self.not_finite(segment, i, f[i]))),
             None => Ok(()),

@@ -219,7 +219,7 @@ impl<M: Method> Discretised<M> {
         let t = at.duration() * (at.span.start + at.length() * place);
         let mut f = vec![0.0; n];
         let field = at.field();
-        field.slope(t, &x, field.p, &mut f);
+        field.slope(t, &x, &work.q, &mut f);
         let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
         let q: Vec<Dual64> = work.q.iter().map(|q| Dual64::from(*q)).collect();
         let t = Dual64::new(t, 1.0);

@@ -226,7 +226,7 @@ impl<M: Method> BoundarySystem<M> {
         if start.len() == n {
             let q: Vec<f64> = numbers.collect();
             let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
-            field.slope(0.0, &start, field.p, &mut motion);
+            field.slope(0.0, &start, &q, &mut motion);
         }
         [motion, self.equations.phase.row.iter().take(n).copied().collect()]
     }

@@ -154,7 +154,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
             let (from, x) = (at.1, &mut at.2);
             if outcome.is_ok() && tau > from {
                 let length = (tau - from) * duration;
-                outcome = flow.advance(&field, from * duration, length, x, field.p).map(|_| ());
+                outcome = flow.advance(&field, from * duration, length, x, &q).map(|_| ());
             }
             at.1 = tau;
             out.copy_from_slice(&at.2);
@@ -312,13 +312,13 @@ fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, EvaluationError> {
 fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, LeftDomain> {
     let (n, zero) = (x.len(), Chunk::from(0.0));
     let real = f64::residual(problem).on_segment(0, q);
-    real.domain(x, real.p)?;
+    real.domain(x, q)?;
     let q: Vec<Chunk> = q.iter().map(|q| Chunk::from(*q)).collect();
     let field = Chunk::residual(problem).on_segment(0, &q);
     let (mut columns, mut f) = (vec![0.0; n * n], vec![zero; n]);
     for first in (0..n).step_by(CHUNK) {
         let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();
-        field.slope(zero, &x, field.p, &mut f);
+        field.slope(zero, &x, &q, &mut f);
         for (i, f) in f.iter().enumerate() {
             (first..n).zip(parts(f)).for_each(|(j, part)| columns[j * n + i] = part);
         }

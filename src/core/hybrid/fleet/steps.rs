@@ -110,7 +110,7 @@ where
         worker.prepare_leg(left.real());
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
-        let (field, span) = (T::in_mode(system, mode, T::zero(), p), [state.time, left]);
+        let (field, span) = (T::in_mode(system, mode, T::zero()), [state.time, left]);
         // Abreast, all scales are 1.
         let usual = time_scale(system, real_p) == 1.0 && system.scales_of(mode, real_p).is_empty();
         stepper.is_some()
@@ -127,7 +127,7 @@ where
             lanes.load(lane, &slot.lane_state, &slot.p);
         }
         let system = worker.system;
-        let field = T::Wide::in_mode(system, mode, T::Wide::constant(0.0), &[]);
+        let field = T::Wide::in_mode(system, mode, T::Wide::constant(0.0));
         let errors = lanes.attempt(&field, &worker.settings.flow);
         lanes.look();
         forecasts.clear();
@@ -217,7 +217,7 @@ where
         let Fleet { worker: HybridFlow { system, flow, .. }, stepper, slots, .. } = self;
         let Slot { member, p, lane_state, .. } = &mut slots[number];
         if let Some(stepper) = stepper {
-            let field = T::in_mode(*system, mode, T::zero(), p);
+            let field = T::in_mode(*system, mode, T::zero());
             flow.show_lane(&field, p, (stepper, lane, lane_state), |step| {
                 observer.step(*member, mode, step, end);
             });
@@ -272,7 +272,7 @@ where
             leg,
         };
         let (mut found, stepper) = (None, stepper.as_ref()?);
-        let field = T::in_mode(system, mode, T::zero(), p);
+        let field = T::in_mode(system, mode, T::zero());
         flow.show_lane(&field, p, (stepper, lane, lane_state), |step| {
             found = find(&mut lookout, step);
         });
