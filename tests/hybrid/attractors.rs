@@ -15,7 +15,7 @@ use tangency::core::bvp::{Birth, BoundarySystem, Mesh, Shooting};
 use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::orbit::HybridOrbit;
 use tangency::core::scalar::Scalar;
@@ -128,8 +128,8 @@ fn exponents_of_cycles_are_logarithms_of_multipliers() {
             "V = {voltage}"
         );
         let mut flow = HybridFlow::new(&Actuator, HybridSettings::default()).unwrap();
-        let recurrence = Recurrence { transient: 3000.0, ..Recurrence::default() };
-        let cycle = recurrence.find(&mut flow, at(0, &[0.1, -0.2]), &p).unwrap();
+        let search = CycleSearch { transient: 3000.0, ..CycleSearch::default() };
+        let cycle = search.find(&mut flow, at(0, &[0.1, -0.2]), &p).unwrap();
         let Birth { problem, starts, extras } = HybridOrbit::of_cycle(Actuator, &cycle).unwrap();
         let meshes = problem.itinerary().legs.iter().map(|_| Mesh::uniform(1)).collect();
         let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();

@@ -14,8 +14,8 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Cycle, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
-    HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+    Cycle, CycleSearch, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
+    HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
 use tangency::core::watch::Watchable;
@@ -48,8 +48,8 @@ where
 
 fn found(system: &dyn HybridEquations, start: HybridState<f64>, p: &[f64]) -> Cycle {
     let mut flow = HybridFlow::new(system, settings(1e-13)).unwrap();
-    let recurrence = Recurrence { tolerance: 1e-11, transient: 300.0, ..Recurrence::default() };
-    recurrence.find(&mut flow, start, p).unwrap()
+    let search = CycleSearch { tolerance: 1e-11, transient: 300.0, ..CycleSearch::default() };
+    search.find(&mut flow, start, p).unwrap()
 }
 
 type Matrix = [[f64; 2]; 2];
@@ -244,10 +244,10 @@ fn belts_have_their_period() {
 #[test]
 fn den_hartogs_amplitude_is_simulated() {
     // Free motion turns by a third in a period of the forcing, and friction slows it down little.
-    let recurrence = Recurrence { tolerance: 1e-12, transient: 2000.0, ..Recurrence::default() };
+    let search = CycleSearch { tolerance: 1e-12, transient: 2000.0, ..CycleSearch::default() };
     let mut flow = HybridFlow::new(&Coulomb, settings(1e-13)).unwrap();
     let start = at(Coulomb::FORWARD, 0.0, &[0.0, 0.1]);
-    let cycle = recurrence.find(&mut flow, start, &[1.5, 0.2]).unwrap();
+    let cycle = search.find(&mut flow, start, &[1.5, 0.2]).unwrap();
     assert_eq!(cycle.legs.len(), 2, "{cycle:?}");
     let ends = cycle.legs.iter().map(|leg| leg.end[0].abs());
     ends.for_each(|end| close(end, 0.765941686205071, 1e-10));
