@@ -12,6 +12,7 @@ use num_dual::{Dual64, DualSVec64};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
+use tangency::core::attractor::{AttractorSearch, PeriodMap};
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Cycle, CycleSearch, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
@@ -239,6 +240,27 @@ fn belts_have_their_period() {
     flow.advance(&mut state, 20.0, &p, &mut history).unwrap();
     let displacements = history.pieces.iter().flat_map(|piece| piece.states.iter().map(|x| x[0]));
     close(displacements.fold(0.0, f64::max), belt::largest(1.0, 0.6, 0.3), 1e-5);
+}
+
+/// Motion that spirals towards a cycle, here with multipliers `0.8 e^{±iφ}`, is near it first after several returns: the
+/// least of them is its period.
+#[test]
+fn cycles_have_their_least_period() {
+    let p = [0.95, 0.8];
+    for transient in [0.0, 100.0, 130.0, 200.0, 400.0] {
+        for (height, velocity) in [(1.0, 3.0), (1.5, 3.3), (1.2, 2.5)] {
+            let start = at(BouncingBall::FLIGHT, 0.0, &[height, velocity]);
+            let mut flow = HybridFlow::new(&BouncingBall, settings(1e-13)).unwrap();
+            let search = CycleSearch { transient, ..CycleSearch::default() };
+            let cycle = search.find(&mut flow, start.clone(), &p).unwrap();
+            let found = (cycle.count(&BouncingBall, "impact"), cycle.periods);
+            assert_eq!(found, (1, 1), "from {start:?} after {transient}");
+            let mut map = PeriodMap::of(&BouncingBall, settings(1e-13), &[]).unwrap();
+            let search = AttractorSearch { transient: 5, ..AttractorSearch::default() };
+            let found = search.follow(&mut map, start, &p).unwrap();
+            assert_eq!((found.periods, found.count("impact")), (Some(1), 1.0));
+        }
+    }
 }
 
 #[test]

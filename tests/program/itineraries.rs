@@ -131,6 +131,25 @@ fn simulations_discover_itineraries() {
     let found = |kind| branch.of_kind(kind).map(|point| point.parameters[0]).collect::<Vec<_>>();
     assert!((found(Kind::LP)[0] - 0.176515441).abs() < 1e-9);
     assert!((found(Kind::PD)[0] - 0.555993297).abs() < 1e-9);
+    // An orbit of a vector field, as far as its period doubling.
+    let text = r#"Scene(
+        title: "t",
+        problem: Lure(),
+        parameters: [("alpha", 0.8), ("beta", 1.0)],
+        runs: [(
+            name: "found",
+            start: Simulated(state: [("x", 0.1)]),
+            along: [(name: "alpha", low: 0.6, high: 0.85)],
+        )],
+    )"#;
+    let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
+    assert_eq!(outcome.error, None);
+    let doubling = outcome.document.branch("found").unwrap().of_kind(Kind::PD).next().unwrap();
+    assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
+    let mut equilibria = Scene::parse(text).unwrap();
+    equilibria.set("solution", "equilibrium").unwrap();
+    let error = execute(&equilibria, None, &mut ()).error.unwrap().to_string();
+    assert!(error.contains("follows orbits"), "{error}");
     // An itinerary is a setting, too.
     let given = with("mita-type-1", &[("itinerary", "stick")]);
     assert_eq!(execute(&given, None, &mut ()).error, None);
