@@ -5,7 +5,7 @@ use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
 use crate::core::flow::SettingsError as FlowSettingsError;
 use crate::core::grazing::GrazingError;
-use crate::core::hybrid::{HybridError, RecurrenceError};
+use crate::core::hybrid::{CycleSearchError, HybridError};
 use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::output::Chosen;
@@ -46,7 +46,7 @@ pub enum Capability {
 impl fmt::Display for Capability {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Capability::Simulation => "scenes simulate hybrid systems only",
+            Capability::Simulation => "only vector fields and hybrid systems are simulated",
             Capability::Sweep => "sweeps follow the motions of hybrid systems only",
             Capability::LocalMap => "only hybrid systems graze and have local maps",
         })
@@ -193,7 +193,7 @@ pub enum SceneError {
         run: String,
         /// Why.
         #[source]
-        cause: Box<RecurrenceError>,
+        cause: Box<CycleSearchError>,
     },
     /// A trace could not begin.
     #[error("run `{run}`: {cause}")]

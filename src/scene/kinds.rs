@@ -14,9 +14,9 @@ use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::{Scheme, Settings};
 use crate::core::grazing::LocalMap;
 use crate::core::hybrid::{
-    HybridEquations, HybridFlow, HybridSettings, HybridState, Recurrence, RecurrenceError,
+    CycleSearch, CycleSearchError, HybridEquations, HybridFlow, HybridSettings, HybridState,
 };
-use crate::core::orbit::{HybridOrbit, Itinerary};
+use crate::core::orbit::{HybridOrbit, Itinerary, Smooth};
 use crate::core::zero::{System, ZeroProblem};
 use std::sync::Arc;
 
@@ -89,6 +89,56 @@ impl<F: VectorField + Clone + 'static> Model for Field<F> {
             Solution::Equilibrium => Ok(Box::new(Dense::new(Equilibria(field)))),
         }
     }
+
+    fn history(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        start: Option<HybridState<f64>>,
+    ) -> Result<Simulation, SceneError> {
+        simulate(&Smooth(self.0.clone()), run, simulated, p, start)
+    }
+
+    fn settled(
+        &self,
+        settings: &FieldSettings,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+    ) -> Result<Started, SceneError> {
+        let Birth { problem, starts, extras } =
+            settled(Arc::new(Smooth(self.0.clone())), run, simulated, p)?;
+        match settings.solution {
+            Solution::Orbit => {
+                settings.discretisation().system(problem, Some([&*starts, &*extras, p]))
+            }
+            Solution::Equilibrium => Err(SceneError::Value {
+                name: "solution".into(),
+                value: "equilibrium".into(),
+                reason: "a run that starts from a simulation follows orbits; take `orbit`".into(),
+            }),
+        }
+    }
+}
+
+/// The periodic motion on which a simulation settles, as one of the orbits like it.
+fn settled(
+    system: Arc<dyn HybridEquations>,
+    run: &str,
+    simulated: &Simulated,
+    p: &[f64],
+) -> Result<Birth<HybridOrbit>, SceneError> {
+    let unsettled =
+        |cause: CycleSearchError| SceneError::Unsettled { run: run.into(), cause: Box::new(cause) };
+    let start = initial(&*system, simulated)?;
+    let transient = simulated.transient * system.period(p);
+    let search = CycleSearch { transient, ..CycleSearch::default() };
+    let mut flow = HybridFlow::new(&*system, HybridSettings::default())
+        .map_err(|cause| unsettled(cause.into()))?;
+    let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
+    drop(flow);
+    HybridOrbit::of_shared_cycle(system, &cycle).map_err(no_start)
 }
 
 /// The solutions of a boundary-value problem.
@@ -191,19 +241,7 @@ impl Model for Hybrid {
         simulated: &Simulated,
         p: &[f64],
     ) -> Result<Started, SceneError> {
-        let unsettled = |cause: RecurrenceError| SceneError::Unsettled {
-            run: run.into(),
-            cause: Box::new(cause),
-        };
-        let start = initial(&*self.0, simulated)?;
-        let unit = self.0.period(p);
-        let recurrence =
-            Recurrence { transient: simulated.transient * unit, ..Recurrence::default() };
-        let mut flow = HybridFlow::new(&*self.0, HybridSettings::default())
-            .map_err(|cause| unsettled(cause.into()))?;
-        let cycle = recurrence.find(&mut flow, start, p).map_err(unsettled)?;
-        let Birth { problem, starts, extras } =
-            HybridOrbit::of_shared_cycle(self.0.clone(), &cycle).map_err(no_start)?;
+        let Birth { problem, starts, extras } = settled(self.0.clone(), run, simulated, p)?;
         let orbits = watched(settings, problem);
         settings.discretisation().system(orbits, Some([&*starts, &*extras, p]))
     }

@@ -165,7 +165,7 @@ pub enum Start {
     Rest,
     /// Near a guess: values of unknowns by name, the others zero.
     Guess(Vec<(String, f64)>),
-    /// At the periodic motion on which a simulation of a hybrid system settles; or, where no parameter is
+    /// At the periodic motion on which a simulation settles; or, where no parameter is
     /// released, the simulated history itself.
     Simulated(Simulated),
     /// At a special point of an earlier run.
@@ -183,7 +183,7 @@ pub enum Start {
     },
 }
 
-/// A simulation, from the first mode of a hybrid system. Times are in periods of the forcing, or in units of
+/// A simulation of a vector field, or of a hybrid system from its first mode. Times are in periods of the forcing, or in units of
 /// time where there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -11,13 +11,13 @@ use tangency::core::attractor::{
     Attractor, AttractorSearch, CrisisSearch, Exponent, PeriodMap, StroboscopicError,
     StroboscopicMap,
 };
-use tangency::core::bvp::{Birth, BoundarySystem, Mesh, Shooting};
+use tangency::core::bvp::Shooting;
 use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
-use tangency::core::orbit::HybridOrbit;
+use tangency::core::orbit::from_cycle;
 use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Axis, Found, Order, Part, Plan, PlanError, Quantity, execute};
 use tangency::core::zero::System;
@@ -128,13 +128,10 @@ fn exponents_of_cycles_are_logarithms_of_multipliers() {
             "V = {voltage}"
         );
         let mut flow = HybridFlow::new(&Actuator, HybridSettings::default()).unwrap();
-        let recurrence = Recurrence { transient: 3000.0, ..Recurrence::default() };
-        let cycle = recurrence.find(&mut flow, at(0, &[0.1, -0.2]), &p).unwrap();
-        let Birth { problem, starts, extras } = HybridOrbit::of_cycle(Actuator, &cycle).unwrap();
-        let meshes = problem.itinerary().legs.iter().map(|_| Mesh::uniform(1)).collect();
+        let search = CycleSearch { transient: 3000.0, ..CycleSearch::default() };
+        let cycle = search.find(&mut flow, at(0, &[0.1, -0.2]), &p).unwrap();
         let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
-        let mut system = BoundarySystem::new(problem, method, meshes).unwrap();
-        let z = system.flowed(&starts, &extras, &p).unwrap();
+        let (mut system, z) = from_cycle(Actuator, &cycle, &p, method, 1).unwrap();
         let x = solved(&mut system, &z, &p).unwrap();
         system.assemble(&x).unwrap();
         let (re, im) = system.spectrum(&x).unwrap()[0];

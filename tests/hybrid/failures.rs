@@ -7,8 +7,8 @@ use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use std::f64::consts::PI;
 use tangency::core::flow::FlowError;
 use tangency::core::hybrid::{
-    Event, Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
-    Recurrence, RecurrenceError,
+    CycleSearch, CycleSearchError, Event, Guard, HybridError, HybridFlow, HybridSettings,
+    HybridState, HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::LeftDomain;
@@ -217,17 +217,18 @@ fn motions_that_do_not_repeat_say_so() {
     // Without forcing nor impacts.
     let p = [0.0, 1.0, 0.8, 0.0, 1.0];
     let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default()).unwrap();
-    let brief = Recurrence { transient: 0.0, returns: 40, most: 4, longest: 5.0, tolerance: 1e-9 };
+    let brief =
+        CycleSearch { transient: 0.0, returns: 40, max_period: 4, longest: 5.0, tolerance: 1e-9 };
     let beating = [0.0, 1.234, 0.8, 0.0, 1.0];
     let error = brief.find(&mut flow, at(0, 0.0, &[0.5, 0.0]), &beating).unwrap_err();
-    assert!(matches!(error, RecurrenceError::Unsettled { returns: 40, .. }), "{error}");
+    assert!(matches!(error, CycleSearchError::Unsettled { returns: 40, .. }), "{error}");
     let cycle = brief.find(&mut flow, at(0, 0.0, &[0.5, 0.0]), &p).unwrap();
     assert!(cycle.legs.len() == 1 && cycle.legs[0].exit.is_none(), "{cycle:?}");
     let sinking = Sinking { after: 0, to: 1.0 };
     let mut lake = HybridFlow::new(&sinking, HybridSettings::default()).unwrap();
-    let waits = Recurrence { longest: 0.5, ..brief };
+    let waits = CycleSearch { longest: 0.5, ..brief };
     let error = waits.find(&mut lake, at(0, 0.0, &[1.5]), &[]).unwrap_err();
-    assert!(matches!(error, RecurrenceError::NoEvent { longest: 0.5 }), "{error}");
+    assert!(matches!(error, CycleSearchError::NoReturn { longest: 0.5 }), "{error}");
     let cycle = brief.find(&mut lake, at(0, 0.0, &[1.5]), &[]).unwrap();
     close(cycle.duration(), 1.0, 1e-12);
 }

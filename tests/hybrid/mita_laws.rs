@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Cycle, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem,
-    Mode, Recurrence,
+    Cycle, CycleSearch, Guard, History, HybridError, HybridFlow, HybridSettings, HybridState,
+    HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
@@ -212,9 +212,9 @@ fn found(voltage: f64, tolerance: f64) -> Cycle {
     p[0] = voltage;
     let mut flow = HybridFlow::new(&Actuator, settings(tolerance)).unwrap();
     let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.4, 0.0] };
-    let recurrence =
-        Recurrence { transient: 2000.0, tolerance: 1e-9, returns: 2000, ..Recurrence::default() };
-    recurrence.find(&mut flow, start, &p).unwrap()
+    let search =
+        CycleSearch { transient: 2000.0, tolerance: 1e-9, returns: 2000, ..CycleSearch::default() };
+    search.find(&mut flow, start, &p).unwrap()
 }
 
 /// P(1,1) of type I at ω = 0.5, V = 0.24: the same to nine digits with a hundredth of the tolerance.

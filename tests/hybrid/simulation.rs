@@ -12,10 +12,11 @@ use num_dual::{Dual64, DualSVec64};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
+use tangency::core::attractor::{AttractorSearch, PeriodMap};
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    Cycle, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
-    HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+    Cycle, CycleSearch, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
+    HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
 use tangency::core::watch::Watchable;
@@ -48,8 +49,8 @@ where
 
 fn found(system: &dyn HybridEquations, start: HybridState<f64>, p: &[f64]) -> Cycle {
     let mut flow = HybridFlow::new(system, settings(1e-13)).unwrap();
-    let recurrence = Recurrence { tolerance: 1e-11, transient: 300.0, ..Recurrence::default() };
-    recurrence.find(&mut flow, start, p).unwrap()
+    let search = CycleSearch { tolerance: 1e-11, transient: 300.0, ..CycleSearch::default() };
+    search.find(&mut flow, start, p).unwrap()
 }
 
 type Matrix = [[f64; 2]; 2];
@@ -241,13 +242,34 @@ fn belts_have_their_period() {
     close(displacements.fold(0.0, f64::max), belt::largest(1.0, 0.6, 0.3), 1e-5);
 }
 
+/// Motion that spirals towards a cycle, here with multipliers `0.8 e^{±iφ}`, is near it first after several returns: the
+/// least of them is its period.
+#[test]
+fn cycles_have_their_least_period() {
+    let p = [0.95, 0.8];
+    for transient in [0.0, 100.0, 130.0, 200.0, 400.0] {
+        for (height, velocity) in [(1.0, 3.0), (1.5, 3.3), (1.2, 2.5)] {
+            let start = at(BouncingBall::FLIGHT, 0.0, &[height, velocity]);
+            let mut flow = HybridFlow::new(&BouncingBall, settings(1e-13)).unwrap();
+            let search = CycleSearch { transient, ..CycleSearch::default() };
+            let cycle = search.find(&mut flow, start.clone(), &p).unwrap();
+            let found = (cycle.count(&BouncingBall, "impact"), cycle.periods);
+            assert_eq!(found, (1, 1), "from {start:?} after {transient}");
+            let mut map = PeriodMap::of(&BouncingBall, settings(1e-13), &[]).unwrap();
+            let search = AttractorSearch { transient: 5, ..AttractorSearch::default() };
+            let found = search.follow(&mut map, start, &p).unwrap();
+            assert_eq!((found.periods, found.count("impact")), (Some(1), 1.0));
+        }
+    }
+}
+
 #[test]
 fn den_hartogs_amplitude_is_simulated() {
     // Free motion turns by a third in a period of the forcing, and friction slows it down little.
-    let recurrence = Recurrence { tolerance: 1e-12, transient: 2000.0, ..Recurrence::default() };
+    let search = CycleSearch { tolerance: 1e-12, transient: 2000.0, ..CycleSearch::default() };
     let mut flow = HybridFlow::new(&Coulomb, settings(1e-13)).unwrap();
     let start = at(Coulomb::FORWARD, 0.0, &[0.0, 0.1]);
-    let cycle = recurrence.find(&mut flow, start, &[1.5, 0.2]).unwrap();
+    let cycle = search.find(&mut flow, start, &[1.5, 0.2]).unwrap();
     assert_eq!(cycle.legs.len(), 2, "{cycle:?}");
     let ends = cycle.legs.iter().map(|leg| leg.end[0].abs());
     ends.for_each(|end| close(end, 0.765941686205071, 1e-10));

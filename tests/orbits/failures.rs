@@ -2,13 +2,14 @@
 //! there is.
 
 use crate::common::{close, ellipse, first, solved};
-use crate::orbits::cycles::{Saddle, collocated, equilibria, label, shot};
+use crate::orbits::cycles::{Saddle, collocated, collocation, cycle_of, equilibria, label, shot};
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundaryError, Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use tangency::core::field::{Forcing, VectorField};
 use tangency::core::flow::Scheme;
-use tangency::core::orbit::{Simulation, by_collocation, by_shooting};
+use tangency::core::hybrid::CycleSearch;
+use tangency::core::orbit::{Smooth, by_collocation, by_shooting, from_cycle};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{LeftDomain, Names, System};
 use tangency::problems::classic::Lure;
@@ -105,8 +106,9 @@ impl VectorField for VanDerPol {
 }
 
 fn relaxation(intervals: usize) -> Branch {
-    let mut system = collocated(VanDerPol, intervals);
-    let z = system.simulated(&Simulation::default(), &[1.0, 0.0], &[1.0]).unwrap();
+    let cycle = cycle_of(VanDerPol, CycleSearch::default(), &[1.0, 0.0], &[1.0]).unwrap();
+    let (mut system, z) =
+        from_cycle(Smooth(VanDerPol), &cycle, &[1.0], collocation(4), intervals).unwrap();
     Continuation::of(&mut system)
         .from(&z)
         .at("mu", 1.0)

@@ -2,10 +2,12 @@
 //! none says why.
 
 use crate::common::{close, first, solved};
-use crate::orbits::cycles::{Saddle, collocated, equilibria, label, precisely_shot, shot};
+use crate::orbits::cycles::{Saddle, collocation, cycle_of, equilibria, label, precisely_shot};
+use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::field::VectorField;
-use tangency::core::orbit::{Simulation, SimulationError};
+use tangency::core::hybrid::{CycleSearch, CycleSearchError, HybridError};
+use tangency::core::orbit::{Smooth, from_cycle};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::Names;
 use tangency::problems::classic::Lure;
@@ -23,25 +25,22 @@ fn lure_lands_on_its_branch() {
         .unwrap();
     let period = first(&branch, Kind::UZ).monitors[0];
     let (p, start) = ([0.8, 1.0], [0.1, 0.0, 0.0]);
-    let simulation = Simulation::default();
-    let motion = simulation.follow(&Lure, &start, &p).unwrap();
-    close(motion.period, period, 1e-5);
-    let (mut collocation, mut shooting) = (collocated(Lure, 30), shot(Lure, 3));
-    let z = collocation.simulated(&simulation, &start, &p).unwrap();
-    let x = solved(&mut collocation, &z, &p).unwrap();
+    let cycle = cycle_of(Lure, CycleSearch::default(), &start, &p).unwrap();
+    close(cycle.duration(), period, 1e-5);
+    let (mut orbits, z) = from_cycle(Smooth(Lure), &cycle, &p, collocation(4), 30).unwrap();
+    let x = solved(&mut orbits, &z, &p).unwrap();
     close(x[z.len() - 1], period, 1e-9);
-    let z = shooting.simulated(&simulation, &start, &p).unwrap();
-    let x = solved(&mut shooting, &z, &p).unwrap();
+    let (mut orbits, z) = from_cycle(Smooth(Lure), &cycle, &p, Shooting::default(), 3).unwrap();
+    let x = solved(&mut orbits, &z, &p).unwrap();
     close(x[z.len() - 1], period, 1e-9);
 }
 
 /// Beyond its period doubling the orbit of period two is found, which repeats after two turns.
 #[test]
 fn two_turns_are_one_period() {
-    let motion = Simulation { transient: 500.0, ..Simulation::default() }
-        .follow(&Lure, &[0.1, 0.0, 0.0], &[0.6, 1.0])
-        .unwrap();
-    assert!((12.5..13.0).contains(&motion.period), "{motion:?}");
+    let patient = CycleSearch { transient: 500.0, ..CycleSearch::default() };
+    let cycle = cycle_of(Lure, patient, &[0.1, 0.0, 0.0], &[0.6, 1.0]).unwrap();
+    assert!((12.5..13.0).contains(&cycle.duration()), "{cycle:?}");
 }
 
 #[test]
@@ -57,9 +56,9 @@ fn mita_lands_on_its_branch() {
         .trace()
         .unwrap();
     let expected = first(&branch, Kind::UZ).monitors[1];
-    let mut collocation = collocated(Block, 40);
-    let z = collocation.simulated(&Simulation::default(), &rest, &p).unwrap();
-    let branch = Continuation::of(&mut collocation)
+    let cycle = cycle_of(Block, CycleSearch::default(), &rest, &p).unwrap();
+    let (mut orbits, z) = from_cycle(Smooth(Block), &cycle, &p, collocation(4), 40).unwrap();
+    let branch = Continuation::of(&mut orbits)
         .from(&z)
         .at("voltage", 0.2)
         .at("frequency", 0.45)
@@ -104,24 +103,26 @@ impl VectorField for Quasiperiodic {
 
 #[test]
 fn simulations_that_find_nothing_say_why() {
-    let brief = Simulation { transient: 1.0, returns: 50, longest: 20.0, ..Simulation::default() };
-    let outcome = brief.follow(&Decay, &[1.0, 1.0], &[0.0]);
-    assert!(matches!(outcome, Err(SimulationError::NoReturn { .. })), "{outcome:?}");
+    let brief =
+        CycleSearch { transient: 1.0, returns: 50, longest: 320.0, ..CycleSearch::default() };
+    let outcome = cycle_of(Decay, brief, &[1.0, 1.0], &[0.0]);
+    assert!(matches!(outcome, Err(CycleSearchError::NoReturn { .. })), "{outcome:?}");
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    match brief.follow(&Quasiperiodic, &[1.0, 0.0, 1.0, 0.0], &[golden]) {
-        Err(error @ SimulationError::Unsettled { returns: 50, distance, .. }) => {
+    match cycle_of(Quasiperiodic, brief, &[1.0, 0.0, 1.0, 0.0], &[golden]) {
+        Err(error @ CycleSearchError::Unsettled { returns: 50, distance, .. }) => {
             assert!(distance > 1e-3 && error.to_string().contains("not repeated in 50 returns"));
         }
         other => panic!("{other:?}"),
     }
     // The forced saddle repels every trajectory.
-    let outcome = brief.follow(&Saddle, &[0.9, 0.0], &[1.0, 1.0]);
+    let outcome = cycle_of(Saddle, brief, &[0.9, 0.0], &[1.0, 1.0]);
     assert!(outcome.is_err(), "{outcome:?}");
-    let outcome = brief.follow(&Lure, &[0.1, 0.0], &[0.8, 1.0]);
-    assert!(matches!(outcome, Err(SimulationError::Length { found: 2, expected: 3, .. })));
+    let outcome = cycle_of(Lure, brief, &[0.1, 0.0], &[0.8, 1.0]);
+    let length = |error| matches!(error, HybridError::Length { found: 2, expected: 3, .. });
+    assert!(matches!(outcome, Err(CycleSearchError::Motion(error)) if length(error.clone())));
     // Pulled in: the block touches the electrode at infinite speed.
-    match brief.follow(&Block, &[0.0, 0.0], &[1.0, 0.45, 0.04]) {
-        Err(error @ SimulationError::Flow(_)) => {
+    match cycle_of(Block, brief, &[0.0, 0.0], &[1.0, 0.45, 0.04]) {
+        Err(error @ CycleSearchError::Motion(HybridError::Flow { .. })) => {
             assert!(error.to_string().contains("at t = 2.64"), "{error}");
         }
         other => panic!("{other:?}"),

@@ -7,7 +7,7 @@ use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::field::Forcing;
 use tangency::core::hybrid::{
-    Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode, Recurrence,
+    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::orbit::{HybridOrbit, Itinerary, ItineraryError};
 use tangency::core::scalar::Scalar;
@@ -85,7 +85,7 @@ fn an_itinerary_that_does_not_close_is_refused() {
     let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default()).unwrap();
     let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
     let p = [5.0, 2.2, 0.8, 0.1, 1.0];
-    let cycle = Recurrence::default().find(&mut flow, start, &p).unwrap();
+    let cycle = CycleSearch::default().find(&mut flow, start, &p).unwrap();
     let orbit = HybridOrbit::of_cycle(ImpactOscillator, &cycle).unwrap();
     let itinerary = Itinerary::read("flight:impact", &Catching).unwrap();
     let problem = HybridOrbit::of(Catching, itinerary);
@@ -107,7 +107,7 @@ fn complete_chatter_is_no_itinerary() {
     let mut flow = HybridFlow::new(&Actuator, HybridSettings::default()).unwrap();
     let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0, 0.0] };
     let cycle =
-        Recurrence { transient: 2000.0, ..Recurrence::default() }.find(&mut flow, start, &p);
+        CycleSearch { transient: 2000.0, ..CycleSearch::default() }.find(&mut flow, start, &p);
     let cycle = cycle.unwrap();
     assert!(cycle.legs.iter().any(|leg| leg.accumulation));
     let refused = HybridOrbit::of_cycle(Actuator, &cycle).err().expect("refused").to_string();
@@ -131,6 +131,25 @@ fn simulations_discover_itineraries() {
     let found = |kind| branch.of_kind(kind).map(|point| point.parameters[0]).collect::<Vec<_>>();
     assert!((found(Kind::LP)[0] - 0.176515441).abs() < 1e-9);
     assert!((found(Kind::PD)[0] - 0.555993297).abs() < 1e-9);
+    // An orbit of a vector field, as far as its period doubling.
+    let text = r#"Scene(
+        title: "t",
+        problem: Lure(),
+        parameters: [("alpha", 0.8), ("beta", 1.0)],
+        runs: [(
+            name: "found",
+            start: Simulated(state: [("x", 0.1)]),
+            along: [(name: "alpha", low: 0.6, high: 0.85)],
+        )],
+    )"#;
+    let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
+    assert_eq!(outcome.error, None);
+    let doubling = outcome.document.branch("found").unwrap().of_kind(Kind::PD).next().unwrap();
+    assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
+    let mut equilibria = Scene::parse(text).unwrap();
+    equilibria.set("solution", "equilibrium").unwrap();
+    let error = execute(&equilibria, None, &mut ()).error.unwrap().to_string();
+    assert!(error.contains("follows orbits"), "{error}");
     // An itinerary is a setting, too.
     let given = with("mita-type-1", &[("itinerary", "stick")]);
     assert_eq!(execute(&given, None, &mut ()).error, None);

@@ -11,7 +11,7 @@ pub enum StroboscopicError {
     /// There is no forcing.
     #[error(
         "the system has no forcing, so its motion cannot be sampled once a period: state one (`HybridSystem::forcing`, \
-         `period`), or search for returns to a guard (`Recurrence`)"
+         `period`), or search for returns to a guard (`CycleSearch`)"
     )]
     NoPeriod,
     /// The names of measures that the system does not have.

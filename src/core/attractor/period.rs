@@ -190,7 +190,12 @@ fn widen(range: &mut [f64; 2], value: f64) {
 }
 
 impl HybridObserver<f64> for Recorder<'_> {
-    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
+    fn step<F: FieldIn<f64>>(
+        &mut self,
+        mode: usize,
+        step: &mut Step<F, f64>,
+        end: f64,
+    ) -> ControlFlow<()> {
         let last = step.place(end);
         for accumulator in &mut self.accumulators {
             match accumulator {
@@ -226,6 +231,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                 Accumulator::Legs => {}
             }
         }
+        ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {

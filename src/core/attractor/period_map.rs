@@ -209,7 +209,8 @@ impl FleetObserver<f64> for Sampler<'_, '_> {
         end: f64,
     ) {
         if let Some(recorder) = &mut self.sampled[member].recorder {
-            recorder.step(mode, step, end);
+            // A recorder never ends the motion.
+            let _ = recorder.step(mode, step, end);
         }
     }
 

@@ -6,7 +6,7 @@ use super::exponent::{
 };
 use super::period::Period;
 use super::{Layout, StroboscopicMap};
-use crate::core::hybrid::{HybridState, Member, Repetition};
+use crate::core::hybrid::{HybridState, Member, Repetition, distance, size};
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -79,6 +79,9 @@ const ROUNDS: usize = 8;
 /// … no farther away than this.
 const NEAR: f64 = 0.03;
 
+/// Periodic points this near to each other, in units of their size, are the same.
+const SAME: f64 = 1e-8;
+
 /// A stable periodic point.
 struct Cycle {
     start: HybridState<f64>,
@@ -118,7 +121,8 @@ impl Run {
     /// Takes a period in, until motion may be periodic.
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> ControlFlow<()> {
         let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
-        let found = self.repetition.push(period.start.clone(), numbers.collect(), state);
+        let (start, numbers) = (period.start.clone(), numbers.collect());
+        let found = self.repetition.push(start, numbers, state, size(&state.x));
         self.records.push(period);
         self.candidate = found.filter(|_| self.records.len() >= self.next_try);
         proceed(self.candidate.is_none())
@@ -301,8 +305,15 @@ fn periodic(
     q: usize,
 ) -> Result<Attractor, StroboscopicError> {
     let mut state = start.clone();
-    let records: Vec<Period> =
+    let mut records: Vec<Period> =
         (0..q).map(|_| map.record(&mut state, p)).collect::<Result<_, _>>()?;
+    let same = |period: &Period| {
+        let near = distance(&period.start.x, &start.x) <= SAME * size(&start.x);
+        period.start.mode == start.mode && near
+    };
+    // A spiral may have come back first after a multiple of the period.
+    let q = (1..q).find(|part| q.is_multiple_of(*part) && same(&records[*part])).unwrap_or(q);
+    records.truncate(q);
     let (events, accumulations) = counts(map.layout(), &records, 1);
     let (periods, exponent) = (Some(q), Some(exponent));
     Ok(Attractor { periods, records, events, accumulations, exponent, end: start })
@@ -330,7 +341,6 @@ fn improved(
     q: usize,
 ) -> Option<Cycle> {
     let (mut start, n) = (near.clone(), near.x.len());
-    let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let largest = size(&near.x).max(f64::MIN_POSITIVE);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {

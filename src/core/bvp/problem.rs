@@ -325,7 +325,8 @@ pub trait BoundaryProblem: Send + Sync {
     }
 }
 
-/// Solutions that are born where another one touches a surface: the grazing solution as one of them.
+/// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated cycle: that one by
+/// the states where its segments begin.
 pub struct Birth<P = Arc<dyn Equations>> {
     /// The problem that they solve.
     pub problem: P,

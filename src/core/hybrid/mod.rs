@@ -17,6 +17,7 @@
 
 mod beyond;
 mod chatter;
+mod cycle_search;
 mod erased;
 mod error;
 mod event;
@@ -24,7 +25,6 @@ mod fleet;
 mod landing;
 mod leg;
 mod measure;
-mod recurrence;
 mod repetition;
 mod scales;
 mod settling;
@@ -32,6 +32,7 @@ mod simulation;
 mod system;
 
 pub use beyond::virtual_point;
+pub use cycle_search::{Cycle, CycleLeg, CycleSearch, CycleSearchError};
 pub use erased::{
     EventNumber, FieldNumber, GuardNumber, Guards, HybridEquations, MeasureNumber, Measures, Resets,
 };
@@ -41,8 +42,7 @@ pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{along, rate};
 pub use measure::{Measure, Passage};
-pub use recurrence::{Cycle, CycleLeg, Recurrence, RecurrenceError};
-pub(in crate::core) use repetition::Repetition;
+pub(in crate::core) use repetition::{Repetition, distance, size};
 pub use scales::Scales;
 pub(crate) use scales::{guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};

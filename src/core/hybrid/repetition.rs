@@ -1,9 +1,12 @@
-//! Whether a motion under forcing has come back to where it was.
+//! Whether a motion has come back to where it was.
 
 use super::simulation::HybridState;
 use std::collections::VecDeque;
 
-/// How near states have come to each other, in units of the largest one.
+/// A motion that comes back after several returns has not come back after fewer: those are farther by this factor.
+const DISTINCT: f64 = 1e3;
+
+/// How near states have come to each other, in units of a size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearness {
     largest: f64,
@@ -15,22 +18,51 @@ impl Nearness {
         Nearness { largest: f64::MIN_POSITIVE, least: f64::INFINITY }
     }
 
-    /// Takes a state in that may be the largest.
-    pub fn extend(&mut self, x: &[f64]) {
-        self.largest = x.iter().map(|x| x * x).sum::<f64>().sqrt().max(self.largest);
+    /// Takes in a size that may be the largest.
+    pub fn extend(&mut self, size: f64) {
+        self.largest = self.largest.max(size);
     }
 
-    /// Whether two states of one mode are as near as this.
-    pub fn admit(&mut self, a: &[f64], b: &[f64], tolerance: f64) -> bool {
-        let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-        let distance = square.sqrt() / self.largest;
-        self.least = self.least.min(distance);
-        distance <= tolerance
+    /// The distance of two states of one mode.
+    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        distance(a, b) / self.largest
+    }
+
+    /// The least number of returns, up to `most`, after which the distance is within a tolerance.
+    pub fn first(
+        &mut self,
+        most: usize,
+        tolerance: f64,
+        distance: impl Fn(&Self, usize) -> f64,
+    ) -> Option<usize> {
+        (1..=most).find(|returns| {
+            let distance = distance(self, *returns);
+            self.least = self.least.min(distance);
+            distance <= tolerance
+        })
     }
 }
 
-/// The last periods of a motion that is looked at once in every period: where each of them began, and the guards
-/// of its events.
+/// The Euclidean norm of a state.
+pub(in crate::core) fn size(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The Euclidean distance of two states.
+pub(in crate::core) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+/// Whether a motion that comes back after some returns comes back after no part of them: a motion that spirals towards
+/// a cycle may be near it first after a multiple of its period.
+pub(super) fn is_least(returns: usize, distance: impl Fn(usize) -> f64) -> bool {
+    let divisors = (1..returns).filter(|part| returns.is_multiple_of(*part));
+    let near = DISTINCT * distance(returns);
+    divisors.map(distance).all(|distance| near <= distance)
+}
+
+/// The last periods of a motion that is sampled once in every period: where each of them began, and the guards of its
+/// events.
 pub(in crate::core) struct Repetition {
     most: usize,
     tolerance: f64,
@@ -39,38 +71,47 @@ pub(in crate::core) struct Repetition {
 }
 
 impl Repetition {
-    /// Looks for up to so many periods, after which states agree to a tolerance, in units of the largest one.
+    /// Looks for up to so many periods, after which states agree to a tolerance, in units of the largest size.
     pub fn new(most: usize, tolerance: f64) -> Self {
         Repetition { most, tolerance, nearness: Nearness::new(), past: VecDeque::new() }
     }
 
-    /// Takes in a state that may be the largest.
-    pub fn extend(&mut self, x: &[f64]) {
-        self.nearness.extend(x);
-    }
-
-    /// Takes in a period: the state in which it began, its events, and the state in which it ended. Returns after
-    /// how many periods the motion has come back, the same events having come in as many periods before.
+    /// Takes in a period: the state in which it began, its events, the state in which it ended, and the size of the
+    /// motion. Returns after how many periods the motion has come back, the same events having come in as many
+    /// periods before.
     pub fn push(
         &mut self,
         before: HybridState<f64>,
         events: Vec<usize>,
         after: &HybridState<f64>,
+        size: f64,
     ) -> Option<usize> {
         if self.past.len() == 2 * self.most {
             self.past.pop_front();
         }
         self.past.push_back((before, events));
-        self.nearness.extend(&after.x);
-        let Repetition { past, nearness, tolerance, .. } = self;
-        let back = |q: &usize| {
-            let (old, _) = &past[past.len() - q];
-            old.mode == after.mode
-                && nearness.admit(&old.x, &after.x, *tolerance)
-                && repeats(past, *q)
-        };
-        (1..=self.most.min(past.len() / 2)).find(back)
+        self.nearness.extend(size);
+        let Repetition { past, nearness, tolerance, most } = self;
+        let most = (*most).min(past.len() / 2);
+        nearness.first(most, *tolerance, |nearness, q| back(past, nearness, q, after))
     }
+
+    /// Whether the motion that has come back in a state after some periods comes back after no part of them.
+    pub fn is_least(&self, periods: usize, after: &HybridState<f64>) -> bool {
+        is_least(periods, |q| back(&self.past, &self.nearness, q, after))
+    }
+}
+
+/// How near a state is to that of `q` periods before; infinitely far if other events have come.
+fn back(
+    past: &VecDeque<(HybridState<f64>, Vec<usize>)>,
+    nearness: &Nearness,
+    q: usize,
+    after: &HybridState<f64>,
+) -> f64 {
+    let (old, _) = &past[past.len() - q];
+    let alike = old.mode == after.mode && repeats(past, q);
+    if alike { nearness.distance(&old.x, &after.x) } else { f64::INFINITY }
 }
 
 /// Whether the events of the last `q` periods are those of the `q` periods before.

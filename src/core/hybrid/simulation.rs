@@ -186,7 +186,7 @@ where
     }
 
     /// Moves a state on for a time, by way of all events, which the observer sees; it may end the motion just
-    /// after one. Where an error ends the motion, the state is that after the last event.
+    /// after one, or with a step. Where an error ends the motion, the state is that after the last event.
     ///
     /// # Errors
     /// [`HybridError`] if the motion ends before: its flow does, a mode begins where a guard is negative, or
@@ -302,21 +302,28 @@ where
         let (watched, unit) = (&watched[mode], *unit);
         let mut lookout =
             Lookout { system, mode, watched, roots, event, pace, p, unit, leg: (state.time, left) };
-        let mut landing = None;
+        let (mut landing, mut last) = (None, run.end);
         lookout.event.before.clear();
         lookout.event.before.extend_from_slice(&state.x);
         let field = T::in_mode(system, mode, T::zero());
         let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
             landing = lookout.landing(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);
-            run.observer.step(mode, step, end);
-            if landing.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            let ended = run.observer.step(mode, step, end).is_break();
+            if ended {
+                last = step.time(T::one());
+            }
+            if ended || landing.is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         match (landing, outcome) {
             (landing, Ok(statistics)) => {
                 run.statistics.flow = sum(run.statistics.flow, statistics);
                 if landing.is_none() {
-                    state.time = run.end;
+                    state.time = last;
                 }
                 Ok(landing)
             }

@@ -219,7 +219,7 @@ impl HybridOrbit {
             let Some((time, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
                 return Err(EvaluationError::NotApplicable(format!(
                     "after the touch, motion does not come back to mode `{}` at once: start the branch from \
-                     a simulated orbit",
+                     a simulated cycle (`orbit::from_cycle`)",
                     self.mode_name(mode)
                 )));
             };

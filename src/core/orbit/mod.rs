@@ -10,7 +10,8 @@
 //! unknown, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on
 //! the branch. One description serves every discretisation: [`by_collocation`] and [`by_shooting`].
 //!
-//! Branches start at Hopf points, at saved orbits, or at stable orbits found by [`Simulation`].
+//! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation
+//! ([`from_cycle`]).
 
 mod birth;
 mod equations;
@@ -18,11 +19,9 @@ mod hybrid;
 mod itinerary;
 mod measures;
 mod periodic;
-mod simulation;
 mod smooth;
 
 pub use hybrid::HybridOrbit;
 pub use itinerary::{Itinerary, ItineraryError, Leg};
-pub use periodic::{by_collocation, by_shooting};
-pub use simulation::{PeriodicMotion, Simulation, SimulationError};
+pub use periodic::{by_collocation, by_shooting, from_cycle};
 pub use smooth::Smooth;

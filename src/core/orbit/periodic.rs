@@ -2,7 +2,9 @@
 
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Mesh, Method, Shooting};
+use crate::core::condition::EvaluationError;
 use crate::core::field::VectorField;
+use crate::core::hybrid::{Cycle, HybridEquations};
 
 /// Periodic orbits by collocation on a number of intervals.
 ///
@@ -68,6 +70,46 @@ pub fn by_shooting<F: VectorField + 'static>(
     method: Shooting,
 ) -> Result<BoundarySystem<Shooting>, BoundaryError> {
     discretised(field, segments, method)
+}
+
+/// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of intervals for each leg, and
+/// the unknowns `z` of that cycle, from which a branch starts.
+///
+/// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in [`Smooth`](super::Smooth).
+///
+/// ```
+/// use tangency::core::bvp::Collocation;
+/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+/// use tangency::core::orbit::{Smooth, from_cycle};
+/// use tangency::problems::classic::Lure;
+/// let (p, start) = ([0.8, 1.0], HybridState { mode: 0, time: 0.0, x: vec![0.1, 0.0, 0.0] });
+/// let mut flow = HybridFlow::new(&Smooth(Lure), HybridSettings::default())?;
+/// let cycle = CycleSearch::default().find(&mut flow, start, &p)?;
+/// let (mut orbits, z) = from_cycle(Smooth(Lure), &cycle, &p, Collocation::new(4)?, 20)?;
+/// let branch = Continuation::of(&mut orbits)
+///     .from(&z)
+///     .at("alpha", 0.8)
+///     .at("beta", 1.0)
+///     .along("alpha", 0.6..=0.85)
+///     .trace()?;
+/// // Stable orbits, as far as their period doubling.
+/// let doubling = branch.of_kind(Kind::PD).next().unwrap();
+/// assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`EvaluationError`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
+/// domain of its field.
+pub fn from_cycle<M: Method + Clone + 'static>(
+    system: impl HybridEquations + 'static,
+    cycle: &Cycle,
+    p: &[f64],
+    method: M,
+    intervals: usize,
+) -> Result<(BoundarySystem<M>, Vec<f64>), EvaluationError> {
+    HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
 }
 
 fn discretised<F: VectorField + 'static, M: Method>(

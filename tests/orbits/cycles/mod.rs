@@ -6,7 +6,10 @@ use tangency::core::dense::Dense;
 use tangency::core::field::Forcing;
 use tangency::core::field::{Equilibria, VectorField};
 use tangency::core::flow::Scheme;
-use tangency::core::orbit::{by_collocation, by_shooting};
+use tangency::core::hybrid::{
+    Cycle, CycleSearch, CycleSearchError, HybridFlow, HybridSettings, HybridState,
+};
+use tangency::core::orbit::{Smooth, by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::Names;
 
@@ -14,7 +17,23 @@ pub fn collocated(
     field: impl VectorField + 'static,
     intervals: usize,
 ) -> BoundarySystem<Collocation> {
-    by_collocation(field, intervals, Collocation::new(4).unwrap()).unwrap()
+    by_collocation(field, intervals, collocation(4)).unwrap()
+}
+
+pub fn collocation(degree: usize) -> Collocation {
+    Collocation::new(degree).unwrap()
+}
+
+/// The cycle on which the motion of a field from a state settles.
+pub fn cycle_of(
+    field: impl VectorField,
+    search: CycleSearch,
+    start: &[f64],
+    p: &[f64],
+) -> Result<Cycle, CycleSearchError> {
+    let system = Smooth(field);
+    let mut flow = HybridFlow::new(&system, HybridSettings::default())?;
+    search.find(&mut flow, HybridState { mode: 0, time: 0.0, x: start.to_vec() }, p)
 }
 
 pub fn shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem<Shooting> {

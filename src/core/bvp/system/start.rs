@@ -1,7 +1,9 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
 
 use super::{BoundarySystem, Method};
-use crate::core::bvp::{BoundaryError, Collocation, Equations, Mesh, Number, Shooting};
+use crate::core::bvp::{
+    Birth, BoundaryError, Collocation, Equations, IntoEquations, Mesh, Number, Shooting,
+};
 use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
@@ -124,8 +126,9 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
                 "no other branch is known where solutions of this problem graze",
             ));
         };
-        self.change_to(birth.problem)?;
-        let z = self.flowed(&birth.starts, &birth.extras, p)?;
+        let method = self.equations.method.clone();
+        let z;
+        (*self, z) = birth.discretised(p, method, self.meshes()[0].intervals())?;
         Ok(Adopted { z, tangent: None, leaving: Leaving::Switched })
     }
 
@@ -289,6 +292,26 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         if self.equations.layout.phase {
             let _ = self.set_reference(x);
         }
+    }
+}
+
+impl<P: IntoEquations> Birth<P> {
+    /// The system of the problem, with a number of intervals for each segment, and its unknowns `z` at parameters `p`,
+    /// integrated from the states where segments begin.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] if there is no interval, or where a trajectory leaves the domain of its field.
+    pub fn discretised<M: Method + Clone + 'static>(
+        self,
+        p: &[f64],
+        method: M,
+        intervals: usize,
+    ) -> Result<(BoundarySystem<M>, Vec<f64>), EvaluationError> {
+        let Birth { problem, starts, extras } = self.erased();
+        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
+        let system = BoundarySystem::new(problem, method, meshes)?;
+        let z = system.flowed(&starts, &extras, p)?;
+        Ok((system, z))
     }
 }
 

@@ -1,0 +1,483 @@
+//! Periodic motions found by simulation: what they go through, and where.
+//!
+//! Under a forcing of period `T` a motion is sampled once in every period, and is periodic where mode and state are
+//! those of `q` periods before, and the same events came in both. Without forcing it is sampled just after the events of
+//! one guard. As long as no event has come, it is sampled on a section through a point `x₀` of it, across the motion
+//! there,
+//!
+//! ```text
+//!     ⟨f(x₀), x − x₀⟩ = 0,  growing,
+//! ```
+//!
+//! and the time of return is the period. If it does not return to the point itself within some crossings, a section is
+//! laid through the last of them: transients go on dying out meanwhile.
+
+use super::erased::HybridEquations;
+use super::error::HybridError;
+use super::event::{Event, HybridObserver};
+use super::repetition::{Nearness, Repetition, distance, is_least, size};
+use super::scales::time_scale;
+use super::simulation::{HybridFlow, HybridState};
+use crate::core::field::Forcing;
+use crate::core::flow::{Roots, Sign, Step};
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watch;
+use std::ops::ControlFlow;
+
+/// A leg of a periodic motion: from just after one event to just before the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CycleLeg {
+    /// The mode.
+    pub mode: usize,
+    /// The guard at which it ends; `None` if nothing happens in the whole cycle.
+    pub exit: Option<usize>,
+    /// How long it lasts.
+    pub duration: f64,
+    /// The state at its start.
+    pub start: Vec<f64>,
+    /// The state at its end.
+    pub end: Vec<f64>,
+    /// Whether it stands for the rest of a series of infinitely many events, up to their accumulation.
+    pub accumulation: bool,
+}
+
+/// One cycle of a periodic motion, from just after an event on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// When the first leg begins; under forcing its phase counts.
+    pub start: f64,
+    /// The legs, the last of which leads to the first.
+    pub legs: Vec<CycleLeg>,
+    /// The periods of the forcing in a cycle; 1 without forcing.
+    pub periods: usize,
+    /// How near the motion came back, as [`CycleSearch::tolerance`] measures it.
+    pub distance: f64,
+}
+
+impl Cycle {
+    /// How long a cycle lasts.
+    pub fn duration(&self) -> f64 {
+        self.legs.iter().map(|leg| leg.duration).sum()
+    }
+
+    /// How many events of one name there are, accumulations not counted.
+    pub fn count(&self, system: &dyn HybridEquations, name: &str) -> usize {
+        let guards = system.guards();
+        let named = |leg: &&CycleLeg| leg.exit.is_some_and(|exit| guards[exit].name == name);
+        self.legs.iter().filter(named).filter(|leg| !leg.accumulation).count()
+    }
+}
+
+/// Why a simulation has found no periodic motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CycleSearchError {
+    /// The motion ends.
+    #[error(transparent)]
+    Motion(#[from] HybridError),
+    /// The motion does not repeat.
+    #[error(
+        "the motion has not repeated in {returns} returns, compared over up to {max_period}: the nearest was at a \
+         distance of {distance:.1e}, above the tolerance {tolerance:.1e}; simulate longer (`transient`, `returns`, \
+         `longest`), or elsewhere if it is not periodic"
+    )]
+    Unsettled {
+        /// The number of returns.
+        returns: usize,
+        /// The largest number of returns in a cycle.
+        max_period: usize,
+        /// The smallest distance, as [`CycleSearch::tolerance`] measures it.
+        distance: f64,
+        /// The largest distance of a motion that repeats.
+        tolerance: f64,
+    },
+    /// A motion without forcing neither passes an event nor returns to a section across it.
+    #[error(
+        "no event and no return came within a time of {longest}: the motion has settled on an equilibrium, or leaves; \
+         raise `longest` if it is slow, or simulate elsewhere"
+    )]
+    NoReturn {
+        /// The time waited.
+        longest: f64,
+    },
+}
+
+/// The search for periodic motion by simulation: how long to look, and when a motion repeats.
+///
+/// It works on any hybrid system; a vector field is one as [`orbit::Smooth`](crate::core::orbit::Smooth). Cycles are
+/// found in their least period.
+///
+/// ```
+/// use tangency::core::hybrid::CycleSearch;
+/// let patient = CycleSearch { transient: 1000.0, ..CycleSearch::default() };
+/// assert!(patient.tolerance == 1e-6 && patient.max_period == 16);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleSearch {
+    /// The duration of the transient, in units of time, before the search begins.
+    pub transient: f64,
+    /// A motion repeats when it comes back this near, in units of its largest state; of motion without events, in units
+    /// of its diameter. Correction does the rest.
+    pub tolerance: f64,
+    /// The largest number of periods of the forcing, or of returns, in a cycle.
+    pub max_period: usize,
+    /// The number of periods, or returns, that are searched.
+    pub returns: usize,
+    /// The longest time in which they are searched without forcing, in units of time.
+    pub longest: f64,
+}
+
+impl Default for CycleSearch {
+    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within a time of 10 000, and a tolerance of
+    /// 1e-6.
+    fn default() -> Self {
+        CycleSearch {
+            transient: 100.0,
+            tolerance: 1e-6,
+            max_period: 16,
+            returns: 1000,
+            longest: 1e4,
+        }
+    }
+}
+
+impl CycleSearch {
+    /// Follows a motion until it repeats.
+    ///
+    /// ```
+    /// use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
+    /// use tangency::core::orbit::Smooth;
+    /// use tangency::problems::classic::{ImpactOscillator, Lure};
+    /// // Impacts once in every period of the forcing.
+    /// let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default())?;
+    /// let start = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 0.0] };
+    /// let cycle = CycleSearch::default().find(&mut flow, start, &[5.0, 2.2, 0.8, 0.1, 1.0])?;
+    /// assert_eq!((cycle.count(&ImpactOscillator, "impact"), cycle.periods), (1, 1));
+    /// assert!((cycle.duration() - std::f64::consts::TAU / 2.2).abs() < 1e-6);
+    /// // A cycle of a vector field is one leg.
+    /// let mut flow = HybridFlow::new(&Smooth(Lure), HybridSettings::default())?;
+    /// let start = HybridState { mode: 0, time: 0.0, x: vec![0.1, 0.0, 0.0] };
+    /// let cycle = CycleSearch::default().find(&mut flow, start, &[0.8, 1.0])?;
+    /// assert!(cycle.legs.len() == 1 && (cycle.duration() - 6.3).abs() < 0.1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CycleSearchError`] if the motion ends, does not return, or does not repeat.
+    pub fn find(
+        &self,
+        flow: &mut HybridFlow<f64>,
+        start: HybridState<f64>,
+        p: &[f64],
+    ) -> Result<Cycle, CycleSearchError> {
+        flow.begin(&start, 0.0, p)?;
+        match flow.system().forcing() {
+            Forcing::Periodic { .. } => self.strobed(flow, start, flow.system().period(p), p),
+            Forcing::None => self.returning(flow, start, p),
+        }
+    }
+
+    /// Samples the motion once in every period of the forcing.
+    fn strobed(
+        &self,
+        flow: &mut HybridFlow<f64>,
+        mut state: HybridState<f64>,
+        period: f64,
+        p: &[f64],
+    ) -> Result<Cycle, CycleSearchError> {
+        let phase = state.time;
+        let skipped = (self.transient / period).max(0.0) as usize;
+        let mut repetition = Repetition::new(self.max_period, self.tolerance);
+        for k in 0..skipped.saturating_add(self.returns) {
+            // From the same time in every period: long times have fewer digits.
+            state.time = phase;
+            let before = state.clone();
+            let mut sample = Sample { start: &before.x, ..Sample::default() };
+            flow.advance(&mut state, period, p, &mut sample)?;
+            if k < skipped {
+                continue;
+            }
+            let Sample { guards, largest, diameter, .. } = sample;
+            let size = if guards.is_empty() { diameter } else { largest.max(size(&state.x)) };
+            let found = repetition.push(before.clone(), guards, &state, size);
+            if let Some(q) = found.filter(|q| repetition.is_least(*q, &state)) {
+                state.time = phase;
+                let mut cycle = cycle(flow, state, q, period, p)?;
+                cycle.distance = repetition.nearness.least;
+                return Ok(cycle);
+            }
+        }
+        Err(self.unsettled(self.returns, repetition.nearness))
+    }
+
+    /// Samples the motion just after every event of the guard that comes first, and before that on a section.
+    fn returning(
+        &self,
+        flow: &mut HybridFlow<f64>,
+        mut state: HybridState<f64>,
+        p: &[f64],
+    ) -> Result<Cycle, CycleSearchError> {
+        flow.advance(&mut state, self.transient, p, &mut ())?;
+        let system = flow.system();
+        let mut returns = Returns {
+            search: self,
+            system,
+            p,
+            section: Some(Section::through(system, p, state.clone())),
+            events: Vec::new(),
+            positions: Vec::new(),
+            count: 0,
+            nearness: Nearness::new(),
+            cycle: None,
+        };
+        flow.advance(&mut state, self.longest, p, &mut returns)?;
+        let Returns { events, count, nearness, cycle, .. } = returns;
+        cycle.ok_or_else(|| match events.is_empty() && count == 0 {
+            true => CycleSearchError::NoReturn { longest: self.longest },
+            false => self.unsettled(count, nearness),
+        })
+    }
+
+    fn unsettled(&self, returns: usize, nearness: Nearness) -> CycleSearchError {
+        let CycleSearch { max_period, tolerance, .. } = *self;
+        CycleSearchError::Unsettled { returns, max_period, distance: nearness.least, tolerance }
+    }
+}
+
+/// Whether to go on.
+fn proceed(goes_on: bool) -> ControlFlow<()> {
+    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+}
+
+/// What happens in one period of the forcing.
+#[derive(Default)]
+struct Sample<'a> {
+    start: &'a [f64],
+    guards: Vec<usize>,
+    /// The size of the largest state after an event.
+    largest: f64,
+    /// The largest distance from the start before the first event.
+    diameter: f64,
+}
+
+impl HybridObserver<f64> for Sample<'_> {
+    fn step<F: FieldIn<f64>>(
+        &mut self,
+        _mode: usize,
+        step: &mut Step<F, f64>,
+        _end: f64,
+    ) -> ControlFlow<()> {
+        if self.guards.is_empty() {
+            self.diameter = self.diameter.max(distance(step.end(), self.start));
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
+        self.guards.push(event.guard);
+        self.largest = self.largest.max(size(&event.after));
+        ControlFlow::Continue(())
+    }
+}
+
+/// A plane across the motion through a state of it, as a function that falls through zero where motion crosses it in the
+/// direction that it has in that state.
+#[derive(Clone)]
+struct Across {
+    base: Vec<f64>,
+    normal: Vec<f64>,
+    scale: f64,
+}
+
+impl Watch for Across {
+    fn value<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
+        let parts = x.iter().zip(&self.base).zip(&self.normal).map(|((x, b), n)| (-*x + *b) * *n);
+        parts.fold(T::zero(), |sum, part| sum + part)
+    }
+
+    fn scale(&self) -> f64 {
+        self.scale
+    }
+}
+
+/// A section across the motion, and the crossings of it.
+struct Section {
+    start: HybridState<f64>,
+    roots: Roots<f64, Across>,
+    /// The largest distance of the motion from the start.
+    diameter: f64,
+    /// The distances of the crossings from the start, in units of the diameter.
+    distances: Vec<f64>,
+}
+
+impl Section {
+    fn through(system: &dyn HybridEquations, p: &[f64], start: HybridState<f64>) -> Self {
+        let mut normal = vec![0.0; start.x.len()];
+        system.field(start.mode, start.time, &start.x, p, &mut normal);
+        let scale = size(&normal).powi(2) * time_scale(system, p);
+        let across = Across { base: start.x.clone(), normal, scale };
+        let mut roots = Roots::of(across.clone());
+        // Motion counts as having crossed it where it begins.
+        roots.resume(across, Sign::Fallen);
+        Section { start, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
+    }
+
+    /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
+    fn crossing<F: FieldIn<f64>>(
+        &mut self,
+        step: &mut Step<F, f64>,
+        end: f64,
+    ) -> Option<HybridState<f64>> {
+        let Section { start, roots, diameter, distances } = self;
+        *diameter = diameter.max(distance(step.end(), &start.x));
+        let mut found = None;
+        let _ = roots.search(step, |step, root| {
+            let mut x = start.x.clone();
+            step.state(root.fraction, &mut x);
+            let crossing = HybridState { mode: start.mode, time: step.time(root.fraction), x };
+            found = Some(crossing).filter(|_| root.fraction <= end);
+            ControlFlow::Break(())
+        });
+        if let Some(crossing) = &found {
+            distances.push(distance(&crossing.x, &start.x) / *diameter);
+        }
+        found
+    }
+
+    /// The motion from the start to a crossing as a cycle.
+    fn cycle(&self, end: HybridState<f64>, distance: f64) -> Cycle {
+        let HybridState { mode, time, x } = self.start.clone();
+        let leg = CycleLeg {
+            mode,
+            exit: None,
+            duration: end.time - time,
+            start: x,
+            end: end.x,
+            accumulation: false,
+        };
+        Cycle { start: time, legs: vec![leg], periods: 1, distance }
+    }
+}
+
+/// The search among returns: to a guard, or to a section as long as no event has come.
+struct Returns<'a> {
+    search: &'a CycleSearch,
+    system: &'a dyn HybridEquations,
+    p: &'a [f64],
+    section: Option<Section>,
+    events: Vec<Event<f64>>,
+    /// The positions of those events at which motion is sampled.
+    positions: Vec<usize>,
+    /// The number of returns.
+    count: usize,
+    nearness: Nearness,
+    cycle: Option<Cycle>,
+}
+
+impl Returns<'_> {
+    /// After how many returns, the cycle's number, the motion has come back to an event.
+    fn returned(&mut self, event: &Event<f64>) -> Option<usize> {
+        let CycleSearch { tolerance, max_period, .. } = *self.search;
+        let Returns { events, positions, nearness, .. } = self;
+        let back = |nearness: &Nearness, q: usize| {
+            let old = &events[positions[positions.len() - q]];
+            let alike = old.next == event.next;
+            if alike { nearness.distance(&old.after, &event.after) } else { f64::INFINITY }
+        };
+        let most = max_period.min(positions.len());
+        let found = nearness.first(most, tolerance, back);
+        found.filter(|q| is_least(*q, |q| back(nearness, q)))
+    }
+
+    /// The legs from an event to the last one.
+    fn cycle_from(&self, first: usize) -> Cycle {
+        let events = &self.events[first..];
+        let legs = events.windows(2).map(|pair| leg(&pair[0], &pair[1], 0.0)).collect();
+        Cycle { start: events[0].time, legs, periods: 1, distance: self.nearness.least }
+    }
+}
+
+impl HybridObserver<f64> for Returns<'_> {
+    fn step<F: FieldIn<f64>>(
+        &mut self,
+        _mode: usize,
+        step: &mut Step<F, f64>,
+        end: f64,
+    ) -> ControlFlow<()> {
+        let Some(section) = &mut self.section else { return ControlFlow::Continue(()) };
+        let Some(state) = section.crossing(step, end) else { return ControlFlow::Continue(()) };
+        let CycleSearch { tolerance, max_period, returns, .. } = *self.search;
+        let crossings = section.distances.len();
+        let distance = section.distances[crossings - 1];
+        self.count += 1;
+        self.nearness.least = self.nearness.least.min(distance);
+        let returned = distance <= tolerance;
+        if returned && is_least(crossings, |q| section.distances[q - 1]) {
+            self.cycle = Some(section.cycle(state, distance));
+        } else if returned || crossings >= max_period {
+            *section = Section::through(self.system, self.p, state);
+        }
+        proceed(self.cycle.is_none() && self.count < returns)
+    }
+
+    fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
+        if self.section.take().is_some() {
+            (self.count, self.nearness) = (0, Nearness::new());
+        }
+        self.nearness.extend(size(&event.after));
+        let same = |first: &Event<f64>| (first.guard, first.mode) == (event.guard, event.mode);
+        let sampled = self.events.first().is_none_or(same) && !event.accumulation;
+        let found = if sampled { self.returned(event) } else { None };
+        let first = found.map(|q| self.positions[self.positions.len() - q]);
+        if sampled {
+            self.count = self.positions.len();
+            self.positions.push(self.events.len());
+        }
+        self.events.push(event.clone());
+        self.cycle = first.map(|first| self.cycle_from(first));
+        proceed(self.cycle.is_none() && self.count < self.search.returns)
+    }
+}
+
+/// The legs of `q` periods.
+fn cycle(
+    flow: &mut HybridFlow<f64>,
+    mut state: HybridState<f64>,
+    q: usize,
+    period: f64,
+    p: &[f64],
+) -> Result<Cycle, HybridError> {
+    let (start, duration) = (state.clone(), period * q as f64);
+    let events = flow.events(&mut state, duration, p)?;
+    let (first, last) = match (events.first(), events.last()) {
+        (Some(first), Some(last)) => (first, last),
+        _ => {
+            let HybridState { mode, time, x } = start;
+            let leg = CycleLeg {
+                mode,
+                exit: None,
+                duration,
+                start: x,
+                end: state.x,
+                accumulation: false,
+            };
+            return Ok(Cycle { start: time, legs: vec![leg], periods: q, distance: 0.0 });
+        }
+    };
+    let inner = events.windows(2).map(|pair| leg(&pair[0], &pair[1], 0.0));
+    let legs = inner.chain([leg(last, first, duration)]).collect();
+    Ok(Cycle { start: first.time, legs, periods: q, distance: 0.0 })
+}
+
+/// The leg between two events, the second of which is to come so much later.
+fn leg(from: &Event<f64>, to: &Event<f64>, later: f64) -> CycleLeg {
+    CycleLeg {
+        mode: to.mode,
+        exit: Some(to.guard),
+        duration: to.time + later - from.time,
+        start: from.after.clone(),
+        end: to.before.clone(),
+        accumulation: to.accumulation,
+    }
+}
