@@ -270,6 +270,24 @@ impl Method for Shooting {
         Ok(())
     }
 
+    /// By dense output in every step of one flow.
+    fn quadrature<T: Number>(
+        &self,
+        interval: Interval<T>,
+        work: &mut Flow<T>,
+        visit: &mut dyn FnMut(T, T, &[T]),
+    ) -> Result<(), LeftDomain> {
+        let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
+        work.settings = self.present();
+        let (start, length) = times(&interval);
+        let field = interval.field();
+        work.observe(&field, start, length, &mut x, field.p, |step| {
+            step.quadrature(1.0, &mut *visit);
+            ControlFlow::Continue(())
+        })?;
+        Ok(())
+    }
+
     fn finer(&self) -> Option<(Self, usize)> {
         // A power of ten remains one.
         let digits = (1.0 / self.settings.relative).round();

@@ -36,7 +36,8 @@ struct OnLeg<'a> {
 
 impl<T: GuardNumber> WatchIn<T> for OnLeg<'_> {
     fn value_in(&self, t: T, x: &[T], q: &[T]) -> T {
-        self.orbit.guard_on(self.leg, self.guard, t, x, q)
+        let (mode, t) = (self.orbit.legs()[self.leg].mode, self.orbit.time(self.leg, q) + t);
+        self.orbit.system.guard(self.guard, mode, t, x, self.orbit.split(q).0)
     }
 }
 
