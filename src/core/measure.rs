@@ -72,7 +72,9 @@ impl Measure {
         match self {
             Measure::Maximum(name) | Measure::Minimum(name) => Some(scalar(name)),
             Measure::Range(_) | Measure::Rising { .. } => Some(T::zero()),
-            Measure::Integral(Integral::Total, _) | Measure::Penetration | Measure::Cycle(_) => None,
+            Measure::Integral(Integral::Total, _) | Measure::Penetration | Measure::Cycle(_) => {
+                None
+            }
             Measure::Integral(integral, names) => {
                 let terms = names.iter().map(|name| integral.integrand(scalar(name)));
                 let sum = terms.fold(T::zero(), |sum, term| sum + term);

@@ -99,7 +99,8 @@ impl<'a> Recorder<'a> {
         let Recording { system, modes, measures, .. } = of;
         let accumulator = |measure: &Measure| match measure {
             Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => {
-                let (scalar, range) = (system.scalars(modes, name), [f64::INFINITY, f64::NEG_INFINITY]);
+                let (scalar, range) =
+                    (system.scalars(modes, name), [f64::INFINITY, f64::NEG_INFINITY]);
                 Accumulator::Extremes { scalar, range, extrema: Extrema::default() }
             }
             Measure::Rising { through, value } => {

@@ -1,8 +1,6 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
-use crate::core::bvp::{
-    BoundaryError, Equations, Mesh, Method, Return, Span, Unknown, Watched,
-};
+use crate::core::bvp::{BoundaryError, Equations, Mesh, Method, Return, Span, Unknown, Watched};
 
 /// The places of one segment's unknowns and equations.
 #[derive(Clone, Debug)]

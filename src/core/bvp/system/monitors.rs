@@ -129,7 +129,8 @@ impl<M: Method> Discretised<M> {
     /// The duration of some segments together.
     fn duration<T: Number>(&self, q: &[T], counts: impl Fn(usize) -> bool) -> T {
         let (each, problem) = (self.meshes.iter().enumerate(), T::residual(&*self.problem));
-        each.filter(|(s, _)| counts(*s)).fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())
+        each.filter(|(s, _)| counts(*s))
+            .fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())
     }
 
     /// An integral of scalars at the arguments of `work`, and the time over which it goes.
@@ -175,9 +176,8 @@ impl<M: Method> Discretised<M> {
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let [sum, time] = self.sum_and_time(integral, watched, work)?;
-        let slope = |of: [f64; 2]| {
-            integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps
-        };
+        let slope =
+            |of: [f64; 2]| integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps;
         let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
         for (s, j) in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
             let unknowns = &self.layout.order[self.layout.interval(s, j)];
