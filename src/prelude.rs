@@ -10,7 +10,8 @@ pub use crate::core::bvp::{
 pub use crate::core::continuation::{Branch, Continuation, Kind, SpecialPoint};
 pub use crate::core::dense::Dense;
 pub use crate::core::field::{Equilibria, Forcing, VectorField};
-pub use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
+pub use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
+pub use crate::core::measure::{Integral, Measure};
 pub use crate::core::orbit::{HybridOrbit, Itinerary};
 pub use crate::core::scalar::Scalar;
 pub use crate::core::zero::{LeftDomain, Names, System, ZeroProblem};

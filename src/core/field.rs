@@ -1,5 +1,6 @@
 //! Vector fields: `x' = f(t, x, p)`, written once; derivatives come from automatic differentiation.
 
+use super::measure::Measure;
 use super::scalar::Scalar;
 use super::zero::{LeftDomain, Names, ZeroProblem};
 
@@ -70,6 +71,19 @@ pub trait VectorField: Send + Sync {
         T::one()
     }
 
+    /// The value of a monitor, by its position among those of [`names`](Self::names): a further scalar of a motion,
+    /// which [`measures`](Self::measures) may name as they name states.
+    fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
+        T::from(f64::NAN)
+    }
+
+    /// What is recorded of equilibria and of orbits along branches, and of periods in sweeps, by name: by default the
+    /// extremes of every state, and mean and extremes of every monitor ([`Measure::by_default`]).
+    fn measures(&self) -> Vec<(String, Measure)> {
+        let Names { unknowns, monitors, .. } = self.names();
+        Measure::by_default(unknowns.into_iter().map(|state| state.name).collect(), monitors)
+    }
+
     /// Typical sizes of the states, in their order, which the absolute tolerance of a flow is relative to: to be stated
     /// where they are far from 1. By default all are 1.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
@@ -88,8 +102,9 @@ pub trait VectorField: Send + Sync {
 /// The equilibria of an autonomous vector field, `f(x, p) = 0`, stable or not as its motion says. (A forced
 /// field is taken at time 0.)
 ///
-/// Its monitors `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic orbits
-/// can be drawn in one diagram.
+/// Their monitors are the field's [`measures`](VectorField::measures), as of a motion that rests there: `max_x` and
+/// `min_x` of a state `x` are the state itself, so that equilibria and periodic orbits can be drawn in one diagram.
+/// What only motion has, as [`Integral::Total`](super::measure::Integral::Total), is left out.
 ///
 /// ```
 /// use tangency::core::{continuation::{Continuation, Kind}, dense::Dense, scalar::Scalar, zero::Names};
@@ -114,29 +129,37 @@ pub trait VectorField: Send + Sync {
 #[derive(Clone, Debug)]
 pub struct Equilibria<F>(pub F);
 
+impl<F: VectorField> Equilibria<F> {
+    /// The measures that equilibria have, given the scalars there.
+    fn measured<T: Scalar>(&self, scalar: impl Fn(&str) -> T) -> impl Iterator<Item = (String, T)> {
+        let measures = self.0.measures().into_iter();
+        measures.filter_map(move |(name, measure)| Some((name, measure.at_rest(&scalar)?)))
+    }
+}
+
 impl<F: VectorField> ZeroProblem for Equilibria<F> {
     fn names(&self) -> Names {
-        let names = self.0.names();
-        let states: Vec<String> = names.unknowns.iter().map(|state| state.name.clone()).collect();
-        names.with_monitors(extremes(&states))
+        let mut names = self.0.names();
+        names.monitors = self.measured(|_| 0.0).map(|(name, _)| name).collect();
+        names
     }
 
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
         self.0.field(T::zero(), z, p, r);
     }
 
-    fn monitors<T: Scalar>(&self, z: &[T], _p: &[T], values: &mut [T]) {
-        for (values, z) in values.chunks_exact_mut(2).zip(z) {
-            values.fill(*z);
-        }
+    fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
+        let names = self.0.names();
+        let unknown = T::from(f64::NAN);
+        let measured = self.measured(|name| match (names.unknown(name), names.monitor(name)) {
+            (Some(state), _) => z[state],
+            (None, Some(monitor)) => self.0.monitor(monitor, T::zero(), z, p),
+            (None, None) => unknown,
+        });
+        values.iter_mut().zip(measured).for_each(|(value, (_, measure))| *value = measure);
     }
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
         self.0.domain(z, p)
     }
-}
-
-/// The names of the largest and the smallest value of each state.
-pub(super) fn extremes(states: &[String]) -> Vec<String> {
-    states.iter().flat_map(|x| [format!("max_{x}"), format!("min_{x}")]).collect()
 }

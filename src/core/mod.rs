@@ -16,6 +16,7 @@ pub mod jet;
 pub mod kind;
 pub mod ladder;
 pub mod linear;
+pub mod measure;
 pub mod motion;
 pub mod names;
 pub mod newton;

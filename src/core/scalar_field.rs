@@ -192,7 +192,9 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
     #[inline]
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
         match self.wide {
-            Some(wide) => wide.field_of(self.index, Wide::from_re(self.start) + t, x, self.own(p), f),
+            Some(wide) => {
+                wide.field_of(self.index, Wide::from_re(self.start) + t, x, self.own(p), f)
+            }
             // An implicit step is refused then.
             None => f.fill(Wide::from_re(T::constant(f64::NAN))),
         }

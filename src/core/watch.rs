@@ -36,6 +36,25 @@ pub trait Watch {
     }
 }
 
+/// A scalar of a trajectory, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observable {
+    /// A state.
+    State(usize),
+    /// A function of time, states and parameters, of the problem's own.
+    Function(usize),
+}
+
+impl Observable {
+    /// The state, if it is one.
+    pub fn state(self) -> Option<usize> {
+        match self {
+            Observable::State(i) => Some(i),
+            Observable::Function(_) => None,
+        }
+    }
+}
+
 /// One state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State(pub usize);

@@ -92,6 +92,12 @@ impl Names {
         self.parameters.iter().position(|parameter| parameter == name)
     }
 
+    /// The position in `z` of the first unknown of a group.
+    pub fn unknown(&self, name: &str) -> Option<usize> {
+        let group = self.unknowns.iter().position(|group| group.name == name)?;
+        Some(self.unknowns[..group].iter().map(|group| group.length).sum())
+    }
+
     /// The position of a monitor among the monitors.
     pub fn monitor(&self, name: &str) -> Option<usize> {
         self.monitors.iter().position(|monitor| monitor == name)

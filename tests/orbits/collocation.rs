@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, IntoEquations, Mesh, Method,
-    Observable, Span, Watchlist,
+    Span, Watchlist,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::scalar::Scalar;

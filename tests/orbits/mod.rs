@@ -6,6 +6,7 @@ mod collocation;
 mod curves;
 pub mod cycles;
 mod failures;
+mod measures;
 mod multipliers;
 mod orbits;
 mod shooting;

@@ -2,8 +2,7 @@
 
 use num_dual::Dual64;
 use tangency::core::bvp::{
-    Block, BoundaryProblem, Ends, Interval, IntoEquations, Method, Observable, Shooting, Span,
-    Watchlist,
+    Block, BoundaryProblem, Ends, Interval, IntoEquations, Method, Shooting, Span, Watchlist,
 };
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::scalar::Scalar;

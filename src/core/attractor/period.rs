@@ -2,11 +2,12 @@
 
 use crate::core::flow::{Extrema, Rises, Step};
 use crate::core::hybrid::{
-    Event, GuardOf, HybridEquations, HybridObserver, HybridState, Measure, Mode, Passage,
+    Event, GuardOf, HybridEquations, HybridObserver, HybridState, Mode, Passage, ScalarOf,
     virtual_point,
 };
+use crate::core::measure::{Integral, Measure, larger};
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::State;
+use crate::core::watch::{Observable, WatchIn};
 use std::ops::ControlFlow;
 
 /// An event of a period.
@@ -48,12 +49,17 @@ impl Leg {
     }
 }
 
+/// A scalar in every mode that has it.
+type InModes = Vec<Option<Observable>>;
+
 /// What is found out about one measure.
 enum Accumulator {
-    /// The largest and the smallest value so far, of a state by its place in every mode.
-    Extremes { place: Vec<Option<usize>>, range: [f64; 2], extrema: Extrema<f64> },
-    /// The largest value of one state where another one rises through zero.
-    Rising { places: Vec<Option<[usize; 2]>>, most: f64, rises: Rises },
+    /// The largest and the smallest value so far.
+    Extremes { scalar: InModes, range: [f64; 2], extrema: Extrema<f64> },
+    /// The largest value of the second scalar where the first one rises through zero.
+    Rising { scalars: [InModes; 2], most: Option<f64>, rises: Rises },
+    /// An integral, and the time over which it goes.
+    Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
     /// The least extremum of a guard, and the event that is approached most slowly.
     Depth { guards: Vec<(Vec<usize>, Extrema<f64>)>, least: f64, slowest: Option<Slow> },
     /// Nothing before the end.
@@ -87,28 +93,23 @@ pub(super) struct Recorder<'a> {
     events: Vec<EventRecord>,
 }
 
-fn places(modes: &[Mode], name: &str) -> Vec<Option<usize>> {
-    let place = |mode: &Mode| mode.states.iter().position(|state| state == name);
-    modes.iter().map(place).collect()
-}
-
 impl<'a> Recorder<'a> {
     /// Watches the period that begins in a state.
     pub fn new(of: Recording<'a>, state: &HybridState<f64>) -> Self {
         let Recording { system, modes, measures, .. } = of;
         let accumulator = |measure: &Measure| match measure {
             Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => {
-                let range = [f64::INFINITY, f64::NEG_INFINITY];
-                Accumulator::Extremes {
-                    place: places(modes, name),
-                    range,
-                    extrema: Extrema::default(),
-                }
+                let (scalar, range) =
+                    (system.scalars(modes, name), [f64::INFINITY, f64::NEG_INFINITY]);
+                Accumulator::Extremes { scalar, range, extrema: Extrema::default() }
             }
             Measure::Rising { through, value } => {
-                let both = places(modes, through).into_iter().zip(places(modes, value));
-                let places = both.map(|(a, b)| Some([a?, b?])).collect();
-                Accumulator::Rising { places, most: 0.0, rises: Rises::default() }
+                let scalars = [through, value].map(|name| system.scalars(modes, name));
+                Accumulator::Rising { scalars, most: None, rises: Rises::default() }
+            }
+            Measure::Integral(integral, names) => {
+                let scalars = names.iter().map(|name| system.scalars(modes, name)).collect();
+                Accumulator::Integral { integral: *integral, scalars, sum: 0.0, time: 0.0 }
             }
             Measure::Penetration => {
                 let guards = system.guards().into_iter();
@@ -142,11 +143,11 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Takes a state in that may be an extreme one.
+    /// Takes a state in, at an end of a leg, that may be an extreme one.
     fn take(&mut self, mode: usize, x: &[f64]) {
         for accumulator in &mut self.accumulators {
-            if let Accumulator::Extremes { place, range, .. } = accumulator
-                && let Some(place) = place[mode]
+            if let Accumulator::Extremes { scalar, range, .. } = accumulator
+                && let Some(place) = scalar[mode].and_then(Observable::state)
             {
                 widen(range, x[place]);
             }
@@ -165,7 +166,8 @@ impl<'a> Recorder<'a> {
             (Measure::Maximum(_), Accumulator::Extremes { range, .. }) => range[1],
             (Measure::Minimum(_), Accumulator::Extremes { range, .. }) => range[0],
             (_, Accumulator::Extremes { range, .. }) => range[1] - range[0],
-            (_, Accumulator::Rising { most, .. }) => *most,
+            (_, Accumulator::Rising { most, .. }) => most.unwrap_or(0.0),
+            (_, Accumulator::Integral { integral, sum, time, .. }) => integral.of(*sum, *time),
             (_, Accumulator::Depth { least, slowest: None, .. }) => -least,
             (_, Accumulator::Depth { slowest: Some(event), .. }) => {
                 self.beyond(event, end.time - self.start.time, p)
@@ -185,6 +187,20 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// The value of a scalar at a fraction of a step.
+fn value_at<F: FieldIn<f64>>(watch: &ScalarOf, step: &mut Step<F, f64>, fraction: f64) -> f64 {
+    let (time, p) = (step.time(fraction), step.flow().2);
+    match fraction {
+        0.0 => watch.value_in(time, step.start(), p),
+        1.0 => watch.value_in(time, step.end(), p),
+        _ => {
+            let mut x = step.start().to_vec();
+            step.state(fraction, &mut x);
+            watch.value_in(time, &x, p)
+        }
+    }
+}
+
 fn widen(range: &mut [f64; 2], value: f64) {
     *range = [range[0].min(value), range[1].max(value)];
 }
@@ -196,23 +212,45 @@ impl HybridObserver<f64> for Recorder<'_> {
         step: &mut Step<F, f64>,
         end: f64,
     ) -> ControlFlow<()> {
-        let last = step.place(end);
+        let (last, system) = (step.place(end), self.of.system);
         for accumulator in &mut self.accumulators {
             match accumulator {
-                Accumulator::Extremes { place, range, extrema } => {
-                    let Some(place) = place[mode] else { continue };
-                    widen(range, step.start()[place]);
-                    extrema.search(&State(place), step, |found| {
+                Accumulator::Extremes { scalar, range, extrema } => {
+                    let Some(observable) = scalar[mode] else { continue };
+                    let watch = ScalarOf { system, observable, mode };
+                    widen(range, value_at(&watch, step, 0.0));
+                    if observable.state().is_none() {
+                        widen(range, value_at(&watch, step, end));
+                    }
+                    extrema.search(&watch, step, |found| {
                         if found.place <= last {
                             widen(range, found.value);
                         }
                     });
                 }
-                Accumulator::Rising { places, most, rises } => {
-                    let Some([through, value]) = places[mode] else { continue };
-                    rises.search(&State(through), step, |place, x| {
+                Accumulator::Rising { scalars: [through, value], most, rises } => {
+                    let (Some(observable), Some(value)) = (through[mode], value[mode]) else {
+                        continue;
+                    };
+                    let (start, length, p) = step.flow();
+                    rises.search(&ScalarOf { system, observable, mode }, step, |place, x| {
                         if place <= last {
-                            *most = most.max(x[value]);
+                            let value = system.observe(value, mode, start + place * length, x, p);
+                            *most = larger(*most, value, |value| *value);
+                        }
+                    });
+                }
+                Accumulator::Integral { integral, scalars, sum, time } => {
+                    let (length, p) = (step.length() * step.flow().1, step.flow().2);
+                    let of_mode: Vec<_> = scalars.iter().filter_map(|of| of[mode]).collect();
+                    if of_mode.is_empty() {
+                        continue;
+                    }
+                    *time += length * end;
+                    step.quadrature(end, |weight, t, x| {
+                        for scalar in &of_mode {
+                            let value = system.observe(*scalar, mode, t, x, p);
+                            *sum += weight * integral.integrand(value);
                         }
                     });
                 }
@@ -220,7 +258,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                     let watched =
                         guards.iter_mut().enumerate().filter(|(_, at)| at.0.contains(&mode));
                     for (guard, (_, extrema)) in watched {
-                        let watch = GuardOf { system: self.of.system, guard, mode, scale: 1.0 };
+                        let watch = GuardOf { system, guard, mode, scale: 1.0 };
                         extrema.search(&watch, step, |found| {
                             if found.place <= last {
                                 *least = least.min(found.value);

@@ -7,8 +7,9 @@ use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{
     Event, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
-    HybridState, HybridStatistics, Measure, Member,
+    HybridState, HybridStatistics, Member,
 };
+use crate::core::measure::Measure;
 use crate::core::scalar_field::FieldIn;
 use num_dual::Dual64;
 use std::ops::ControlFlow;

@@ -17,11 +17,11 @@ mod basis;
 
 use super::interpolation::lagrange;
 use super::method::left_domain;
-use super::{Block, Interval, Method, Number, Observable, Watchlist};
+use super::{Block, Interval, Method, Number, Watchlist};
 use crate::core::chunk::{parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::WatchIn;
+use crate::core::watch::{Observable, WatchIn};
 use crate::core::zero::LeftDomain;
 use basis::Basis;
 use num_dual::{Dual2_64, DualSVec64};
@@ -281,8 +281,20 @@ impl Method for Collocation {
         }
     }
 
-    fn quadrature(&self) -> usize {
-        self.points()
+    /// At the Gauss points: integrals have the order that states have at the ends of intervals.
+    fn quadrature<T: Number>(
+        &self,
+        interval: Interval<T>,
+        work: &mut CollocationWork<T>,
+        visit: &mut dyn FnMut(T, T, &[T]),
+    ) -> Result<(), LeftDomain> {
+        let (duration, h) = (interval.duration(), interval.length());
+        work.x.resize(interval.nodes.len() / self.basis.nodes.len(), T::zero());
+        for (c, (place, weight)) in self.basis.gauss.iter().zip(&self.basis.weights).enumerate() {
+            combine(self.basis.row(&self.basis.values, c), interval.nodes, &mut work.x);
+            visit(duration * (h * weight), duration * (interval.span.start + h * place), &work.x);
+        }
+        Ok(())
     }
 
     fn error_constant(&self) -> Option<f64> {
@@ -358,9 +370,7 @@ where
         let field = equations.on_segment(span.segment, &self.q);
         let t = duration * (span.start + h * basis.gauss[c]);
         combine(basis.row(&basis.values, c), nodes, &mut self.real);
-        field
-            .domain(&self.real, q)
-            .map_err(|cause| left_domain(cause, span.segment, t.re))?;
+        field.domain(&self.real, q).map_err(|cause| left_domain(cause, span.segment, t.re))?;
         for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
             *x = seeded(*real, i, start);
         }

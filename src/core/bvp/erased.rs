@@ -4,7 +4,7 @@
 //! at a time, so that they are compiled once and not for every problem. [`Number`] lists the scalars in which
 //! residuals are evaluated, [`Watched`](super::Watched) scalars those of [`WatchNumber`].
 
-use super::problem::{Birth, BoundaryProblem, Ends, Monitor, Observable, Return, Watched};
+use super::problem::{Birth, BoundaryProblem, Ends, Monitor, Return, Watched};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
@@ -256,9 +256,6 @@ impl Watchable<f64> for Watching<'_> {
     }
 
     fn state_index(&self) -> Option<usize> {
-        match self.watched.observable {
-            Observable::State(i) => Some(i),
-            Observable::Function(_) => None,
-        }
+        self.watched.observable.state()
     }
 }

@@ -1,9 +1,10 @@
 //! How the equations of a trajectory are discretised, interval by interval.
 
 use super::erased::{Equations, Number, Watching};
-use super::problem::{Observable, Watched};
+use super::problem::Watched;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldRef;
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 
 /// One interval of the mesh of a segment, in units of the segment's duration.
@@ -192,10 +193,17 @@ pub trait Method: Send {
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain>;
 
-    /// How many Gauss points an interval needs for integrals to be as accurate as the trajectory.
-    fn quadrature(&self) -> usize {
-        12
-    }
+    /// Calls `visit` with weight (in time), time since the segment's beginning and states at the places of a
+    /// quadrature over an interval that is as accurate as the trajectory.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    fn quadrature<T: Number>(
+        &self,
+        interval: Interval<T>,
+        work: &mut Self::Work<T>,
+        visit: &mut dyn FnMut(T, T, &[T]),
+    ) -> Result<(), LeftDomain>;
 
     /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m` through the
     /// nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh

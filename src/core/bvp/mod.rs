@@ -26,6 +26,6 @@ pub use erased::{EndFunctions, Equations, IntoEquations, Number, Residual, Watch
 pub use error::BoundaryError;
 pub use mesh::{Mesh, MeshError};
 pub use method::{Block, Interval, Method, Span, Watchlist};
-pub use problem::{Birth, BoundaryProblem, Ends, Monitor, Observable, Return, Unknown, Watched};
+pub use problem::{Birth, BoundaryProblem, Ends, Monitor, Return, Unknown, Watched};
 pub use shooting::Shooting;
 pub use system::BoundarySystem;

@@ -2,7 +2,9 @@
 
 use super::erased::{Equations, IntoEquations};
 use crate::core::condition::EvaluationError;
+use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
@@ -15,21 +17,12 @@ pub struct Ends<'a, T> {
     pub end: &'a [T],
 }
 
-/// A scalar of a trajectory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Observable {
-    /// A state.
-    State(usize),
-    /// A function of the problem's own ([`BoundaryProblem::watch`]), by number.
-    Function(usize),
-}
-
 /// A scalar that is watched along a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Watched {
     /// The segment.
     pub segment: usize,
-    /// The scalar.
+    /// The scalar; functions are those of [`BoundaryProblem::watch`].
     pub observable: Observable,
 }
 
@@ -64,14 +57,15 @@ pub enum Monitor {
     Distance(Vec<(Watched, [bool; 2])>),
     /// Less the same: how far a trajectory would penetrate a surface that is not there.
     Penetration(Vec<(Watched, [bool; 2])>),
-    /// The value of a scalar where another one first rises through zero on its segment, the largest of all
-    /// segments; 0 where none rises through zero.
+    /// The largest value of a scalar where another one rises through zero; 0 where none does.
     Rising {
         /// Which scalar rises, on each segment.
         through: Vec<Watched>,
         /// Which one is taken, on the same segments.
         value: Vec<Observable>,
     },
+    /// An integral over time of several scalars together, on all segments that have any of them.
+    Integral(Integral, Vec<Watched>),
     /// A function of the states at the ends and the numbers ([`BoundaryProblem::of_ends`]), by number.
     Ends(usize),
 }
@@ -91,9 +85,10 @@ impl Monitor {
     pub fn watched(&self) -> Vec<Watched> {
         match self {
             Monitor::Duration | Monitor::Ends(_) => Vec::new(),
-            Monitor::Maximum(watched) | Monitor::Minimum(watched) | Monitor::Range(watched) => {
-                watched.clone()
-            }
+            Monitor::Maximum(watched)
+            | Monitor::Minimum(watched)
+            | Monitor::Range(watched)
+            | Monitor::Integral(_, watched) => watched.clone(),
             Monitor::Distance(watched) | Monitor::Penetration(watched) => {
                 watched.iter().map(|(watched, _)| *watched).collect()
             }

@@ -262,11 +262,30 @@ impl Method for Shooting {
         x.extend_from_slice(left);
         let (start, length) = times(&interval);
         let field = interval.field();
-        plain.observe(&field, start, length, x, interval.q, |step| lookout.real(&interval, step))?;
+        plain
+            .observe(&field, start, length, x, interval.q, |step| lookout.real(&interval, step))?;
         lookout.end(&interval, 1.0, x);
         if let Some(r) = residual {
             r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
         }
+        Ok(())
+    }
+
+    /// By dense output in every step of one flow.
+    fn quadrature<T: Number>(
+        &self,
+        interval: Interval<T>,
+        work: &mut Flow<T>,
+        visit: &mut dyn FnMut(T, T, &[T]),
+    ) -> Result<(), LeftDomain> {
+        let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
+        work.settings = self.present();
+        let (start, length) = times(&interval);
+        let field = interval.field();
+        work.observe(&field, start, length, &mut x, interval.q, |step| {
+            step.quadrature(1.0, &mut *visit);
+            ControlFlow::Continue(())
+        })?;
         Ok(())
     }
 

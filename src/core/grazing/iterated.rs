@@ -4,7 +4,8 @@ use super::error::GrazingError;
 use super::iteration::Buffers;
 use super::map::LocalMap;
 use crate::core::attractor::{EventRecord, Layout, Period, StroboscopicError, StroboscopicMap};
-use crate::core::hybrid::{HybridState, Measure, Mode};
+use crate::core::hybrid::{HybridState, Mode};
+use crate::core::measure::Measure;
 use num_dual::Dual64;
 
 /// Beyond this deviation a polynomial in deviations means nothing.

@@ -3,15 +3,17 @@
 //! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps see it through
 //! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every system.
 
-use super::measure::{Measure, Passage};
+use super::passage::Passage;
 use super::scales::{Scales, state_scales};
 use super::system::{Guard, HybridSystem, Mode};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::field::Forcing;
 use crate::core::flow::Lanes;
 use crate::core::jet::Jet;
+use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, RealFields, Wide};
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 
@@ -38,10 +40,13 @@ pub trait Resets<T> {
     fn period_in(&self, p: &[T]) -> T;
 }
 
-/// The measures of a system's cycles in one scalar.
+/// The measures of a system's cycles, and its monitors, in one scalar.
 pub trait Measures<T> {
     /// The number at a position, from the legs of a cycle of several periods.
     fn measure_in(&self, position: usize, legs: &[Passage<T>], periods: usize, p: &[T]) -> T;
+
+    /// A monitor in a mode.
+    fn monitor_in(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
 }
 
 /// Declares [`HybridEquations`] with the scalars in which fields, guards, resets and measures are evaluated,
@@ -87,6 +92,8 @@ macro_rules! scalars {
             fn forcing(&self) -> Forcing;
             /// Typical sizes of times and states.
             fn scales(&self, p: &[f64]) -> Scales;
+            /// The names of the monitors.
+            fn monitors(&self) -> Vec<String>;
             /// What is recorded along a branch of orbits, by name.
             fn measures(&self) -> Vec<(String, Measure)>;
             /// The names of states that count from the start of every mode.
@@ -192,7 +199,7 @@ scalars! {
         Dual<Dual<Jet<16>>> Dual<Dual<Jet<64>>> Dual<Dual<Jet<256>>> Dual<Dual<Jet<1024>>>;
     resets: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>
         Jet<16> Jet<64> Jet<256> Jet<1024>;
-    measures: f64 Chunk;
+    measures: f64 Dual64 Dual2_64 Chunk;
 }
 
 /// What a [`HybridSystem`] evaluates, in any of the scalars listed.
@@ -234,6 +241,29 @@ impl dyn HybridEquations + '_ {
         p: &[T],
     ) -> T {
         T::measures(self).measure_in(position, legs, periods, p)
+    }
+
+    /// A state or a monitor in a mode.
+    pub fn observe<T: MeasureNumber>(
+        &self,
+        observable: Observable,
+        mode: usize,
+        t: T,
+        x: &[T],
+        p: &[T],
+    ) -> T {
+        match observable {
+            Observable::State(i) => x[i],
+            Observable::Function(monitor) => T::measures(self).monitor_in(monitor, mode, t, x, p),
+        }
+    }
+
+    /// The scalar of a name in each of the system's modes: a state of the mode, or a monitor.
+    pub fn scalars(&self, modes: &[Mode], name: &str) -> Vec<Option<Observable>> {
+        let position = |names: &[String]| names.iter().position(|known| known == name);
+        let monitor = position(&self.monitors()).map(Observable::Function);
+        let of = |mode: &Mode| position(&mode.states).map(Observable::State).or(monitor);
+        modes.iter().map(of).collect()
     }
 }
 
@@ -286,6 +316,10 @@ impl<H: HybridSystem, T: Scalar> Measures<T> for H {
     fn measure_in(&self, position: usize, legs: &[Passage<T>], periods: usize, p: &[T]) -> T {
         self.measure(position, legs, periods, p)
     }
+
+    fn monitor_in(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.monitor(monitor, mode, t, x, p)
+    }
 }
 
 /// Forwards methods that are no different behind the object-safe face.
@@ -310,6 +344,7 @@ impl<H: HybridSystem> HybridEquations for H {
         in_lanes() -> bool;
         forcing() -> Forcing;
         scales(p: &[f64]) -> Scales;
+        monitors() -> Vec<String>;
         measures() -> Vec<(String, Measure)>;
         cumulative_states() -> Vec<String>;
     }

@@ -1,12 +1,12 @@
-//! One mode as a vector field, and one guard as a watched function.
+//! One mode as a vector field, guards and other scalars as watched functions.
 
-use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
+use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
 use super::scales::state_scales;
 use super::simulation::HybridFlow;
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::watch::{WatchIn, Watchable};
+use crate::core::watch::{Observable, WatchIn, Watchable};
 use crate::core::zero::{LeftDomain, Names};
 use num_dual::{Dual, Dual2};
 
@@ -108,6 +108,32 @@ where
 
     fn size(&self) -> f64 {
         self.scale
+    }
+}
+
+/// A state or a monitor as a function to be watched along the flow of one of its system's modes.
+pub struct ScalarOf<'a> {
+    /// The hybrid system.
+    pub system: &'a dyn HybridEquations,
+    /// The scalar.
+    pub observable: Observable,
+    /// The mode.
+    pub mode: usize,
+}
+
+impl<T: MeasureNumber> WatchIn<T> for ScalarOf<'_> {
+    fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
+        self.system.observe(self.observable, self.mode, t, x, p)
+    }
+}
+
+impl Watchable<f64> for ScalarOf<'_> {
+    fn state_index(&self) -> Option<usize> {
+        self.observable.state()
+    }
+
+    fn size(&self) -> f64 {
+        1.0
     }
 }
 

@@ -1,8 +1,9 @@
 //! Hybrid systems as a user states them.
 
-use super::measure::{Measure, Passage};
+use super::passage::Passage;
 use super::scales::Scales;
 use crate::core::field::Forcing;
+use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -170,17 +171,21 @@ pub trait HybridSystem: Send + Sync {
         Scales::default()
     }
 
-    /// What is recorded along a branch of orbits, by name: by default the extremes of every state.
+    /// The names of monitors: further scalars of a motion, which [`measures`](Self::measures) may name as they name states.
+    fn monitors(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The value of a monitor in a mode, by its position among [`monitors`](Self::monitors).
+    fn monitor<T: Scalar>(&self, _monitor: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
+        T::from(f64::NAN)
+    }
+
+    /// What is recorded of orbits along branches and of periods in sweeps, by name: by default the extremes of every
+    /// state, and mean and extremes of every monitor ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
-        let mut measures: Vec<(String, Measure)> = Vec::new();
-        for state in self.modes().into_iter().flat_map(|mode| mode.states) {
-            let name = format!("max_{state}");
-            if measures.iter().all(|(known, _)| *known != name) {
-                measures.push((name, Measure::Maximum(state.clone())));
-                measures.push((format!("min_{state}"), Measure::Minimum(state)));
-            }
-        }
-        measures
+        let states = self.modes().into_iter().flat_map(|mode| mode.states).collect();
+        Measure::by_default(states, self.monitors())
     }
 
     /// The names of states that begin at zero in every mode they are in: histories show their sum.

@@ -9,7 +9,9 @@ use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, GuardNumber, HybridEquations, guard_scale, rate, time_scale};
+use crate::core::hybrid::{
+    Cycle, GuardNumber, HybridEquations, MeasureNumber, guard_scale, rate, time_scale,
+};
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
@@ -34,9 +36,9 @@ struct OnLeg<'a> {
     scale: f64,
 }
 
-impl<T: GuardNumber> WatchIn<T> for OnLeg<'_> {
+impl<T: GuardNumber + MeasureNumber> WatchIn<T> for OnLeg<'_> {
     fn value_in(&self, t: T, x: &[T], q: &[T]) -> T {
-        self.orbit.guard_on(self.leg, self.guard, t, x, q)
+        self.orbit.function_on(self.leg, self.guard, t, x, q)
     }
 }
 

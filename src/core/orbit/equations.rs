@@ -3,12 +3,13 @@
 use super::hybrid::HybridOrbit;
 use super::itinerary::Itinerary;
 use crate::core::bvp::{
-    Birth, EndFunctions, Ends, Equations, IntoEquations, Monitor, Observable, Residual, Return,
-    Unknown, Watched, Watches,
+    Birth, EndFunctions, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown,
+    Watched, Watches,
 };
 use crate::core::condition::EvaluationError;
 use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, MeasureNumber};
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use num_dual::Dual;
 use std::sync::Arc;
@@ -67,11 +68,11 @@ impl<T: EventNumber> Residual<T> for HybridOrbit {
     fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
 }
 
-impl<T: GuardNumber> Watches<T> for HybridOrbit {
+impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
     fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
         match observable {
             Observable::State(i) => x[i],
-            Observable::Function(guard) => self.guard_on(segment, guard, t, x, q),
+            Observable::Function(function) => self.function_on(segment, function, t, x, q),
         }
     }
 }

@@ -4,8 +4,9 @@ use super::itinerary::{Itinerary, Leg};
 use super::smooth::Smooth;
 use crate::core::bvp::Ends;
 use crate::core::field::VectorField;
-use crate::core::hybrid::{EventNumber, Guard, GuardNumber, HybridEquations, Mode};
+use crate::core::hybrid::{EventNumber, Guard, GuardNumber, HybridEquations, MeasureNumber, Mode};
 use crate::core::scalar::Scalar;
+use crate::core::watch::Observable;
 use std::sync::Arc;
 
 /// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with one segment
@@ -69,7 +70,7 @@ impl HybridOrbit {
         }
     }
 
-    /// Records [`Measure::Penetration`](crate::core::hybrid::Measure::Penetration) as a monitor, 0 if motion would
+    /// Records [`Measure::Penetration`](crate::core::measure::Measure::Penetration) as a monitor, 0 if motion would
     /// not turn within a period.
     pub fn with_penetration(mut self) -> Self {
         self.penetration = true;
@@ -108,11 +109,6 @@ impl HybridOrbit {
         &self.guards[guard].name
     }
 
-    /// The position of a state among those of a leg, by name.
-    pub(super) fn state_on(&self, leg: usize, state: &str) -> Option<usize> {
-        self.modes[self.legs()[leg].mode].states.iter().position(|known| known == state)
-    }
-
     /// The name of a mode.
     pub(super) fn mode_name(&self, mode: usize) -> &str {
         &self.modes[mode].name
@@ -123,17 +119,20 @@ impl HybridOrbit {
         self.modes[mode].states.len()
     }
 
-    /// A guard at a time since the beginning of a leg.
-    pub(super) fn guard_on<T: GuardNumber>(
+    /// A function at a time since the beginning of a leg: a guard, or after all guards a monitor.
+    pub(super) fn function_on<T: GuardNumber + MeasureNumber>(
         &self,
         leg: usize,
-        guard: usize,
+        function: usize,
         t: T,
         x: &[T],
         q: &[T],
     ) -> T {
-        let mode = self.legs()[leg].mode;
-        self.system.guard(guard, mode, self.time(leg, q) + t, x, self.split(q).0)
+        let (mode, t, p) = (self.legs()[leg].mode, self.time(leg, q) + t, self.split(q).0);
+        match function.checked_sub(self.guards.len()) {
+            None => self.system.guard(function, mode, t, x, p),
+            Some(monitor) => self.system.observe(Observable::Function(monitor), mode, t, x, p),
+        }
     }
 
     pub(super) fn legs(&self) -> &[Leg] {

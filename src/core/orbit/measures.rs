@@ -1,12 +1,14 @@
 //! What is recorded along branches of hybrid orbits: the system's measures, and what says where they graze.
 
 use super::hybrid::HybridOrbit;
-use crate::core::bvp::{Ends, Monitor, Observable, Watched};
+use crate::core::bvp::{Ends, Monitor, Watched};
 use crate::core::hybrid::{
-    EventNumber, FieldNumber, GuardNumber, Measure, MeasureNumber, Passage, guard_scale, rate,
-    time_scale, virtual_point,
+    EventNumber, FieldNumber, GuardNumber, MeasureNumber, Passage, guard_scale, rate, time_scale,
+    virtual_point,
 };
+use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use num_dual::Dual;
 
@@ -72,22 +74,22 @@ impl HybridOrbit {
     }
 
     fn monitor(&self, measure: &Measure) -> Monitor {
-        let all = |state: &str| -> Vec<Watched> {
-            let legs = 0..self.itinerary().legs.len();
-            legs.filter_map(|leg| Some(Watched::state(leg, self.state_on(leg, state)?))).collect()
+        let all = |name: &String| -> Vec<Watched> {
+            let on_legs = self.scalars_on_legs(name).into_iter().enumerate();
+            on_legs.filter_map(|(segment, o)| Some(Watched { segment, observable: o? })).collect()
         };
         match measure {
             Measure::Maximum(state) => Monitor::Maximum(all(state)),
             Measure::Minimum(state) => Monitor::Minimum(all(state)),
             Measure::Range(state) => Monitor::Range(all(state)),
             Measure::Rising { through, value } => {
-                let both = |w: &Watched| Some((*w, self.state_on(w.segment, value)?));
-                let (through, value) = all(through)
-                    .iter()
-                    .filter_map(both)
-                    .map(|(w, value)| (w, Observable::State(value)))
-                    .unzip();
+                let values = self.scalars_on_legs(value);
+                let both = |w: Watched| Some((w, values[w.segment]?));
+                let (through, value) = all(through).into_iter().filter_map(both).unzip();
                 Monitor::Rising { through, value }
+            }
+            Measure::Integral(integral, names) => {
+                Monitor::Integral(*integral, names.iter().flat_map(all).collect())
             }
             Measure::Penetration if self.itinerary().is_smooth() => {
                 Monitor::Penetration(self.watched_guards())
@@ -95,6 +97,16 @@ impl HybridOrbit {
             Measure::Penetration => Monitor::Ends(PENETRATION),
             Measure::Cycle(k) => Monitor::Ends(OWN + k),
         }
+    }
+
+    /// The scalar of a name on each leg. Functions are numbered from the guards on to the system's monitors.
+    fn scalars_on_legs(&self, name: &str) -> Vec<Option<Observable>> {
+        let (in_modes, guards) = (self.system().scalars(&self.modes, name), self.guards.len());
+        let numbered = |observable| match observable {
+            Observable::Function(monitor) => Observable::Function(guards + monitor),
+            state => state,
+        };
+        self.legs().iter().map(|leg| in_modes[leg.mode].map(numbered)).collect()
     }
 
     /// All guards along the legs, and whether they belong to the events that begin and end the leg.

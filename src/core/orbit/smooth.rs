@@ -2,6 +2,7 @@
 
 use crate::core::field::{Forcing, VectorField};
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
+use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -52,6 +53,18 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
 
     fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         mode
+    }
+
+    fn monitors(&self) -> Vec<String> {
+        self.0.names().monitors
+    }
+
+    fn monitor<T: Scalar>(&self, monitor: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.0.monitor(monitor, t, x, p)
+    }
+
+    fn measures(&self) -> Vec<(String, Measure)> {
+        self.0.measures()
     }
 
     fn forcing(&self) -> Forcing {

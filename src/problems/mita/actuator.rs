@@ -3,7 +3,8 @@
 use super::block::{Block, force};
 use super::parameters::{NAMES, Parameters};
 use crate::core::field::{Forcing, VectorField};
-use crate::core::hybrid::{Guard, HybridSystem, Measure, Mode, Passage};
+use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
+use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 

@@ -11,6 +11,8 @@ const MOST: usize = 8;
 pub(super) struct Basis {
     /// Gauss points `ρ_c`.
     pub gauss: Vec<f64>,
+    /// Their weights in quadrature.
+    pub weights: Vec<f64>,
     /// Lobatto nodes.
     pub nodes: Vec<f64>,
     /// `ℓ_j(ρ_c)`, one row for each Gauss point.
@@ -25,7 +27,9 @@ pub(super) struct Basis {
 
 impl Basis {
     pub fn new(points: usize) -> Self {
-        let gauss: Vec<f64> = gauss_legendre(points).0.iter().map(|y| 0.5 * (1.0 + y)).collect();
+        let (places, weights) = gauss_legendre(points);
+        let gauss: Vec<f64> = places.iter().map(|y| 0.5 * (1.0 + y)).collect();
+        let weights = weights.iter().map(|w| 0.5 * w).collect();
         let nodes = lobatto(&gauss);
         let (mut values, mut slopes) = (Vec::new(), Vec::new());
         for &s in &gauss {
@@ -38,7 +42,7 @@ impl Basis {
         }
         let powers = (0..=points).flat_map(|j| powers_of_lagrange(&nodes, j)).collect();
         let error_constant = error_constant(&gauss);
-        Basis { gauss, nodes, values, slopes, powers, error_constant }
+        Basis { gauss, weights, nodes, values, slopes, powers, error_constant }
     }
 
     /// The row of a table that belongs to a Gauss point.

@@ -2,11 +2,11 @@
 
 use super::times;
 use crate::core::bvp::erased::Watching;
-use crate::core::bvp::{Interval, Observable, Watchlist};
+use crate::core::bvp::{Interval, Watchlist};
 use crate::core::flow::{Extrema, Extremum, RealStep, Rises, Step};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::WatchIn;
+use crate::core::watch::{Observable, WatchIn};
 use std::ops::ControlFlow;
 
 /// Scalars that are watched along an interval, what searches for their extrema, and what is told them.

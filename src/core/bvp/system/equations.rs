@@ -20,8 +20,6 @@ pub(super) struct Discretised<M> {
     pub method: M,
     pub meshes: Vec<Mesh>,
     pub layout: Layout,
-    /// Places and weights of the quadrature of integral conditions, on an interval from 0 to 1.
-    pub quadrature: Vec<[f64; 2]>,
     pub phase: Phase,
     pub monitors: Vec<Monitor>,
     pub extremes: Extremes,
@@ -99,11 +97,7 @@ impl<M: Method> Discretised<M> {
         let layout = Layout::new(&*problem, &method, &meshes)?;
         let monitors: Vec<Monitor> =
             problem.monitors().into_iter().map(|(_, monitor)| monitor).collect();
-        let (points, weights) = gauss_legendre(method.quadrature());
-        let quadrature =
-            points.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect();
         Ok(Discretised {
-            quadrature,
             phase: Phase::default(),
             extremes: Extremes::of(&monitors, &layout),
             rough: false,
@@ -193,24 +187,13 @@ impl<M: Method> Discretised<M> {
         if sums.is_empty() {
             return Ok(());
         }
-        let (span, h, duration) = (interval.span, interval.length(), interval.duration());
-        let x = &mut local.x[..self.layout.segments[span.segment].states];
-        for [place, weight] in &self.quadrature {
-            self.method.value(interval, *place, &mut local.method, x)?;
-            let t = duration * (span.start + h * place);
-            local.g.fill(T::zero());
-            T::residual(interval.problem).integrand_in(
-                span.segment,
-                t,
-                x,
-                interval.q,
-                &mut local.g,
-            );
-            for (sum, g) in sums.iter_mut().zip(&local.g) {
-                *sum += duration * *g * (h * weight);
-            }
-        }
-        Ok(())
+        let (segment, problem) = (interval.span.segment, T::residual(interval.problem));
+        let Local { method, g, .. } = local;
+        self.method.quadrature(interval, method, &mut |weight, t, x| {
+            g.fill(T::zero());
+            problem.integrand_in(segment, t, x, interval.q, g);
+            sums.iter_mut().zip(&*g).for_each(|(sum, g)| *sum += weight * *g);
+        })
     }
 
     /// The duration of a segment.

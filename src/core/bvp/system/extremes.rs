@@ -1,7 +1,9 @@
 //! What is seen of watched scalars along the segments, in one pass over the intervals.
 
 use super::layout::Layout;
-use crate::core::bvp::{Monitor, Observable, Watched, Watchlist};
+use crate::core::bvp::{Monitor, Watched, Watchlist};
+use crate::core::measure::larger;
+use crate::core::watch::Observable;
 
 /// A place on a segment, and the value of a watched scalar there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +100,7 @@ pub(super) struct Extremes {
     seen: Vec<Vec<Seen>>,
     /// The pairs asked for where the first of them rises through zero, for each segment.
     rises: Vec<Vec<[Observable; 2]>>,
-    /// The first such place, with the value of the second.
+    /// That with the largest value of the second, with this value.
     risen: Vec<Vec<Option<Sighting>>>,
     /// The values at the nodes and the numbers for which they were found.
     at: Vec<f64>,
@@ -110,7 +112,8 @@ impl Extremes {
     /// What these monitors ask for.
     pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
         let mut watched = vec![Vec::new(); layout.segments.len()];
-        let extreme = monitors.iter().filter(|m| !matches!(m, Monitor::Rising { .. }));
+        let others = |m: &&Monitor| matches!(m, Monitor::Rising { .. } | Monitor::Integral(..));
+        let extreme = monitors.iter().filter(|m| !others(m));
         for Watched { segment, observable } in extreme.flat_map(Monitor::watched) {
             if !watched[segment].contains(&observable) {
                 watched[segment].push(observable);
@@ -128,7 +131,7 @@ impl Extremes {
         Extremes { watched, seen, rises, risen, ..Extremes::default() }
     }
 
-    /// Where a scalar first rises through zero on its segment, with the value of another one.
+    /// Where a scalar rises through zero on its segment, with the value of another one: the largest of these.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting> {
         let pair = [through.observable, value];
         let position = self.rises[through.segment].iter().position(|rise| *rise == pair)?;
@@ -174,7 +177,8 @@ impl Extremes {
             match seen.get_mut(k) {
                 Some(seen) => seen.visit(here),
                 None => {
-                    risen[k - extrema].get_or_insert(here);
+                    let risen = &mut risen[k - extrema];
+                    *risen = larger(risen.take(), here, |sighting| sighting.value);
                 }
             }
         };

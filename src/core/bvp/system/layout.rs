@@ -1,8 +1,6 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
-use crate::core::bvp::{
-    BoundaryError, Equations, Mesh, Method, Observable, Return, Span, Unknown, Watched,
-};
+use crate::core::bvp::{BoundaryError, Equations, Mesh, Method, Return, Span, Unknown, Watched};
 
 /// The places of one segment's unknowns and equations.
 #[derive(Clone, Debug)]
@@ -104,10 +102,7 @@ impl Layout {
         for (name, monitor) in problem.monitors() {
             for Watched { segment, observable } in monitor.watched() {
                 let states = self.segments.get(segment).map_or(0, |s| s.states);
-                let state = match observable {
-                    Observable::State(state) => state,
-                    Observable::Function(_) => 0,
-                };
+                let state = observable.state().unwrap_or(0);
                 if state >= states {
                     return Err(BoundaryError::Monitor { name, segment, state });
                 }

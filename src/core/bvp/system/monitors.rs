@@ -5,12 +5,13 @@ use super::extremes::Sighting;
 use super::layout::span;
 use super::local::{Dependence, Passes};
 use crate::core::bvp::{
-    EndFunctions, Ends, Equations, Interval, Method, Monitor, Number, Observable, WatchNumber,
-    Watched,
+    EndFunctions, Ends, Equations, Interval, Method, Monitor, Number, WatchNumber, Watched,
 };
 use crate::core::chunk::{CHUNK, Chunk, parts};
+use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
 
@@ -41,10 +42,14 @@ impl<M: Method> Discretised<M> {
     ) -> Result<f64, LeftDomain> {
         self.watch_for(monitor, work)?;
         Ok(match self.monitors.get(monitor) {
-            Some(Monitor::Duration) => self.duration(&work.q),
+            Some(Monitor::Duration) => self.duration(&work.q, |_| true),
             Some(Monitor::Ends(function)) => {
                 gather_ends(&self.layout, &work.nodes, &mut work.ends);
                 self.of_ends(*function, &work.ends, &work.q)
+            }
+            Some(Monitor::Integral(integral, watched)) => {
+                let [sum, time] = self.sum_and_time(*integral, watched, work)?;
+                integral.of(sum, time)
             }
             Some(monitor @ Monitor::Rising { .. }) => {
                 self.rising(monitor).map_or(0.0, |(_, place)| place.value)
@@ -70,7 +75,7 @@ impl<M: Method> Discretised<M> {
         work: &Work<f64, M>,
     ) -> Result<(), LeftDomain> {
         match self.monitors.get(monitor) {
-            None | Some(Monitor::Duration | Monitor::Ends(_)) => Ok(()),
+            None | Some(Monitor::Duration | Monitor::Ends(_) | Monitor::Integral(..)) => Ok(()),
             Some(_) => self.find_extremes(&work.nodes, &work.q, None),
         }
     }
@@ -89,13 +94,18 @@ impl<M: Method> Discretised<M> {
         match self.monitors.get(monitor) {
             Some(Monitor::Duration) => {
                 let dependence = Dependence { unknowns: &[], numbers };
-                self.add_slopes(dependence, x, passes, out, |passes| Ok(self.duration(&passes.q)))
+                self.add_slopes(dependence, x, passes, out, |passes| {
+                    Ok(self.duration(&passes.q, |_| true))
+                })
             }
             Some(Monitor::Ends(function)) => {
                 let dependence = Dependence { unknowns: &self.layout.ends, numbers };
                 self.add_slopes(dependence, x, passes, out, |passes| {
                     Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
                 })
+            }
+            Some(Monitor::Integral(integral, watched)) => {
+                self.add_integral(*integral, watched, (x, numbers), (work, passes), out)
             }
             Some(Monitor::Rising { through, value }) => {
                 let Some((k, sighting)) = self.rising(&self.monitors[monitor]) else {
@@ -116,10 +126,71 @@ impl<M: Method> Discretised<M> {
         }
     }
 
-    /// The duration of all segments together.
-    fn duration<T: Number>(&self, q: &[T]) -> T {
+    /// The duration of some segments together.
+    fn duration<T: Number>(&self, q: &[T], counts: impl Fn(usize) -> bool) -> T {
         let (each, problem) = (self.meshes.iter().enumerate(), T::residual(&*self.problem));
-        each.fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())
+        each.filter(|(s, _)| counts(*s))
+            .fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())
+    }
+
+    /// An integral of scalars at the arguments of `work`, and the time over which it goes.
+    fn sum_and_time(
+        &self,
+        integral: Integral,
+        watched: &[Watched],
+        work: &mut Work<f64, M>,
+    ) -> Result<[f64; 2], LeftDomain> {
+        let Work { nodes, q, local, .. } = work;
+        let mut sum = 0.0;
+        for at in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
+            let interval = self.interval(at, &nodes[self.layout.interval(at.0, at.1)], q);
+            sum += self.share(integral, watched, interval, &mut local.method)?;
+        }
+        Ok([sum, self.duration(q, |s| on_segment(watched, s))])
+    }
+
+    /// The share of an interval in an integral.
+    fn share<T: Number + WatchNumber>(
+        &self,
+        integral: Integral,
+        watched: &[Watched],
+        interval: Interval<T>,
+        work: &mut M::Work<T>,
+    ) -> Result<T, LeftDomain> {
+        let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
+        self.method.quadrature(interval, work, &mut |weight, t, x| {
+            for watched in watched.iter().filter(|w| w.segment == interval.span.segment) {
+                sum += weight * integral.integrand(problem.watch_in(*watched, t, x, interval.q));
+            }
+        })?;
+        Ok(sum)
+    }
+
+    /// By the chain rule: the gradients of the integral and of the time.
+    fn add_integral(
+        &self,
+        integral: Integral,
+        watched: &[Watched],
+        (x, numbers): (&[f64], &[usize]),
+        (work, passes): (&mut Work<f64, M>, &mut Passes<Chunk, M>),
+        out: &mut [f64],
+    ) -> Result<(), LeftDomain> {
+        let [sum, time] = self.sum_and_time(integral, watched, work)?;
+        let slope =
+            |of: [f64; 2]| integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps;
+        let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
+        for (s, j) in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
+            let unknowns = &self.layout.order[self.layout.interval(s, j)];
+            self.add_slopes(Dependence { unknowns, numbers }, x, passes, out, |passes| {
+                let Passes { unknowns, q, local, .. } = passes;
+                let interval = self.interval((s, j), unknowns, q);
+                Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
+            })?;
+        }
+        let dependence = Dependence { unknowns: &[], numbers };
+        self.add_slopes(dependence, x, passes, out, |passes| {
+            Ok(self.duration(&passes.q, |s| on_segment(watched, s)) * by_time)
+        })
     }
 
     /// A function of states at the ends, those where segments begin coming first.
@@ -284,4 +355,9 @@ impl<M: Method> Discretised<M> {
         }
         Ok(())
     }
+}
+
+/// Whether any of these scalars is on a segment.
+fn on_segment(watched: &[Watched], segment: usize) -> bool {
+    watched.iter().any(|watched| watched.segment == segment)
 }
