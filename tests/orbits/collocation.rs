@@ -11,6 +11,7 @@ use tangency::core::bvp::{
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::scalar::Scalar;
+use tangency::core::watch::Observable;
 use tangency::core::zero::{Border, Slot, System};
 use tangency::problems::classic::Bratu;
 

@@ -96,7 +96,7 @@ impl VectorField for Circle {
 }
 
 fn value(system: &mut dyn System, x: &[f64], name: &str) -> f64 {
-    let names = system.names();
+    let names = system.names().clone();
     let mut values = vec![0.0; names.monitors.len()];
     system.monitors(x, &mut values).unwrap();
     values[names.monitor(name).unwrap()]
@@ -191,7 +191,7 @@ fn gradients_are_those_of_differences() {
 
 #[track_caller]
 fn gradients(system: &mut dyn System, x: &[f64], monitors: &[&str]) {
-    let names = system.names();
+    let names = system.names().clone();
     let released: Vec<usize> = (0..names.parameters.len()).collect();
     let direction: Vec<f64> = (0..x.len()).map(|i| (1.0 + i as f64).sin()).collect();
     for name in monitors {

@@ -6,6 +6,7 @@ use tangency::core::bvp::{
 };
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::scalar::Scalar;
+use tangency::core::watch::Observable;
 use tangency::core::zero::LeftDomain;
 
 /// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no effect.
