@@ -8,6 +8,6 @@ pub mod cycles;
 mod failures;
 mod measures;
 mod multipliers;
-mod orbits;
+mod periodic_orbits;
 mod shooting;
 mod simulation;
