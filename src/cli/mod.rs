@@ -41,8 +41,8 @@ enum Command {
 /// program. The exit code is 0 on success, 1 after an error, 2 for arguments that cannot be understood.
 ///
 /// ```no_run
-/// use crate::Catalogue;
-/// use crate::problems::classic::ParallelPlate;
+/// use tangency::Catalogue;
+/// use tangency::problems::classic::ParallelPlate;
 /// fn main() -> std::process::ExitCode {
 ///     let scene = "Scene(title: \"pull-in\", problem: MyPlate(), parameters: [(\"load\", 0)],
 ///         runs: [Run(name: \"plate\", along: [(name: \"load\", low: 0)])])";

@@ -67,7 +67,7 @@ pub trait FleetObserver<T: Scalar> {
 ///
 /// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken, and guards are seen to keep clear of zero, for
 /// several members at a time that are in the same mode; where a guard may vanish, one member is looked at alone. A
-/// system says by [`in_lanes`](HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise, and by an
+/// system says by [`in_lanes`](super::HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise, and by an
 /// implicit method, members are followed one after the other.
 ///
 /// ```
