@@ -2,11 +2,12 @@
 
 use super::SceneError;
 use super::slot::{Slots, slots};
-use crate::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
+use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::continuation::SettingError;
 use crate::core::flow::Scheme;
 use crate::core::ladder::ladder;
+use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -250,43 +251,50 @@ impl Discretisation {
         in_range("flow_tolerance", tolerance, (1e-14..=1e-3).contains(&tolerance), range)
     }
 
-    /// The system of a problem, and the unknowns to start from: integrated from states, extras and parameters, or zero.
-    pub fn system<P>(&self, problem: P, start: Option<[&[f64]; 3]>) -> Result<Started, SceneError>
-    where
-        P: IntoEquations,
-    {
-        match self.method {
+    /// The system of a problem.
+    pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
+        let problem = problem.into_equations();
+        let meshes = |intervals| vec![Mesh::uniform(intervals); problem.segments().len()];
+        Ok(match self.method {
             Discretised::Collocation => {
-                started(problem, Collocation::new(self.degree)?, self.intervals, start)
+                let meshes = meshes(self.intervals);
+                Box::new(BoundarySystem::new(problem, self.collocation()?, meshes)?)
             }
             Discretised::Shooting => {
-                let method = Shooting::new(self.scheme, self.flow_tolerance)?;
-                started(problem, method, self.segments, start)
+                let meshes = meshes(self.segments);
+                Box::new(BoundarySystem::new(problem, self.shooting()?, meshes)?)
+            }
+        })
+    }
+
+    /// The system of the orbits like a simulated one, and the unknowns of that one.
+    pub fn start(&self, simulated: Birth<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
+        match self.method {
+            Discretised::Collocation => {
+                started(simulated.discretised(p, self.collocation()?, self.intervals))
+            }
+            Discretised::Shooting => {
+                started(simulated.discretised(p, self.shooting()?, self.segments))
             }
         }
+    }
+
+    fn collocation(&self) -> Result<Collocation, SceneError> {
+        Ok(Collocation::new(self.degree)?)
+    }
+
+    fn shooting(&self) -> Result<Shooting, SceneError> {
+        Ok(Shooting::new(self.scheme, self.flow_tolerance)?)
     }
 }
 
 /// A system, and unknowns to start from.
 pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
-fn started<P, M>(
-    problem: P,
-    method: M,
-    intervals: usize,
-    start: Option<[&[f64]; 3]>,
-) -> Result<Started, SceneError>
-where
-    P: IntoEquations,
-    M: Method + Clone + 'static,
-{
-    let problem = problem.into_equations();
-    let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
-    let system = BoundarySystem::new(problem, method, meshes)?;
-    let z = match start {
-        Some([starts, extras, p]) => system.flowed(starts, extras, p).map_err(no_start)?,
-        None => vec![0.0; system.names().dimension()],
-    };
+fn started<M: Method + Clone + 'static>(
+    start: Result<(BoundarySystem<M>, Vec<f64>), EvaluationError>,
+) -> Result<Started, SceneError> {
+    let (system, z) = start.map_err(no_start)?;
     Ok((Box::new(system), z))
 }
 

@@ -1,11 +1,10 @@
 //! Zero problems, vector fields, boundary-value problems and hybrid systems as problems of scenes.
 
 use super::discretisation::{
-    BoundarySettings, FieldSettings, HybridOrbitSettings, Solution, Started, ZeroSettings, no_start,
+    BoundarySettings, FieldSettings, HybridOrbitSettings, Solution, Started, ZeroSettings,
 };
 use super::problem::{Model, Swept};
-use super::simulate::{Simulation, initial, simulate};
-use super::{Local, SceneError, Simulated};
+use super::{Local, SceneError};
 use crate::core::attractor::{PeriodMap, StroboscopicError, StroboscopicMap};
 use crate::core::bvp::{Birth, BoundaryProblem, Equations, IntoEquations};
 use crate::core::continuation::{Branch, SpecialPoint};
@@ -13,9 +12,7 @@ use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::flow::{Scheme, Settings};
 use crate::core::grazing::LocalMap;
-use crate::core::hybrid::{
-    CycleSearch, CycleSearchError, HybridEquations, HybridFlow, HybridSettings, HybridState,
-};
+use crate::core::hybrid::{HybridEquations, HybridSettings};
 use crate::core::orbit::{HybridOrbit, Itinerary, Smooth};
 use crate::core::zero::{System, ZeroProblem};
 use std::sync::Arc;
@@ -78,9 +75,7 @@ impl<F: VectorField + Clone + 'static> Model for Field<F> {
     ) -> Result<Box<dyn System>, SceneError> {
         let field = self.0.clone();
         match settings.solution {
-            Solution::Orbit => {
-                Ok(settings.discretisation().system(HybridOrbit::smooth_of(field, 1), None)?.0)
-            }
+            Solution::Orbit => settings.discretisation().system(HybridOrbit::smooth_of(field, 1)),
             Solution::Equilibrium if field.forcing().is_periodic() => Err(SceneError::Value {
                 name: "solution".into(),
                 value: "equilibrium".into(),
@@ -90,29 +85,18 @@ impl<F: VectorField + Clone + 'static> Model for Field<F> {
         }
     }
 
-    fn history(
-        &self,
-        run: &str,
-        simulated: &Simulated,
-        p: &[f64],
-        start: Option<HybridState<f64>>,
-    ) -> Result<Simulation, SceneError> {
-        simulate(&Smooth(self.0.clone()), run, simulated, p, start)
+    fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        Ok(Arc::new(Smooth(self.0.clone())))
     }
 
-    fn settled(
+    fn started(
         &self,
         settings: &FieldSettings,
-        run: &str,
-        simulated: &Simulated,
+        simulated: Birth<HybridOrbit>,
         p: &[f64],
     ) -> Result<Started, SceneError> {
-        let Birth { problem, starts, extras } =
-            settled(Arc::new(Smooth(self.0.clone())), run, simulated, p)?;
         match settings.solution {
-            Solution::Orbit => {
-                settings.discretisation().system(problem, Some([&*starts, &*extras, p]))
-            }
+            Solution::Orbit => settings.discretisation().start(simulated, p),
             Solution::Equilibrium => Err(SceneError::Value {
                 name: "solution".into(),
                 value: "equilibrium".into(),
@@ -120,25 +104,6 @@ impl<F: VectorField + Clone + 'static> Model for Field<F> {
             }),
         }
     }
-}
-
-/// The periodic motion on which a simulation settles, as one of the orbits like it.
-fn settled(
-    system: Arc<dyn HybridEquations>,
-    run: &str,
-    simulated: &Simulated,
-    p: &[f64],
-) -> Result<Birth<HybridOrbit>, SceneError> {
-    let unsettled =
-        |cause: CycleSearchError| SceneError::Unsettled { run: run.into(), cause: Box::new(cause) };
-    let start = initial(&*system, simulated)?;
-    let transient = simulated.transient * system.period(p);
-    let search = CycleSearch { transient, ..CycleSearch::default() };
-    let mut flow = HybridFlow::new(&*system, HybridSettings::default())
-        .map_err(|cause| unsettled(cause.into()))?;
-    let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
-    drop(flow);
-    HybridOrbit::of_shared_cycle(system, &cycle).map_err(no_start)
 }
 
 /// The solutions of a boundary-value problem.
@@ -177,7 +142,7 @@ impl Model for Boundary {
         _p: &[f64],
         _reach: &[f64],
     ) -> Result<Box<dyn System>, SceneError> {
-        Ok(settings.discretisation().system(self.problem.clone(), None)?.0)
+        settings.discretisation().system(self.problem.clone())
     }
 }
 
@@ -221,29 +186,21 @@ impl Model for Hybrid {
             })?,
         };
         let orbits = watched(settings, HybridOrbit::shared(self.0.clone(), itinerary));
-        Ok(settings.discretisation().system(orbits, None)?.0)
+        settings.discretisation().system(orbits)
     }
 
-    fn history(
-        &self,
-        run: &str,
-        simulated: &Simulated,
-        p: &[f64],
-        start: Option<HybridState<f64>>,
-    ) -> Result<Simulation, SceneError> {
-        simulate(&*self.0, run, simulated, p, start)
+    fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
+        Ok(self.0.clone())
     }
 
-    fn settled(
+    fn started(
         &self,
         settings: &HybridOrbitSettings,
-        run: &str,
-        simulated: &Simulated,
+        Birth { problem, starts, extras }: Birth<HybridOrbit>,
         p: &[f64],
     ) -> Result<Started, SceneError> {
-        let Birth { problem, starts, extras } = settled(self.0.clone(), run, simulated, p)?;
-        let orbits = watched(settings, problem);
-        settings.discretisation().system(orbits, Some([&*starts, &*extras, p]))
+        let simulated = Birth { problem: watched(settings, problem), starts, extras };
+        settings.discretisation().start(simulated, p)
     }
 
     fn local_map(

@@ -1,13 +1,15 @@
 //! The problem of a scene: an entry of a catalogue, with its settings.
 
 use super::discretisation::{ProblemSettings, Started};
-use super::simulate::Simulation;
+use super::simulate::{Simulation, settled, simulate};
 use super::slot::{self, Slots, options, written};
 use super::{Capability, Local, SceneError, Simulated};
 use crate::core::attractor::{StroboscopicError, StroboscopicMap};
+use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
-use crate::core::hybrid::HybridState;
+use crate::core::hybrid::{HybridEquations, HybridState};
+use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
 use ron::error::SpannedError;
 use ron::value::RawValue;
@@ -45,23 +47,16 @@ pub(super) trait Model: Send + Sync + 'static {
         reach: &[f64],
     ) -> Result<Box<dyn System>, SceneError>;
 
-    /// A simulated history, for the run of this name.
-    fn history(
-        &self,
-        _run: &str,
-        _simulated: &Simulated,
-        _p: &[f64],
-        _start: Option<HybridState<f64>>,
-    ) -> Result<Simulation, SceneError> {
+    /// The motion that is simulated.
+    fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
         Err(Self::lacks(Capability::Simulation))
     }
 
-    /// The system of the orbits like the one that a simulation converges to, and that orbit.
-    fn settled(
+    /// The system of the orbits like a simulated one, and that orbit.
+    fn started(
         &self,
         _settings: &Self::Settings,
-        _run: &str,
-        _simulated: &Simulated,
+        _simulated: Birth<HybridOrbit>,
         _p: &[f64],
     ) -> Result<Started, SceneError> {
         Err(Self::lacks(Capability::Simulation))
@@ -184,11 +179,12 @@ impl<M: Model> Entry for Configured<M> {
         p: &[f64],
         start: Option<HybridState<f64>>,
     ) -> Result<Simulation, SceneError> {
-        self.model.history(run, simulated, p, start)
+        simulate(&*self.model.motion()?, run, simulated, p, start)
     }
 
     fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
-        self.model.settled(&self.settings, run, simulated, p)
+        let cycle = settled(self.model.motion()?, run, simulated, p)?;
+        self.model.started(&self.settings, cycle, p)
     }
 
     fn local_map(

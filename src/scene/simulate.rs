@@ -1,13 +1,18 @@
 //! Histories by simulation: what a motion does that settles on no orbit of finitely many events, or has not
 //! settled yet.
 
+use super::discretisation::no_start;
 use super::{SceneError, Simulated};
+use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
-    History, HybridEquations, HybridFlow, HybridSettings, HybridState, Mode, Piece,
+    CycleSearch, CycleSearchError, History, HybridEquations, HybridFlow, HybridSettings,
+    HybridState, Mode, Piece,
 };
 use crate::core::names::UnknownName;
+use crate::core::orbit::HybridOrbit;
 use crate::core::zero::Profile;
+use std::sync::Arc;
 
 /// A simulated history as a branch of one point, and the state in which it ends.
 pub(super) struct Simulation {
@@ -56,7 +61,26 @@ pub(super) fn simulate(
     Ok(Simulation { branch: branch(system, name, p, &curves, events), end: state })
 }
 
-pub(super) fn initial(
+/// The periodic motion on which a simulation settles, as one of the orbits like it.
+pub(super) fn settled(
+    system: Arc<dyn HybridEquations>,
+    run: &str,
+    simulated: &Simulated,
+    p: &[f64],
+) -> Result<Birth<HybridOrbit>, SceneError> {
+    let unsettled =
+        |cause: CycleSearchError| SceneError::Unsettled { run: run.into(), cause: Box::new(cause) };
+    let start = initial(&*system, simulated)?;
+    let transient = simulated.transient * system.period(p);
+    let search = CycleSearch { transient, ..CycleSearch::default() };
+    let mut flow = HybridFlow::new(&*system, HybridSettings::default())
+        .map_err(|cause| unsettled(cause.into()))?;
+    let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
+    drop(flow);
+    HybridOrbit::of_shared_cycle(system, &cycle).map_err(no_start)
+}
+
+fn initial(
     system: &dyn HybridEquations,
     simulated: &Simulated,
 ) -> Result<HybridState<f64>, SceneError> {

@@ -206,12 +206,7 @@ fn widen(range: &mut [f64; 2], value: f64) {
 }
 
 impl HybridObserver<f64> for Recorder<'_> {
-    fn step<F: FieldIn<f64>>(
-        &mut self,
-        mode: usize,
-        step: &mut Step<F, f64>,
-        end: f64,
-    ) -> ControlFlow<()> {
+    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         let (last, system) = (step.place(end), self.of.system);
         for accumulator in &mut self.accumulators {
             match accumulator {
@@ -269,7 +264,6 @@ impl HybridObserver<f64> for Recorder<'_> {
                 Accumulator::Legs => {}
             }
         }
-        ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {

@@ -210,8 +210,7 @@ impl FleetObserver<f64> for Sampler<'_, '_> {
         end: f64,
     ) {
         if let Some(recorder) = &mut self.sampled[member].recorder {
-            // A recorder never ends the motion.
-            let _ = recorder.step(mode, step, end);
+            recorder.step(mode, step, end);
         }
     }
 

@@ -245,11 +245,6 @@ impl CycleSearch {
     }
 }
 
-/// Whether to go on.
-fn proceed(goes_on: bool) -> ControlFlow<()> {
-    if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-}
-
 /// What happens in one period of the forcing.
 #[derive(Default)]
 struct Sample<'a> {
@@ -262,16 +257,10 @@ struct Sample<'a> {
 }
 
 impl HybridObserver<f64> for Sample<'_> {
-    fn step<F: FieldIn<f64>>(
-        &mut self,
-        _mode: usize,
-        step: &mut Step<F, f64>,
-        _end: f64,
-    ) -> ControlFlow<()> {
+    fn step<F: FieldIn<f64>>(&mut self, _mode: usize, step: &mut Step<F, f64>, _end: f64) {
         if self.guards.is_empty() {
             self.diameter = self.diameter.max(distance(step.end(), self.start));
         }
-        ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
@@ -399,15 +388,14 @@ impl Returns<'_> {
 }
 
 impl HybridObserver<f64> for Returns<'_> {
-    fn step<F: FieldIn<f64>>(
-        &mut self,
-        _mode: usize,
-        step: &mut Step<F, f64>,
-        end: f64,
-    ) -> ControlFlow<()> {
-        let Some(section) = &mut self.section else { return ControlFlow::Continue(()) };
-        let Some(state) = section.crossing(step, end) else { return ControlFlow::Continue(()) };
-        let CycleSearch { tolerance, max_period, returns, .. } = *self.search;
+    fn ends(&self) -> bool {
+        self.cycle.is_some() || self.count >= self.search.returns
+    }
+
+    fn step<F: FieldIn<f64>>(&mut self, _mode: usize, step: &mut Step<F, f64>, end: f64) {
+        let Some(section) = &mut self.section else { return };
+        let Some(state) = section.crossing(step, end) else { return };
+        let CycleSearch { tolerance, max_period, .. } = *self.search;
         let crossings = section.distances.len();
         let distance = section.distances[crossings - 1];
         self.count += 1;
@@ -418,7 +406,6 @@ impl HybridObserver<f64> for Returns<'_> {
         } else if returned || crossings >= max_period {
             *section = Section::through(self.system, self.p, state);
         }
-        proceed(self.cycle.is_none() && self.count < returns)
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
@@ -436,7 +423,7 @@ impl HybridObserver<f64> for Returns<'_> {
         }
         self.events.push(event.clone());
         self.cycle = first.map(|first| self.cycle_from(first));
-        proceed(self.cycle.is_none() && self.count < self.search.returns)
+        if self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

@@ -43,15 +43,12 @@ impl<T: Scalar> Event<T> {
 
 /// Watches a hybrid motion. A closure that takes an event watches events only; `()` watches nothing.
 pub trait HybridObserver<T: Scalar> {
-    /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an event ended it. The
-    /// motion may be ended with a step; after an event, by [`event`](Self::event).
-    fn step<F: FieldIn<T>>(
-        &mut self,
-        _mode: usize,
-        _step: &mut Step<F, T>,
-        _end: T,
-    ) -> ControlFlow<()> {
-        ControlFlow::Continue(())
+    /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an event ended it.
+    fn step<F: FieldIn<T>>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
+
+    /// Whether the motion is ended with the last step, unless an event ended it.
+    fn ends(&self) -> bool {
+        false
     }
 
     /// An event; the motion may be ended just after it.
@@ -129,18 +126,13 @@ impl History {
 }
 
 impl HybridObserver<f64> for History {
-    fn step<F: FieldIn<f64>>(
-        &mut self,
-        mode: usize,
-        step: &mut Step<F, f64>,
-        end: f64,
-    ) -> ControlFlow<()> {
+    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, end: f64) {
         if !self.begun {
             let (times, states) = (vec![step.time(0.0)], vec![step.start().to_vec()]);
             self.pieces.push(Piece { mode, times, states });
             self.begun = true;
         }
-        let Some(piece) = self.pieces.last_mut() else { return ControlFlow::Continue(()) };
+        let Some(piece) = self.pieces.last_mut() else { return };
         for k in 1..=self.samples {
             let fraction = end * k as f64 / self.samples as f64;
             let mut x = vec![0.0; step.start().len()];
@@ -148,7 +140,6 @@ impl HybridObserver<f64> for History {
             piece.times.push(step.time(fraction));
             piece.states.push(x);
         }
-        ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {

@@ -309,7 +309,8 @@ where
         let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
             landing = lookout.landing(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);
-            let ended = run.observer.step(mode, step, end).is_break();
+            run.observer.step(mode, step, end);
+            let ended = run.observer.ends();
             if ended {
                 last = step.time(T::one());
             }

@@ -20,14 +20,8 @@ use std::ops::ControlFlow;
 struct Shown<'a, O>(usize, &'a mut O);
 
 impl<T: Scalar, O: FleetObserver<T>> HybridObserver<T> for Shown<'_, O> {
-    fn step<F: FieldIn<T>>(
-        &mut self,
-        mode: usize,
-        step: &mut Step<F, T>,
-        end: T,
-    ) -> ControlFlow<()> {
+    fn step<F: FieldIn<T>>(&mut self, mode: usize, step: &mut Step<F, T>, end: T) {
         self.1.step(self.0, mode, step, end);
-        ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<T>) -> ControlFlow<()> {
