@@ -34,7 +34,7 @@ pub(super) struct Growth {
 }
 
 impl Growth {
-    /// The growth over so many periods.
+    /// The growth over a number of periods.
     pub fn over(periods: usize) -> Self {
         let batch = periods.div_ceil(Exponent::BATCHES).max(1);
         Growth { batch, periods: 0, means: [0.0; Exponent::BATCHES], forgotten: false }

@@ -74,7 +74,7 @@ impl Attractor {
 
 /// A periodic point counts if Newton's method ends there, with steps below this in units of the largest state …
 const CONVERGED: f64 = 1e-11;
-/// … after no more than so many …
+/// … after at most this number of iterations …
 const ROUNDS: usize = 8;
 /// … no farther away than this.
 const NEAR: f64 = 0.03;
@@ -319,7 +319,7 @@ fn periodic(
     Ok(Attractor { periods, records, events, accumulations, exponent, end: start })
 }
 
-/// Events by name, and accumulations, as means over so many cycles.
+/// Events by name, and accumulations, as means over a number of cycles.
 fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f64)>, f64) {
     let all = || records.iter().flat_map(|period| &period.events);
     let mean = |count: usize| count as f64 / cycles.max(1) as f64;

@@ -71,7 +71,8 @@ pub(in crate::core) struct Repetition {
 }
 
 impl Repetition {
-    /// Looks for up to so many periods, after which states agree to a tolerance, in units of the largest size.
+    /// Looks for a number of periods, up to `most`, after which states agree to a tolerance, in units
+    /// of the largest size.
     pub fn new(most: usize, tolerance: f64) -> Self {
         Repetition { most, tolerance, nearness: Nearness::new(), past: VecDeque::new() }
     }

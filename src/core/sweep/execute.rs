@@ -111,7 +111,7 @@ pub fn execute(
     Ok(())
 }
 
-/// From so many strands on, their runs are followed abreast: fewer leave too many lanes empty …
+/// From this number of strands on, their runs are followed abreast: fewer leave too many lanes empty …
 const LEAST_ABREAST: usize = 4;
 /// … and no more at a time, since what is not done is lost where a sweep ends before.
 const MOST_ABREAST: usize = 64;
