@@ -3,7 +3,7 @@
 use super::equations::{Discretised, Local};
 use super::layout::Layout;
 use crate::core::bvp::{Method, Number};
-use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
+use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -145,7 +145,7 @@ impl<T: Scalar> Weighted<'_, T> {
         let directions = dependence.len();
         for start in (0..directions).step_by(CHUNK) {
             passes.load(layout, dependence, start, self.x, self.make);
-            let slopes = parts(&evaluate(passes)?);
+            let slopes = evaluate(passes)?.eps;
             for (k, slope) in (start..directions).zip(slopes) {
                 out[dependence.position(layout, k)] += slope;
             }

@@ -7,7 +7,7 @@ use super::local::{Dependence, Passes};
 use crate::core::bvp::{
     EndFunctions, Ends, Equations, Interval, Method, Monitor, Number, WatchNumber, Watched,
 };
-use crate::core::chunk::{CHUNK, Chunk, parts};
+use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
@@ -348,7 +348,7 @@ impl<M: Method> Discretised<M> {
     ) -> Result<(), LeftDomain> {
         for start in (0..dependence.len()).step_by(CHUNK) {
             passes.load(&self.layout, dependence, start, x, |_, seeded| seeded);
-            let slopes = parts(&function(passes)?);
+            let slopes = function(passes)?.eps;
             for (k, slope) in (start..dependence.len()).zip(slopes) {
                 out[dependence.position(&self.layout, k)] += slope;
             }
