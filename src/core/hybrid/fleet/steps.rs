@@ -131,9 +131,11 @@ where
         let errors = lanes.attempt(&field, &worker.settings.flow);
         lanes.look();
         forecasts.clear();
-        forecasts.extend(worker.watched[mode].iter().enumerate().map(|(position, guard)| {
-            lanes.forecast(position, &GuardOf { system, guard: *guard, mode, scale: 1.0 })
-        }));
+        let guards = worker.watched[mode].iter();
+        forecasts.extend(
+            guards
+                .map(|guard| lanes.forecast(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
+        );
         errors
     }
 
@@ -164,9 +166,7 @@ where
             self.show(mode, (lane, number), end, observer);
         }
         let Slot { lane_state, statistics, .. } = &mut self.slots[number];
-        if let Some(stepper) = &self.stepper {
-            stepper.accept((lane, error), &self.forecasts, lane_state);
-        }
+        self.stepper.iter().for_each(|stepper| stepper.accept(lane, error, lane_state));
         let Some(landing) = landing else { return self.go_on(mode, number, observer) };
         statistics.flow = sum(statistics.flow, lane_state.statistics);
         self.work(number, observer, |worker, state, run| {
