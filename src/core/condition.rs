@@ -4,22 +4,9 @@
 //! parameter released it can be held along a curve; together with a branch it defines a point.
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
+pub use super::failure::EvaluationError;
 use super::kind::Kind;
-use super::zero::{LeftDomain, Singular, System};
-
-/// Why equations could not be evaluated.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum EvaluationError {
-    /// The point lies outside the domain of the equations.
-    #[error(transparent)]
-    LeftDomain(#[from] LeftDomain),
-    /// A matrix that defines a condition is singular.
-    #[error(transparent)]
-    Singular(#[from] Singular),
-    /// The condition does not apply at this point.
-    #[error("{0}")]
-    NotApplicable(String),
-}
+use super::zero::System;
 
 /// Where a condition is evaluated: the system, `x = (z, p)`, and the released parameters (positions
 /// among the parameters), whose derivatives are wanted.
@@ -37,46 +24,34 @@ pub struct At<'a> {
 /// ```
 /// use tangency::core::condition::{At, Condition, EvaluationError};
 /// use tangency::core::continuation::{Continuation, Event, Kind};
-/// use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
-/// /// `x = p²`.
-/// struct Parabola;
-/// impl ZeroProblem for Parabola {
-///     fn names(&self) -> Names {
-///         Names::new(["x"], ["p"])
-///     }
-///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-///         r[0] = p[0] * p[0] - x[0];
-///     }
-/// }
-/// /// `x p = 8`, with its gradient `(p, x)`.
+/// use tangency::core::dense::Dense;
+/// use tangency::problems::classic::Hyperbola;
+/// /// `x μ = 20`, with its gradient `(μ, x, 0)`.
 /// struct Product;
 /// impl Condition for Product {
 ///     fn kind(&self) -> Kind {
 ///         Kind::UZ
 ///     }
-///     fn start(&mut self, _: At, _: &mut [f64]) -> Result<(), EvaluationError> {
-///         Ok(())
-///     }
 ///     fn values(&mut self, at: At, _: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
-///         values[0] = at.x[0] * at.x[1] - 8.0;
+///         values[0] = at.x[0] * at.x[1] - 20.0;
 ///         Ok(())
 ///     }
 ///     fn gradients(
 ///         &mut self,
 ///         at: At,
-///         _: &[f64],
 ///         rows: &mut [f64],
 ///         _: &mut [f64],
 ///     ) -> Result<(), EvaluationError> {
-///         rows.copy_from_slice(&[at.x[1], at.x[0]]);
+///         rows.copy_from_slice(&[at.x[1], at.x[0], 0.0]);
 ///         Ok(())
 ///     }
 /// }
-/// let mut parabola = Dense::new(Parabola);
-/// let event = Event::new("x p = 8", || Product);
-/// let branch = Continuation::of(&mut parabola).along("p", 0.0..=3.0).event(event).trace()?;
+/// // x² = μ² + 9, of which x = 5, μ = 4 is one solution.
+/// let mut hyperbola = Dense::new(Hyperbola);
+/// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+/// let branch = curve.along("mu", 0.0..=9.0).event(Event::new("x μ = 20", || Product)).trace()?;
 /// let found = branch.of_kind(Kind::UZ).next().unwrap();
-/// assert!((found.parameters[0] - 2.0).abs() < 1e-14);
+/// assert!((found.parameters[0] - 4.0).abs() < 1e-13);
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 pub trait Condition: Send {
@@ -97,7 +72,9 @@ pub trait Condition: Send {
     ///
     /// # Errors
     /// [`EvaluationError`] if the condition cannot be stated there.
-    fn start(&mut self, at: At, y: &mut [f64]) -> Result<(), EvaluationError>;
+    fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
+        Ok(())
+    }
 
     /// The `k + 1` left sides of its equations.
     ///
@@ -113,7 +90,6 @@ pub trait Condition: Send {
     fn gradients(
         &mut self,
         at: At,
-        y: &[f64],
         rows: &mut [f64],
         own: &mut [f64],
     ) -> Result<(), EvaluationError>;
@@ -140,19 +116,15 @@ pub enum Quantity {
 /// A parameter or a monitor at a given level.
 ///
 /// ```
-/// use tangency::core::condition::{At, Condition, Level, Quantity};
-/// use tangency::core::{continuation::Kind, dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
-/// # struct Line;
-/// # impl ZeroProblem for Line {
-/// #     fn names(&self) -> Names { Names::new(["x"], ["p"]) }
-/// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) { r[0] = p[0] - x[0]; }
-/// # }
+/// use tangency::core::condition::{At, Condition, EvaluationError, Level, Quantity};
+/// use tangency::core::{continuation::Kind, dense::Dense};
+/// use tangency::problems::classic::ParallelPlate;
 /// let mut level = Level::new(Quantity::Parameter(0), 2.0, Kind::UZ);
 /// let mut value = [0.0];
-/// let at = At { system: &mut Dense::new(Line), x: &[1.0, 5.0], released: &[0] };
+/// let at = At { system: &mut Dense::new(ParallelPlate), x: &[0.2, 5.0], released: &[0] };
 /// level.values(at, &[], &mut value)?;
 /// assert_eq!(value, [3.0]);
-/// # Ok::<(), tangency::core::condition::EvaluationError>(())
+/// # Ok::<(), EvaluationError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Level {
@@ -203,7 +175,6 @@ impl Condition for Level {
     fn gradients(
         &mut self,
         at: At,
-        _y: &[f64],
         rows: &mut [f64],
         _own: &mut [f64],
     ) -> Result<(), EvaluationError> {

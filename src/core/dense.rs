@@ -1,11 +1,11 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
 use super::chunk::{CHUNK, Chunk, seeded};
-use super::linear::BorderedLu;
-use super::motion::{DenseOscillation, Oscillation};
+use super::linear::{BorderedLu, DenseOscillation};
 use super::scalar::Scalar;
 use super::zero::{
-    Border, Dynamics, LeftDomain, Names, Profile, Singular, Slot, Spectrum, System, ZeroProblem,
+    Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Singular, Slot, Spectrum, System,
+    ZeroProblem,
 };
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
@@ -37,20 +37,12 @@ impl<T: Scalar> Work<T> {
 /// any order, `⌈(n + m)/8⌉` nested ones for a gradient.
 ///
 /// ```
-/// use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, System, ZeroProblem}};
-/// struct Circle;
-/// impl ZeroProblem for Circle {
-///     fn names(&self) -> Names {
-///         Names::new(["y"], ["x"])
-///     }
-///     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
-///         r[0] = z[0] * z[0] + p[0] * p[0] - 1.0;
-///     }
-/// }
-/// let mut circle = Dense::new(Circle);
+/// use tangency::core::{dense::Dense, zero::System};
+/// use tangency::problems::classic::Hyperbola;
+/// // x² − μ² − ε², along x.
 /// let mut slope = [0.0];
-/// circle.derivative(&[0.6, 0.8], &[1.0, 0.0], &mut slope);
-/// assert_eq!(slope, [1.2]);
+/// Dense::new(Hyperbola).derivative(&[5.0, 3.0, 4.0], &[1.0, 0.0, 0.0], &mut slope);
+/// assert_eq!(slope, [10.0]);
 /// ```
 pub struct Dense<P> {
     problem: P,
@@ -104,6 +96,14 @@ impl<P: ZeroProblem> Dense<P> {
     }
 }
 
+/// Refuses values of which one is not finite.
+fn finite(values: &[f64], name: impl Fn(usize) -> String, remedy: &str) -> Result<(), LeftDomain> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(i) => Err(LeftDomain::new(name(i), values[i], remedy)),
+        None => Ok(()),
+    }
+}
+
 /// The gradient, in the directions of a chunk, of a sum of numbers with these weights.
 fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64]) -> [f64; CHUNK] {
     let mut sums = [0.0; CHUNK];
@@ -119,24 +119,6 @@ fn symmetric(matrix: &[f64], n: usize) -> bool {
     (0..n).all(|j| (0..j).all(|i| matrix[j * n + i] == matrix[i * n + j]))
 }
 
-impl<P> Oscillation for Dense<P> {
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
-        self.oscillation.factor(&self.jacobian, omega, column, row)
-    }
-
-    fn solve(&mut self, right: &mut [f64]) {
-        self.oscillation.solve(right);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.oscillation.solve_transposed(right);
-    }
-
-    fn slope(&mut self, _omega: f64, v: &[f64], out: &mut [f64]) {
-        DenseOscillation::slope(v, out);
-    }
-}
-
 impl<P: ZeroProblem> System for Dense<P> {
     fn names(&self) -> &Names {
         &self.names
@@ -145,14 +127,11 @@ impl<P: ZeroProblem> System for Dense<P> {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
         self.check_domain(x)?;
         r.copy_from_slice(self.plain.evaluate(&self.problem, |i| x[i]));
-        match r.iter().position(|r| !r.is_finite()) {
-            Some(i) => Err(LeftDomain::new(
-                format!("component {i} of the residual"),
-                r[i],
-                "the residual must be finite; bound the branch before the equations lose their meaning",
-            )),
-            None => Ok(()),
-        }
+        finite(
+            r,
+            |i| format!("component {i} of the residual"),
+            "the residual must be finite; bound the branch before the equations lose their meaning",
+        )
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -170,17 +149,13 @@ impl<P: ZeroProblem> System for Dense<P> {
                 }
             }
         }
-        match self.jacobian.iter().position(|entry| !entry.is_finite()) {
-            Some(k) => Err(LeftDomain::new(
-                format!("derivative of component {} by unknown {}", k % n, k / n),
-                self.jacobian[k],
-                "the residual must be differentiable here (√ at 0 is not)",
-            )),
-            None => {
-                self.assembled.extend_from_slice(x);
-                Ok(())
-            }
-        }
+        finite(
+            &self.jacobian,
+            |k| format!("derivative of component {} by unknown {}", k % n, k / n),
+            "the residual must be differentiable here (√ at 0 is not)",
+        )?;
+        self.assembled.extend_from_slice(x);
+        Ok(())
     }
 
     fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
@@ -248,7 +223,7 @@ impl<P: ZeroProblem> System for Dense<P> {
     }
 
     fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        Some(self)
+        Some(self.oscillation.of(&self.jacobian))
     }
 
     fn dynamics(&self) -> Dynamics {
@@ -258,23 +233,22 @@ impl<P: ZeroProblem> System for Dense<P> {
     fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
         let n = self.names.dimension();
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
-        let mut eigenvalues: Spectrum = match self.problem.dynamics() {
+        let dynamics = self.problem.dynamics();
+        let self_adjoint = match dynamics {
             Dynamics::Static | Dynamics::Periodic => return None,
-            Dynamics::Flow if symmetric(&self.jacobian, n) => {
-                let real = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
-                real.into_iter().map(|l| (l, 0.0)).collect()
-            }
-            Dynamics::Flow => {
-                matrix.eigenvalues().ok()?.into_iter().map(|l| (l.re, l.im)).collect()
-            }
-            Dynamics::Restoring => {
-                matrix.eigenvalues().ok()?.into_iter().map(|l| (-l.re, l.im)).collect()
-            }
-            Dynamics::Potential => {
-                let hessian = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
-                hessian.into_iter().map(|l| (-l, 0.0)).collect()
-            }
+            Dynamics::Flow => symmetric(&self.jacobian, n),
+            Dynamics::Potential => true,
+            Dynamics::Restoring => false,
         };
+        let mut eigenvalues: Spectrum = if self_adjoint {
+            let real = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
+            real.into_iter().map(|l| (l, 0.0)).collect()
+        } else {
+            matrix.eigenvalues().ok()?.into_iter().map(|l| (l.re, l.im)).collect()
+        };
+        if dynamics != Dynamics::Flow {
+            eigenvalues.iter_mut().for_each(|l| l.0 = -l.0);
+        }
         eigenvalues.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
         Some(eigenvalues)
     }
@@ -282,14 +256,8 @@ impl<P: ZeroProblem> System for Dense<P> {
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
         let (z, p) = x.split_at(self.names.dimension());
         self.problem.monitors(z, p, values);
-        match values.iter().position(|value| !value.is_finite()) {
-            Some(k) => Err(LeftDomain::new(
-                format!("monitor {}", self.names.monitors[k]),
-                values[k],
-                "a monitor must be finite wherever the residual is",
-            )),
-            None => Ok(()),
-        }
+        let name = |k: usize| format!("monitor {}", self.names.monitors[k]);
+        finite(values, name, "a monitor must be finite wherever the residual is")
     }
 
     fn monitor_gradient(

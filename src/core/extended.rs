@@ -8,7 +8,8 @@
 //! ```
 
 use super::condition::{At, Condition, EvaluationError};
-use super::zero::{Border, Slot, System};
+use super::vector::along;
+use super::zero::{Border, Names, Slot, System};
 
 /// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
 #[derive(Clone, Copy)]
@@ -24,28 +25,17 @@ pub struct Closing<'a> {
 /// A zero problem with the conditions that are held.
 ///
 /// ```
-/// use tangency::core::{bifurcation::Fold, extended::Extended, dense::Dense};
-/// use tangency::core::{scalar::Scalar, zero::{Names, ZeroProblem}};
-/// /// `p = x²`, with a fold at 0.
-/// struct Parabola;
-/// impl ZeroProblem for Parabola {
-///     fn names(&self) -> Names {
-///         Names::new(["x"], ["p"])
-///     }
-///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-///         r[0] = p[0] - x[0] * x[0];
-///     }
-/// }
-/// let mut system = Dense::new(Parabola);
-/// let mut equations = Extended::new(&mut system, &[0.1, 0.0], vec![0]);
-/// let mut unknowns = equations.hold(Box::<Fold>::default(), &[0.1, 0.0])?;
-/// // One Newton step: the fold's condition is linear in x, and the problem then in p.
-/// let mut correction = [0.0; 2];
-/// equations.residual(&unknowns, None, &mut correction)?;
-/// equations.factor(&unknowns, None)?;
-/// equations.solve(&mut correction);
-/// assert!((unknowns[0] - correction[0]).abs() < 1e-15);
-/// # Ok::<(), tangency::core::condition::EvaluationError>(())
+/// use tangency::core::newton::{Newton, NewtonError, Tolerances};
+/// use tangency::core::{bifurcation::Fold, dense::Dense, extended::Extended};
+/// use tangency::problems::classic::ParallelPlate;
+/// // The fold at u = 1/3, from a point near by.
+/// let (mut system, near) = (Dense::new(ParallelPlate), [0.3, 0.14]);
+/// let mut equations = Extended::new(&mut system, &near, vec![0]);
+/// let mut unknowns = equations.hold(Box::<Fold>::default(), &near)?;
+/// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
+/// Newton::default().solve(&mut equations, &mut unknowns, None, &[1.0; 2], tolerances)?;
+/// assert!((unknowns[0] - 1.0 / 3.0).abs() < 1e-14);
+/// # Ok::<(), NewtonError>(())
 /// ```
 pub struct Extended<'a> {
     system: &'a mut dyn System,
@@ -147,7 +137,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Names of the system.
-    pub fn names(&self) -> &super::zero::Names {
+    pub fn names(&self) -> &Names {
         self.system.names()
     }
 
@@ -248,9 +238,7 @@ impl<'a> Extended<'a> {
             place += k;
         }
         if let Some(Closing { row: covector, base, length }) = closing {
-            let along: f64 =
-                covector.iter().zip(unknowns.iter().zip(base)).map(|(c, (x, b))| c * (x - b)).sum();
-            out[row] = along - length;
+            out[row] = along(covector, unknowns, base) - length;
         }
         Ok(())
     }
@@ -260,14 +248,10 @@ impl<'a> Extended<'a> {
     ///
     /// # Errors
     /// [`EvaluationError`], `Singular` among others.
-    pub fn factor(
-        &mut self,
-        unknowns: &[f64],
-        closing_row: Option<&[f64]>,
-    ) -> Result<(), EvaluationError> {
+    pub fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), EvaluationError> {
         let n = self.dimension();
         let width = self.own + self.released.len();
-        self.fill_gradients(unknowns)?;
+        self.fill_gradients()?;
         self.fill_columns();
         if let Some(row) = closing_row {
             self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
@@ -277,6 +261,16 @@ impl<'a> Extended<'a> {
         let border =
             Border { width, columns: &self.columns, rows: &self.rows, corner: &self.corner };
         Ok(self.system.factor(Slot::Curve, border)?)
+    }
+
+    /// The tangent of the curve at the point where the matrix was factored with a closing row, on which the
+    /// tangent is 1.
+    pub fn tangent(&mut self, tangent: &mut [f64]) {
+        tangent.fill(0.0);
+        if let Some(last) = tangent.last_mut() {
+            *last = 1.0;
+        }
+        self.solve(tangent);
     }
 
     /// Solves with the factored matrix, in place.
@@ -290,7 +284,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Rows of the conditions, and their part of the corner.
-    fn fill_gradients(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+    fn fill_gradients(&mut self) -> Result<(), EvaluationError> {
         let (n, length) = (self.dimension(), self.x.len());
         let width = self.own + self.released.len();
         self.corner.fill(0.0);
@@ -300,7 +294,7 @@ impl<'a> Extended<'a> {
             let at = At { system: self.system, x: &self.x, released: &self.released };
             let gradients = &mut self.gradients[..(k + 1) * length];
             let own = &mut self.own_gradients[..(k + 1) * k];
-            condition.gradients(at, &unknowns[n + place..n + place + k], gradients, own)?;
+            condition.gradients(at, gradients, own)?;
             for i in 0..=k {
                 let gradient = &gradients[i * length..(i + 1) * length];
                 self.rows[(row + i) * n..(row + i + 1) * n].copy_from_slice(&gradient[..n]);

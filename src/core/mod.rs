@@ -8,6 +8,7 @@ pub mod condition;
 pub mod continuation;
 pub mod dense;
 pub mod extended;
+pub mod failure;
 pub mod field;
 pub mod flow;
 pub mod grazing;
@@ -28,5 +29,6 @@ pub mod scalar_field;
 pub mod solution;
 #[cfg(feature = "scene")]
 pub mod sweep;
+pub(crate) mod vector;
 pub mod watch;
 pub mod zero;

@@ -1,31 +1,6 @@
-//! The linearised motion about a solution: oscillations, and what decides stability.
+//! What decides stability: the spectrum of the linearised motion about a solution.
 
-use super::linear::BorderedLu;
-use super::zero::{Border, Dynamics, Singular, Spectrum};
-
-/// The linearised motion `L(ω) v = 0` of oscillations `e^{iωt}` about an equilibrium, `L = F_z − iω`, or
-/// of multipliers `e^{iω}` about a periodic orbit, `L = F_z` with `x(1) = e^{iω} x(0)` in place of the
-/// boundary conditions (and further unknowns, such as the period, zero).
-///
-/// Complex vectors are given as their real parts, one after the other, and then their imaginary parts.
-pub trait Oscillation {
-    /// Factors `L(ω)` at the point assembled last within a complex column `b` and row `c*` (each of
-    /// length `2n`).
-    ///
-    /// # Errors
-    /// [`Singular`] if the bordered matrix is.
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular>;
-
-    /// Solves with the bordered matrix, in place: real parts of the `n + 1` unknowns, then imaginary
-    /// parts.
-    fn solve(&mut self, right: &mut [f64]);
-
-    /// Solves with the conjugate transposed bordered matrix, in place.
-    fn solve_transposed(&mut self, right: &mut [f64]);
-
-    /// `∂L/∂ω v` at the point assembled last.
-    fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]);
-}
+use super::zero::{Dynamics, Spectrum};
 
 /// What a spectrum says about stability, and the test functions of bifurcations that it holds.
 ///
@@ -111,91 +86,6 @@ fn pairs(
         }
     }
     spectrum.iter().filter(|l| l.1 > 0.0).fold(sign, |sign, l| sign * complex(l.0, l.1).signum())
-}
-
-/// [`Oscillation`] of a dense matrix `A`: `L = A − iω`, in real arithmetic of twice the size.
-#[derive(Default)]
-pub struct DenseOscillation {
-    matrix: Vec<f64>,
-    columns: Vec<f64>,
-    rows: Vec<f64>,
-    work: Vec<f64>,
-    lu: BorderedLu,
-}
-
-impl DenseOscillation {
-    /// Factors `A − iω` (`A` one column after the other) within a complex column and row.
-    ///
-    /// # Errors
-    /// [`Singular`] if the bordered matrix is.
-    pub fn factor(
-        &mut self,
-        matrix: &[f64],
-        omega: f64,
-        column: &[f64],
-        row: &[f64],
-    ) -> Result<(), Singular> {
-        let n = matrix.len().isqrt();
-        let size = 2 * n;
-        self.matrix.clear();
-        self.matrix.resize(size * size, 0.0);
-        for j in 0..n {
-            for i in 0..n {
-                let entry = matrix[j * n + i];
-                self.matrix[j * size + i] = entry;
-                self.matrix[(n + j) * size + n + i] = entry;
-            }
-            self.matrix[(n + j) * size + j] = omega;
-            self.matrix[j * size + n + j] = -omega;
-        }
-        // Columns b·1 and b·i; rows of c*·v, real and imaginary part.
-        self.columns.resize(2 * size, 0.0);
-        self.rows.resize(2 * size, 0.0);
-        for i in 0..n {
-            self.columns[i] = column[i];
-            self.columns[n + i] = column[n + i];
-            self.columns[size + i] = -column[n + i];
-            self.columns[size + n + i] = column[i];
-            self.rows[i] = row[i];
-            self.rows[n + i] = row[n + i];
-            self.rows[size + i] = -row[n + i];
-            self.rows[size + n + i] = row[i];
-        }
-        let border =
-            Border { width: 2, columns: &self.columns, rows: &self.rows, corner: &[0.0; 4] };
-        self.lu.factor(&self.matrix, border)
-    }
-
-    /// Solves as [`Oscillation::solve`].
-    pub fn solve(&mut self, right: &mut [f64]) {
-        self.permuted(right, |lu, work| lu.solve(work));
-    }
-
-    /// Solves as [`Oscillation::solve_transposed`].
-    pub fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.permuted(right, |lu, work| lu.solve_transposed(work));
-    }
-
-    /// The border's unknown comes after its part of the vector outside, after both parts inside.
-    fn permuted(&mut self, right: &mut [f64], solve: impl Fn(&mut BorderedLu, &mut [f64])) {
-        let n = right.len() / 2 - 1;
-        self.work.clear();
-        self.work.extend_from_slice(&right[..n]);
-        self.work.extend_from_slice(&right[n + 1..2 * n + 1]);
-        self.work.extend([right[n], right[2 * n + 1]]);
-        solve(&mut self.lu, &mut self.work);
-        right[..n].copy_from_slice(&self.work[..n]);
-        right[n + 1..2 * n + 1].copy_from_slice(&self.work[n..2 * n]);
-        (right[n], right[2 * n + 1]) = (self.work[2 * n], self.work[2 * n + 1]);
-    }
-
-    /// `∂L/∂ω v = −i v`.
-    pub fn slope(v: &[f64], out: &mut [f64]) {
-        let n = v.len() / 2;
-        for i in 0..n {
-            (out[i], out[n + i]) = (v[n + i], -v[i]);
-        }
-    }
 }
 
 /// Beyond this size eigenvalues are infinite but for rounding.

@@ -101,12 +101,20 @@ pub enum NewtonError {
 }
 
 impl NewtonError {
-    pub(super) fn from_evaluation(iteration: usize, cause: EvaluationError) -> Self {
+    /// An evaluation that failed in an iteration.
+    fn evaluation(iteration: usize, cause: EvaluationError) -> Self {
         match cause {
             EvaluationError::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
             EvaluationError::Singular(cause) => NewtonError::Singular { iteration, cause },
             EvaluationError::NotApplicable(reason) => NewtonError::NotApplicable { reason },
         }
+    }
+}
+
+/// An evaluation that failed where the iteration begins.
+impl From<EvaluationError> for NewtonError {
+    fn from(cause: EvaluationError) -> Self {
+        NewtonError::evaluation(0, cause)
     }
 }
 
@@ -127,24 +135,15 @@ pub struct Convergence {
 ///
 /// ```
 /// use tangency::core::newton::{Newton, Tolerances};
-/// use tangency::core::{dense::Dense, extended::Extended, scalar::Scalar, zero::{Names, ZeroProblem}};
-/// /// `eˣ = p`.
-/// struct Exponential;
-/// impl ZeroProblem for Exponential {
-///     fn names(&self) -> Names {
-///         Names::new(["x"], ["p"])
-///     }
-///     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-///         r[0] = x[0].exp() - p[0];
-///     }
-/// }
-/// let mut system = Dense::new(Exponential);
-/// // No parameter released and no closing equation: one equation for x, with p = 2.
-/// let mut equations = Extended::new(&mut system, &[1.0, 2.0], vec![]);
-/// let mut x = [1.0];
+/// use tangency::core::{dense::Dense, extended::Extended};
+/// use tangency::problems::classic::ParallelPlate;
+/// let mut system = Dense::new(ParallelPlate);
+/// // No parameter released and no closing equation: one equation for u, at this load.
+/// let mut equations = Extended::new(&mut system, &[0.2, 0.140625], vec![]);
+/// let mut u = [0.2];
 /// let tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
-/// let report = Newton::default().solve(&mut equations, &mut x, None, &[1.0], tolerances)?;
-/// assert!((x[0] - 2.0_f64.ln()).abs() < 1e-13 && report.iterations <= 5);
+/// let report = Newton::default().solve(&mut equations, &mut u, None, &[1.0], tolerances)?;
+/// assert!((u[0] - 0.25).abs() < 1e-14 && report.iterations <= 5);
 /// # Ok::<(), tangency::core::newton::NewtonError>(())
 /// ```
 #[derive(Default)]
@@ -186,14 +185,10 @@ impl Problem<'_, '_> {
         self.equations.residual(unknowns, self.closing, out)
     }
 
-    fn factor(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
-        self.equations.factor(unknowns, self.closing.map(|closing| closing.row))
-    }
-
-    /// The residual where the iteration begins, and the matrix there.
-    fn linearise(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), NewtonError> {
-        self.residual(unknowns, out).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        self.factor(unknowns).map_err(|cause| NewtonError::from_evaluation(1, cause))
+    /// Factors the matrix where the residual was evaluated last.
+    fn factor(&mut self, iteration: usize) -> Result<(), NewtonError> {
+        let factored = self.equations.factor(self.closing.map(|closing| closing.row));
+        factored.map_err(|cause| NewtonError::evaluation(iteration, cause))
     }
 
     fn size(&self, correction: &[f64]) -> f64 {
@@ -222,33 +217,20 @@ impl Newton {
         let mut previous = f64::INFINITY;
         // What errs by less than a correction that is left to be need not be computed where Newton begins.
         problem.equations.allow(ROUGHLY * tolerance);
-        let start = problem.linearise(unknowns, &mut self.residual);
+        let start = problem.residual(unknowns, &mut self.residual).map_err(NewtonError::from);
+        let start = start.and_then(|()| problem.factor(1));
         problem.equations.allow(0.0);
         start?;
         for iteration in 1..=max_iterations {
             report.iterations = iteration;
             if iteration > 1 {
-                problem
-                    .factor(unknowns)
-                    .map_err(|cause| NewtonError::from_evaluation(iteration, cause))?;
+                problem.factor(iteration)?;
             }
             self.correction.copy_from_slice(&self.residual);
             problem.equations.solve(&mut self.correction);
             let size = problem.size(&self.correction);
-            let ratio = size / previous;
             report.correction = size;
-            let contracts = ratio <= GOOD_CONTRACTION;
-            if iteration > 1 && size <= ROUNDING && !contracts {
-                return Ok(report);
-            }
-            if iteration > 1 && size <= NEGLIGIBLE * tolerance {
-                // The matrix, and what was found with it, belong to this very point.
-                return Ok(report);
-            }
-            // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
-            if iteration > 1 && contracts && size * ratio * ratio <= 0.01 * tolerance {
-                unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
-                report.matrix_error = 2.0 * ratio * ratio;
+            if iteration > 1 && self.is_last(size / previous, unknowns, tolerance, &mut report) {
                 return Ok(report);
             }
             previous = size;
@@ -268,56 +250,66 @@ impl Newton {
                 }
             }
         }
-        Err(NewtonError::IterationLimit {
-            iterations: max_iterations,
-            correction: report.correction,
-            contraction: report.contraction,
-        })
+        let Convergence { correction, contraction, .. } = report;
+        Err(NewtonError::IterationLimit { iterations: max_iterations, correction, contraction })
     }
 
-    /// One factorisation and one correction at a solution: what Newton would still change, which is
-    /// the error left, rounding included.
+    /// Whether the correction, by this ratio smaller than the one before, is the last. It is made only if that matters:
+    /// what was found with a negligible one belongs to the point as it is.
+    fn is_last(
+        &self,
+        ratio: f64,
+        unknowns: &mut [f64],
+        tolerance: f64,
+        report: &mut Convergence,
+    ) -> bool {
+        let (size, contracts) = (report.correction, ratio <= GOOD_CONTRACTION);
+        if (size <= ROUNDING && !contracts) || size <= NEGLIGIBLE * tolerance {
+            return true;
+        }
+        // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
+        let last = contracts && size * ratio * ratio <= 0.01 * tolerance;
+        if last {
+            unknowns.iter_mut().zip(&self.correction).for_each(|(x, d)| *x -= d);
+            report.matrix_error = 2.0 * ratio * ratio;
+        }
+        last
+    }
+
+    /// What Newton would still change at a solution, which is the error left, rounding included: with the
+    /// matrix there (`refactor`), or with the one factored last, that of a point near by.
     ///
     /// # Errors
     /// [`NewtonError`] if the equations cannot be evaluated there.
-    pub fn correction_left(
+    pub fn residual_correction(
         &mut self,
         equations: &mut Extended,
         unknowns: &[f64],
-        closing: Option<Closing>,
+        refactor: bool,
     ) -> Result<&[f64], NewtonError> {
         self.resize(unknowns.len());
-        let mut problem = Problem { equations, closing, weights: &[], tolerance: 0.0 };
-        problem.linearise(unknowns, &mut self.correction)?;
-        problem.equations.solve(&mut self.correction);
-        Ok(&self.correction)
-    }
-
-    /// The same with the matrix factored last, which was that of a point near by: the residual alone tells
-    /// the error left.
-    ///
-    /// # Errors
-    /// [`NewtonError`] if the equations cannot be evaluated there.
-    pub fn correction_again(
-        &mut self,
-        equations: &mut Extended,
-        unknowns: &[f64],
-        closing: Option<Closing>,
-    ) -> Result<&[f64], NewtonError> {
-        self.resize(unknowns.len());
-        equations
-            .residual(unknowns, closing, &mut self.correction)
-            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        if refactor {
+            equations.assemble(unknowns)?;
+        }
+        equations.residual(unknowns, None, &mut self.correction)?;
+        if refactor {
+            equations.factor(None).map_err(|cause| NewtonError::evaluation(1, cause))?;
+        }
         equations.solve(&mut self.correction);
         Ok(&self.correction)
+    }
+
+    /// The point that the correction, damped, leads to.
+    fn try_correction(&mut self, unknowns: &[f64], damping: f64) {
+        for ((trial, x), d) in self.trial.iter_mut().zip(unknowns).zip(&self.correction) {
+            *trial = x - damping * d;
+        }
     }
 
     /// Where the equations are so nearly linear that the first correction should be the last, the
     /// residual at the new point decides: true if it is converged.
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
-        for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.correction) {
-            *trial = x - d;
-        }
+        self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
         if evaluated.is_ok() {
             problem.equations.solve(&mut self.next);
@@ -349,9 +341,7 @@ impl Newton {
         let size = problem.size(&self.correction);
         let mut damping = 1.0;
         loop {
-            for ((trial, x), d) in self.trial.iter_mut().zip(&*unknowns).zip(&self.correction) {
-                *trial = x - damping * d;
-            }
+            self.try_correction(unknowns, damping);
             let outcome = problem.residual(&self.trial, &mut self.residual);
             if outcome.is_ok() {
                 self.next.copy_from_slice(&self.residual);
@@ -385,7 +375,7 @@ fn hopeless(
     damping: f64,
 ) -> NewtonError {
     match outcome {
-        Err(cause) => NewtonError::from_evaluation(iteration, cause),
+        Err(cause) => NewtonError::evaluation(iteration, cause),
         Ok(()) if size.is_finite() => {
             NewtonError::Stagnation { iterations: iteration, correction: size, damping }
         }

@@ -11,130 +11,11 @@
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
-use super::condition::EvaluationError;
-use super::motion::Oscillation;
+use super::failure::EvaluationError;
+pub use super::failure::{LeftDomain, Singular};
+pub use super::names::{Group, Names};
 use super::scalar::Scalar;
 use super::solution::{Adopted, Leaving, Solution};
-
-/// A group of unknowns of one nature and one unit: a scalar, or all values of a field.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Group {
-    /// The name of the unknown.
-    pub name: String,
-    /// How many components it has.
-    pub length: usize,
-}
-
-impl From<&str> for Group {
-    fn from(name: &str) -> Self {
-        Group { name: name.into(), length: 1 }
-    }
-}
-
-impl From<(&str, usize)> for Group {
-    fn from((name, length): (&str, usize)) -> Self {
-        Group { name: name.into(), length }
-    }
-}
-
-/// The names of a zero problem's unknowns, parameters and monitors.
-///
-/// ```
-/// use tangency::core::zero::Names;
-/// let names = Names::new(["x", "y"], ["p"]);
-/// assert_eq!((names.dimension(), names.parameter("p")), (2, Some(0)));
-/// let field = Names::new([("u", 99)], ["lambda"]).with_monitors(["max"]);
-/// assert_eq!(field.dimension(), 99);
-/// ```
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Names {
-    /// Groups of unknowns, in the order of `z`.
-    pub unknowns: Vec<Group>,
-    /// Parameters, in the order of `p`.
-    pub parameters: Vec<String>,
-    /// Monitors: named scalars of the solution.
-    pub monitors: Vec<String>,
-}
-
-impl Names {
-    /// Names of unknowns (`"x"`, or `("u", 99)` for a field of 99 values) and of parameters.
-    pub fn new<G: Into<Group>, P: Into<String>>(
-        unknowns: impl IntoIterator<Item = G>,
-        parameters: impl IntoIterator<Item = P>,
-    ) -> Self {
-        Names {
-            unknowns: unknowns.into_iter().map(Into::into).collect(),
-            parameters: parameters.into_iter().map(Into::into).collect(),
-            monitors: Vec::new(),
-        }
-    }
-
-    /// Adds the names of monitors.
-    pub fn with_monitors<S: Into<String>>(mut self, monitors: impl IntoIterator<Item = S>) -> Self {
-        self.monitors.extend(monitors.into_iter().map(Into::into));
-        self
-    }
-
-    /// The number of unknowns `n`.
-    pub fn dimension(&self) -> usize {
-        self.unknowns.iter().map(|group| group.length).sum()
-    }
-
-    /// The length of `x = (z, p)`.
-    pub fn length(&self) -> usize {
-        self.dimension() + self.parameters.len()
-    }
-
-    /// The position of a parameter among the parameters.
-    pub fn parameter(&self, name: &str) -> Option<usize> {
-        self.parameters.iter().position(|parameter| parameter == name)
-    }
-
-    /// The position in `z` of the first unknown of a group.
-    pub fn unknown(&self, name: &str) -> Option<usize> {
-        let group = self.unknowns.iter().position(|group| group.name == name)?;
-        Some(self.unknowns[..group].iter().map(|group| group.length).sum())
-    }
-
-    /// The position of a monitor among the monitors.
-    pub fn monitor(&self, name: &str) -> Option<usize> {
-        self.monitors.iter().position(|monitor| monitor == name)
-    }
-}
-
-/// A value at which the equations have no meaning: outside the domain, or not finite.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} = {value:.6e} {verdict}: {remedy}")]
-pub struct LeftDomain {
-    /// What has the offending value, by name.
-    pub quantity: String,
-    /// The offending value.
-    pub value: f64,
-    /// What is wrong with it: that it is outside the domain of the equations, or that a step is too small.
-    pub verdict: &'static str,
-    /// What the domain is, or what to change.
-    pub remedy: String,
-}
-
-impl LeftDomain {
-    /// A value out of its domain.
-    pub fn new(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
-        let verdict = "is outside the domain of the equations";
-        LeftDomain { quantity: quantity.into(), value, verdict, remedy: remedy.into() }
-    }
-}
-
-/// A matrix without an inverse, in arithmetic of 16 digits.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")]
-pub struct Singular {
-    /// The smallest pivot.
-    pub pivot: f64,
-    /// The largest pivot.
-    pub largest: f64,
-}
 
 /// What the residual says about motion near an equilibrium, which decides what "stable" means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -255,6 +136,30 @@ pub struct Profile {
     pub along: String,
     /// Points (abscissa, ordinate).
     pub points: Vec<[f64; 2]>,
+}
+
+/// The linearised motion `L(ω) v = 0` of oscillations `e^{iωt}` about an equilibrium, `L = F_z − iω`, or
+/// of multipliers `e^{iω}` about a periodic orbit, `L = F_z` with `x(1) = e^{iω} x(0)` in place of the
+/// boundary conditions (and further unknowns, such as the period, zero).
+///
+/// Complex vectors are given as their real parts, one after the other, and then their imaginary parts.
+pub trait Oscillation {
+    /// Factors `L(ω)` at the point assembled last within a complex column `b` and row `c*` (each of
+    /// length `2n`).
+    ///
+    /// # Errors
+    /// [`Singular`] if the bordered matrix is.
+    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular>;
+
+    /// Solves with the bordered matrix, in place: real parts of the `n + 1` unknowns, then imaginary
+    /// parts.
+    fn solve(&mut self, right: &mut [f64]);
+
+    /// Solves with the conjugate transposed bordered matrix, in place.
+    fn solve_transposed(&mut self, right: &mut [f64]);
+
+    /// `∂L/∂ω v` at the point assembled last.
+    fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]);
 }
 
 /// The same zero problem on a finer discretisation, and a point of it.

@@ -265,9 +265,6 @@ impl Condition for Product {
     fn kind(&self) -> Kind {
         Kind::UZ
     }
-    fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
-        Ok(())
-    }
     fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
         values[0] = at.x[0] * at.x[1] - 2.0;
         Ok(())
@@ -275,7 +272,6 @@ impl Condition for Product {
     fn gradients(
         &mut self,
         at: At,
-        _y: &[f64],
         rows: &mut [f64],
         _own: &mut [f64],
     ) -> Result<(), EvaluationError> {

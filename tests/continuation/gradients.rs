@@ -3,7 +3,7 @@
 
 use crate::common::{agree, close, difference, dot};
 use proptest::prelude::*;
-use tangency::core::bifurcation::{BogdanovTakens, BranchPoint, Cusp, Fold, Hopf};
+use tangency::core::bifurcation::{BranchPoint, DegenerateFold, Fold, Hopf};
 use tangency::core::condition::{At, Condition, Level, Quantity};
 use tangency::core::continuation::Kind;
 use tangency::core::dense::Dense;
@@ -127,8 +127,8 @@ proptest! {
     fn gradients_of_conditions(problem in polynomial(), x in numbers(LENGTH), y in 0.2..2.0_f64) {
         let conditions: Vec<Box<dyn Condition>> = vec![
             Box::<Fold>::default(),
-            Box::<Cusp>::default(),
-            Box::<BogdanovTakens>::default(),
+            Box::new(DegenerateFold::cusp()),
+            Box::new(DegenerateFold::bogdanov_takens()),
             Box::new(Hopf::of_equilibria()),
             Box::new(BranchPoint::new(0)),
             Box::new(Level::new(Quantity::Monitor(0), 0.3, Kind::UZ)),
@@ -165,7 +165,7 @@ proptest! {
             evaluate(&x, &own);
             let (mut rows, mut own_rows) = (vec![0.0; (k + 1) * LENGTH], vec![0.0; (k + 1) * k]);
             let at = At { system: &mut system, x: &x, released: &[0, 1] };
-            condition.gradients(at, &own, &mut rows, &mut own_rows).unwrap();
+            condition.gradients(at, &mut rows, &mut own_rows).unwrap();
             let check = |found: f64, (expected, doubt): (f64, f64)| {
                 close(found, expected, 1e-6 * expected.abs().max(1.0) + doubt);
             };

@@ -1,8 +1,8 @@
 //! Branch points: where two branches cross.
 
-use super::{dot, generic_vector, normalise};
 use crate::core::condition::{At, Condition, EvaluationError};
 use crate::core::kind::Kind;
+use crate::core::vector::{dot, generic, normalise};
 use crate::core::zero::{Border, Slot};
 
 /// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
@@ -17,6 +17,7 @@ use crate::core::zero::{Border, Slot};
 /// with two rows `C`, the branch point is `F + β b = 0, g₁ = g₂ = 0`, and `∇gᵢ = −∇ₓ(wᵀ F_x ζᵢ)`:
 /// two equations and one unknown of its own, so it can be held along a curve like any other condition
 /// (where the branch point persists, as pitchforks of symmetric problems do, `β` stays zero).
+#[derive(Default)]
 pub struct BranchPoint {
     /// The parameter `p` of the branch, as a position among all parameters.
     parameter: usize,
@@ -38,18 +39,7 @@ pub struct BranchPoint {
 impl BranchPoint {
     /// A branch point of a branch along which this parameter varies.
     pub fn new(parameter: usize) -> Self {
-        BranchPoint {
-            parameter,
-            unfolding: Vec::new(),
-            rows: Default::default(),
-            right: Default::default(),
-            left: Vec::new(),
-            g: [0.0; 2],
-            columns: Vec::new(),
-            border_rows: Vec::new(),
-            direction: Vec::new(),
-            work: Vec::new(),
-        }
+        BranchPoint { parameter, ..BranchPoint::default() }
     }
 
     fn solve(&mut self, at: &mut At) -> Result<(), EvaluationError> {
@@ -103,8 +93,8 @@ impl Condition for BranchPoint {
                 at.x.len() - n
             )));
         }
-        self.unfolding = generic_vector(n, 1);
-        self.rows = [generic_vector(n + 1, 2), generic_vector(n + 1, 3)];
+        self.unfolding = generic(n, 1);
+        self.rows = [generic(n + 1, 2), generic(n + 1, 3)];
         self.right = [vec![0.0; at.x.len()], vec![0.0; at.x.len()]];
         self.left.resize(n, 0.0);
         self.direction = vec![0.0; at.x.len()];
@@ -134,7 +124,6 @@ impl Condition for BranchPoint {
     fn gradients(
         &mut self,
         at: At,
-        _y: &[f64],
         rows: &mut [f64],
         own: &mut [f64],
     ) -> Result<(), EvaluationError> {
@@ -175,7 +164,7 @@ impl Condition for BranchPoint {
 /// # Errors
 /// [`EvaluationError::NotApplicable`] where it has no two real solutions: the point is isolated or
 /// degenerate.
-pub fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2], EvaluationError> {
+pub(crate) fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2], EvaluationError> {
     let mut point = BranchPoint::new(parameter);
     let mut beta = [0.0];
     point.start(At { system: at.system, x: at.x, released: at.released }, &mut beta)?;

@@ -10,29 +10,25 @@ use crate::core::zero::Slot;
 ///
 /// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
 /// `v(1) = −v(0)`, which differs from `F_z` by a constant.
+#[derive(Default)]
 pub struct Fold {
-    kind: Kind,
     null: NullVectors,
     /// The sign of the bordered determinant.
     sign: f64,
 }
 
-impl Default for Fold {
-    fn default() -> Self {
-        Fold { kind: Kind::LP, null: NullVectors::default(), sign: 1.0 }
-    }
-}
-
 impl Fold {
     /// A period doubling of periodic orbits.
     pub fn antiperiodic() -> Self {
-        Fold { kind: Kind::PD, null: NullVectors::antiperiodic(), sign: 1.0 }
+        let mut fold = Fold::default();
+        fold.null.antiperiodic = true;
+        fold
     }
 }
 
 impl Condition for Fold {
     fn kind(&self) -> Kind {
-        self.kind
+        if self.null.antiperiodic { Kind::PD } else { Kind::LP }
     }
 
     fn assembles(&self) -> bool {
@@ -58,7 +54,6 @@ impl Condition for Fold {
     fn gradients(
         &mut self,
         at: At,
-        _y: &[f64],
         rows: &mut [f64],
         _own: &mut [f64],
     ) -> Result<(), EvaluationError> {

@@ -1,10 +1,9 @@
 //! Hopf points of equilibria, and torus points of periodic orbits.
 
-use super::generic_vector;
 use crate::core::condition::{At, Condition, EvaluationError};
 use crate::core::kind::Kind;
-use crate::core::motion::Oscillation;
-use crate::core::zero::Dynamics;
+use crate::core::vector::{dot, generic, normalise};
+use crate::core::zero::{Dynamics, Oscillation};
 
 /// A Hopf point: `F_z` has the eigenvalue `iω`, `ω > 0` an unknown of the condition's own. On a
 /// periodic orbit the same is a torus point: it has the multiplier `e^{iω}`.
@@ -13,8 +12,10 @@ use crate::core::zero::Dynamics;
 /// fold; the multiplier `g = −w* L v` is complex, so there are two equations, `Re g = Im g = 0`, with
 /// `δg = −w* δF_z v − w* (∂L/∂ω) v δω`. In real arithmetic the pair `(Re v, Im v)` solves a system of
 /// `2n + 2` equations.
+#[derive(Default)]
 pub struct Hopf {
-    kind: Kind,
+    /// Whether solutions are periodic orbits.
+    periodic: bool,
     /// `b` and `c` as (real, imaginary) vectors one after the other.
     column: Vec<f64>,
     row: Vec<f64>,
@@ -31,27 +32,12 @@ pub struct Hopf {
 impl Hopf {
     /// A Hopf point of equilibria.
     pub fn of_equilibria() -> Self {
-        Hopf::new(Kind::HB)
+        Hopf::default()
     }
 
     /// A torus point of periodic orbits.
     pub fn of_orbits() -> Self {
-        Hopf::new(Kind::TR)
-    }
-
-    fn new(kind: Kind) -> Self {
-        Hopf {
-            kind,
-            column: Vec::new(),
-            row: Vec::new(),
-            right: Vec::new(),
-            left: Vec::new(),
-            vector: Vec::new(),
-            slope: Vec::new(),
-            form: Vec::new(),
-            extended: Default::default(),
-            omega: 0.0,
-        }
+        Hopf { periodic: true, ..Hopf::default() }
     }
 
     fn solve(&mut self, at: &mut At, omega: f64) -> Result<(), EvaluationError> {
@@ -72,7 +58,7 @@ impl Hopf {
 
 impl Condition for Hopf {
     fn kind(&self) -> Kind {
-        self.kind
+        if self.periodic { Kind::TR } else { Kind::HB }
     }
 
     fn assembles(&self) -> bool {
@@ -87,8 +73,8 @@ impl Condition for Hopf {
         let n = at.system.names().dimension();
         at.system.assemble(at.x)?;
         y[0] = crossing_frequency(&mut at)?;
-        self.column = generic_vector(2 * n, 1);
-        self.row = generic_vector(2 * n, 2);
+        self.column = generic(2 * n, 1);
+        self.row = generic(2 * n, 2);
         self.right.resize(2 * n + 2, 0.0);
         self.left.resize(2 * n + 2, 0.0);
         self.vector.resize(2 * n, 0.0);
@@ -112,7 +98,6 @@ impl Condition for Hopf {
     fn gradients(
         &mut self,
         mut at: At,
-        _y: &[f64],
         rows: &mut [f64],
         own: &mut [f64],
     ) -> Result<(), EvaluationError> {
@@ -137,7 +122,6 @@ impl Condition for Hopf {
         at.system.assemble(at.x)?;
         oscillation(&mut at)?.slope(self.omega, &self.vector, &mut self.slope);
         let (slope_real, slope_imaginary) = self.slope.split_at(n);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         own[0] = -(dot(left_real, slope_real) + dot(left_imaginary, slope_imaginary));
         own[1] = -(dot(left_real, slope_imaginary) - dot(left_imaginary, slope_real));
         Ok(())
@@ -148,7 +132,7 @@ impl Condition for Hopf {
         for (border, null) in [(&mut self.column, &self.left), (&mut self.row, &self.right)] {
             border[..n].copy_from_slice(&null[..n]);
             border[n..].copy_from_slice(&null[n + 1..2 * n + 1]);
-            super::normalise(border);
+            normalise(border);
         }
     }
 }

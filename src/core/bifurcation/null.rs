@@ -1,7 +1,7 @@
 //! Null vectors of `F_z` by bordering.
 
-use super::{generic_vector, normalise};
 use crate::core::condition::{At, EvaluationError};
+use crate::core::vector::{generic, normalise};
 use crate::core::zero::{Border, Slot, System};
 
 /// The right and left null vectors of `F_z`, as a bordered system defines them near a fold:
@@ -11,7 +11,7 @@ use crate::core::zero::{Border, Slot, System};
 ///     ⎣ cᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦        ⎣ bᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦
 /// ```
 ///
-/// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular. The same for `F_z` with antiperiodic boundary
+/// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular. `F_z` may be that with antiperiodic boundary
 /// conditions.
 #[derive(Default)]
 pub(super) struct NullVectors {
@@ -21,23 +21,19 @@ pub(super) struct NullVectors {
     pub left: Vec<f64>,
     /// The multiplier.
     pub g: f64,
-    antiperiodic: bool,
+    /// Whether boundary conditions are antiperiodic.
+    pub antiperiodic: bool,
     column: Vec<f64>,
     row: Vec<f64>,
     work: Vec<f64>,
 }
 
 impl NullVectors {
-    /// Those of `F_z` with antiperiodic boundary conditions.
-    pub fn antiperiodic() -> Self {
-        NullVectors { antiperiodic: true, ..NullVectors::default() }
-    }
-
     /// Chooses borders near the null vectors at a point.
     pub fn start(&mut self, at: &mut At) -> Result<(), EvaluationError> {
         let n = at.system.names().dimension();
-        self.column = generic_vector(n, 1);
-        self.row = generic_vector(n, 2);
+        self.column = generic(n, 1);
+        self.row = generic(n, 2);
         self.left.resize(n, 0.0);
         self.right = vec![0.0; at.x.len()];
         self.work.resize(n + 1, 0.0);
@@ -64,16 +60,6 @@ impl NullVectors {
         normalise(&mut self.row);
     }
 
-    /// Solves the bordered system with this right side (of length `n + 1`), in place.
-    pub fn solve_with(&self, system: &mut dyn System, right: &mut [f64]) {
-        system.solve(Slot::Condition, right);
-    }
-
-    /// Solves the transposed bordered system, in place.
-    pub fn solve_transposed_with(&self, system: &mut dyn System, right: &mut [f64]) {
-        system.solve_transposed(Slot::Condition, right);
-    }
-
     fn solve(&mut self, system: &mut dyn System) -> Result<(), EvaluationError> {
         let n = self.left.len();
         let border = Border { width: 1, columns: &self.column, rows: &self.row, corner: &[0.0] };
@@ -81,20 +67,15 @@ impl NullVectors {
             true => system.factor_antiperiodic(Slot::Condition, border)?,
             false => system.factor(Slot::Condition, border)?,
         }
-        self.unit();
+        self.work.fill(0.0);
+        self.work[n] = 1.0;
         system.solve(Slot::Condition, &mut self.work);
         self.right[..n].copy_from_slice(&self.work[..n]);
         self.g = self.work[n];
-        self.unit();
+        self.work.fill(0.0);
+        self.work[n] = 1.0;
         system.solve_transposed(Slot::Condition, &mut self.work);
         self.left.copy_from_slice(&self.work[..n]);
         Ok(())
-    }
-
-    fn unit(&mut self) {
-        self.work.fill(0.0);
-        if let Some(last) = self.work.last_mut() {
-            *last = 1.0;
-        }
     }
 }

@@ -5,6 +5,7 @@ use super::event::Test;
 use super::stepper::{Place, Step, Stepper};
 use crate::core::extended::Closing;
 use crate::core::newton::{NewtonError, scaled_norm};
+use crate::core::vector::along;
 
 /// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry that their meshes do not have miss a
 /// branch point by as much.
@@ -27,19 +28,15 @@ impl Stepper<'_> {
         // What is no branch point at all is left to the events.
         let Ok((point, _)) = self.finish(&event, middle.collect()) else { return Ok(()) };
         let row = self.covector(&from.tangent);
-        let length =
-            row.iter().zip(point.iter().zip(&from.unknowns)).map(|(r, (x, a))| r * (x - a));
-        let length: f64 = length.sum();
+        let length = along(&row, &point, &from.unknowns);
         if !(0.0..=step.length).contains(&length) {
             return Ok(());
         }
         let closing = Closing { row: &row, base: &from.unknowns, length };
         let mut miss = vec![0.0; point.len()];
-        let found = self.equations.assemble(&from.unknowns);
-        let found = found.and_then(|()| self.equations.factor(&from.unknowns, Some(&row)));
-        found
-            .and_then(|()| self.equations.residual(&point, Some(closing), &mut miss))
-            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+        self.equations.assemble(&from.unknowns)?;
+        self.equations.factor(Some(&row))?;
+        self.equations.residual(&point, Some(closing), &mut miss)?;
         self.equations.solve(&mut miss);
         let gap = 2.0 * (scaled_norm(&miss, &self.weights) * length).sqrt();
         if gap > CROSSING { Err(NewtonError::Beside { gap }) } else { Ok(()) }

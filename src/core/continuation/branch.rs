@@ -22,17 +22,12 @@ pub struct Point {
     pub eigenvalues: Spectrum,
     /// Whether the equations say something about the world there: a solution beyond a grazing, which passes
     /// through a surface, is virtual.
-    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
 }
 
 fn yes() -> bool {
     true
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
-fn is_true(value: &bool) -> bool {
-    *value
 }
 
 /// A special point of a branch: where a condition holds, or where the branch begins or ends.
@@ -209,6 +204,11 @@ impl Branch {
 }
 
 impl Point {
+    /// An admissible point without eigenvalues.
+    pub(super) fn of(parameters: Vec<f64>, monitors: Vec<f64>, unstable: Option<usize>) -> Self {
+        Point { parameters, monitors, unstable, eigenvalues: Vec::new(), admissible: true }
+    }
+
     /// The value of a column: parameters first, then monitors, then eigenvalues.
     pub fn value(&self, column: usize) -> Option<f64> {
         let eigenvalues = self.eigenvalues.iter().flat_map(|(real, imaginary)| [real, imaginary]);
@@ -217,6 +217,11 @@ impl Point {
 }
 
 impl SpecialPoint {
+    /// Its values as those of a regular point.
+    pub(super) fn point(&self) -> Point {
+        Point::of(self.parameters.clone(), self.monitors.clone(), self.unstable)
+    }
+
     /// The value of a column: parameters first, then monitors.
     pub fn value(&self, column: usize) -> Option<f64> {
         self.parameters.iter().chain(&self.monitors).nth(column).copied()

@@ -1,7 +1,7 @@
 //! Events: what is looked for along a branch.
 
 use super::Kind;
-use crate::core::bifurcation::{BogdanovTakens, BranchPoint, Cusp, Fold, Hopf};
+use crate::core::bifurcation::{BranchPoint, DegenerateFold, Fold, Hopf};
 use crate::core::condition::{Condition, Level, Quantity};
 use std::sync::Arc;
 
@@ -112,25 +112,20 @@ impl Event {
 
     /// A cusp on a curve of folds.
     pub fn cusp() -> Self {
-        Self::new("cusp", Cusp::default)
+        Self::new("cusp", DegenerateFold::cusp)
     }
 
     /// A Bogdanov–Takens point on a curve of folds.
     pub fn bogdanov_takens() -> Self {
-        Self::new("Bogdanov–Takens point", BogdanovTakens::default)
+        Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens)
     }
 
     /// The end of a curve of Hopf points, where their frequency, its own unknown, vanishes: a
     /// Bogdanov–Takens point, which is a double zero on a curve of folds. (Beyond it the curve would be
     /// traced back with negative frequency.)
     pub fn vanishing_frequency() -> Self {
-        let event = Self::with_test(
-            "Bogdanov–Takens point",
-            Kind::BT,
-            Test::Own(0),
-            BogdanovTakens::default,
-        );
-        Event { instead: Some(Event::fold().condition), ..event }.ending()
+        let instead = Some(Event::fold().condition);
+        Event { test: Test::Own(0), instead, ..Self::bogdanov_takens() }.ending()
     }
 
     /// A parameter or monitor at a level, marked `UZ`.

@@ -4,6 +4,7 @@
 use super::event::Test;
 use super::stepper::{Before, Matrix, Place, Step, Stepper};
 use crate::core::extended::Closing;
+use crate::core::vector::advanced;
 
 /// An extremum predicted to come this near to zero, compared with the ends, is looked at.
 const NEAR: f64 = 0.3;
@@ -19,7 +20,7 @@ impl Stepper<'_> {
     pub fn hidden(&mut self, before: &Before, from: &Place, step: &Step) -> Option<Step> {
         (0..self.events.len()).find_map(|index| {
             let smooth = !matches!(self.events[index].test, Test::BranchPoint | Test::Hopf);
-            let values = [before.tests[index], from.tests[index], step.place.tests[index]];
+            let values = [before.place.tests[index], from.tests[index], step.place.tests[index]];
             let one_sign = values[1] * values[2] > 0.0;
             let places = [-before.length, 0.0, step.length];
             (smooth && one_sign).then(|| self.search(index, from, places, values)).flatten()
@@ -42,11 +43,11 @@ impl Stepper<'_> {
             if !inside || sign * value > NEAR * least {
                 return None;
             }
-            let mut unknowns: Vec<f64> =
-                from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect();
+            let mut unknowns = advanced(&from.unknowns, length, &from.tangent);
             let closing = Closing { row: &row, base: &from.unknowns, length };
             let report = self.correct(&mut unknowns, closing).ok()?;
-            let place = self.arrive(unknowns, &row, Matrix::after(&report)).ok()?;
+            let stability = self.held.is_empty();
+            let place = self.arrive(unknowns, &row, Matrix::after(&report), stability).ok()?;
             let test = place.tests[index];
             if sign * test < 0.0 {
                 return Some(Step { place, length, next: end - length });

@@ -5,7 +5,9 @@ use super::hermite::{Knot, hermite};
 use super::stepper::{Matrix, Place, Stepper};
 use super::{Kind, Point, SpecialPoint};
 use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
+use crate::core::newton::{Newton, NewtonError, Tolerances};
+use crate::core::vector::{along, difference, dot};
+use crate::core::zero::Profile;
 
 /// A special point found between two points of the branch.
 pub(super) struct Located {
@@ -112,15 +114,11 @@ impl Stepper<'_> {
         for _ in 0..MOST_HALVINGS {
             match self.finish(&event, bracket.guess(event.test, self.equations.parameters_at())) {
                 Ok((unknowns, error)) => {
-                    let along: f64 = row
-                        .iter()
-                        .zip(unknowns.iter().zip(&from.unknowns))
-                        .map(|(r, (x, a))| r * (x - a))
-                        .sum();
+                    let along = along(&row, &unknowns, &from.unknowns);
                     // Signs of test functions are those of a matrix that is not quite that of the point.
                     let slack = 1e-4 * length;
                     if along >= bracket.low - slack && along <= bracket.high + slack {
-                        return self.describe(index, [from, to], along, unknowns, error, true);
+                        return self.describe(index, [from, to], along, &unknowns, error, true);
                     }
                 }
                 Err(NewtonError::NotApplicable { .. }) => applicable = false,
@@ -138,7 +136,7 @@ impl Stepper<'_> {
         let p = self.equations.parameters_at();
         let reach = |end: &Vec<f64>| (end[p] - middle[p]).abs();
         let error = bracket.ends.iter().map(reach).fold(self.parameter_error(), f64::max);
-        self.describe(index, [from, to], along, middle, error, false)
+        self.describe(index, [from, to], along, &middle, error, false)
     }
 
     /// Halves the bracket at a corrected point of the branch; false if that fails.
@@ -149,7 +147,7 @@ impl Stepper<'_> {
         let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
         let stability = matches!(self.events[index].test, Test::Hopf | Test::PeriodDoubling);
         let matrix = Matrix::after(&report);
-        let Ok(place) = self.arrive_with(unknowns, row, matrix, stability) else { return false };
+        let Ok(place) = self.arrive(unknowns, row, matrix, stability) else { return false };
         let test = place.tests[index];
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
         bracket.ends[side] = place.unknowns;
@@ -205,17 +203,14 @@ impl Stepper<'_> {
         let n = self.equations.dimension();
         let mut unknowns = guess.to_vec();
         for make in makes {
-            unknowns = self
-                .equations
-                .hold(make(), &unknowns)
-                .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
+            unknowns = self.equations.hold(make(), &unknowns)?;
         }
         let measured = guess.len() - self.equations.released().len();
         let parameters = self.weights.len() - self.equations.released().len();
         let mut weights = self.weights[..measured.max(n)].to_vec();
         weights.resize(self.equations.parameters_at(), 0.0);
         weights.extend(&self.weights[parameters..]);
-        let tolerances = event_tolerances(&self.settings);
+        let tolerances = self.settings.until(self.settings.event_tolerance);
         let outcome = converge(&mut self.equations, &mut unknowns, &weights, tolerances);
         outcome.map(|error| (unknowns, error))
     }
@@ -231,13 +226,12 @@ impl Stepper<'_> {
         index: usize,
         [from, to]: [&Place; 2],
         along: f64,
-        unknowns: Vec<f64>,
-        mut error: f64,
+        unknowns: &[f64],
+        error: f64,
         converged: bool,
     ) -> Option<Located> {
         let event = &self.events[index].clone();
-        let parameter = self.equations.parameters_at();
-        let tangent = self.tangent_at(&unknowns, from)?;
+        let tangent = self.tangent_at(unknowns, from)?;
         // At a bifurcation an eigenvalue is zero but for rounding and would be counted at random: the
         // smaller number of both sides leaves it out.
         let ordinary = matches!(event.kind, Kind::UZ | Kind::EP);
@@ -245,44 +239,59 @@ impl Stepper<'_> {
         if !ordinary {
             point.unstable = from.point.unstable.min(to.point.unstable);
         }
-        let n = self.equations.dimension();
-        let at = self.equations.at();
-        let (profiles, mesh) = (at.system.profiles(at.x), at.system.mesh());
+        let profiles = self.profiles();
+        let parameter = self.equations.parameters_at();
+        let bracket = [from.unknowns[parameter], to.unknowns[parameter]];
+        let special = self.special(event.kind, &event.name, point, unknowns, &tangent, profiles);
+        let mut special = SpecialPoint { error, bracket, converged, ..special };
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         let rungs = if end_of_branch { 1 } else { usize::MAX };
-        let mut converged = converged;
-        if converged && self.settings.refinement > 0.0 {
-            match self.refine(event, &point, &from.point, rungs) {
-                Some((refined, change)) => {
-                    error += change;
-                    point = Point { unstable: point.unstable, ..refined };
-                }
-                None if self.equations.system().exact() => {}
-                None => {
-                    // Nothing is known of the discretisation's share: no digit is promised.
-                    converged = false;
-                    error = unknowns[parameter].abs();
-                }
-            }
+        if converged
+            && self.settings.refinement > 0.0
+            && !self.refine(event, &mut special, &from.point, rungs)
+            && !self.equations.system().exact()
+        {
+            // Nothing is known of the discretisation's share: no digit is promised.
+            special.converged = false;
+            special.error = unknowns[parameter].abs();
         }
-        let special = SpecialPoint {
+        Some(Located { event: index, along, special })
+    }
+
+    /// Curves that belong to the solution assembled last.
+    pub fn profiles(&mut self) -> Vec<Profile> {
+        let at = self.equations.at();
+        at.system.profiles(at.x)
+    }
+
+    /// A special point at the place loaded last.
+    pub fn special(
+        &mut self,
+        kind: Kind,
+        event: &str,
+        point: Point,
+        unknowns: &[f64],
+        tangent: &[f64],
+        profiles: Vec<Profile>,
+    ) -> SpecialPoint {
+        let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
+        SpecialPoint {
             label: 0,
-            kind: event.kind,
-            event: event.name.clone(),
+            kind,
+            event: event.into(),
             after: 0,
             parameters: point.parameters,
             monitors: point.monitors,
             unstable: point.unstable,
-            error,
-            bracket: [from.unknowns[parameter], to.unknowns[parameter]],
-            converged,
+            error: self.parameter_error(),
+            bracket: [unknowns[first]; 2],
+            converged: true,
             state: unknowns[..n].to_vec(),
-            tangent: tangent[..n].iter().chain(&tangent[parameter..]).copied().collect(),
-            mesh,
+            tangent: [&tangent[..n], &tangent[first..]].concat(),
+            mesh: self.equations.system().mesh(),
             profiles,
-        };
-        Some(Located { event: index, along, special })
+        }
     }
 
     /// The tangent at a special point, which is left assembled; at a branch point, where there are two,
@@ -292,24 +301,12 @@ impl Stepper<'_> {
         let mut tangent = vec![0.0; unknowns.len()];
         self.equations.assemble(unknowns).ok()?;
         self.equations.residual(unknowns, None, &mut tangent).ok()?;
-        let regular = self.equations.factor(unknowns, Some(&row)).is_ok();
-        tangent.fill(0.0);
-        *tangent.last_mut()? = 1.0;
+        let regular = self.equations.factor(Some(&row)).is_ok();
         if regular {
-            self.equations.solve(&mut tangent);
+            self.tangent(&mut tangent);
         }
-        let size = scaled_norm(&tangent, &self.weights);
-        let cosine: f64 = row.iter().zip(&tangent).map(|(r, t)| r * t / size).sum();
-        if !(regular && cosine > 0.5) {
-            return Some(from.tangent.clone());
-        }
-        tangent.iter_mut().for_each(|t| *t /= size);
-        Some(tangent)
+        Some(if regular && dot(&row, &tangent) > 0.5 { tangent } else { from.tangent.clone() })
     }
-}
-
-pub(super) fn event_tolerances(settings: &super::Settings) -> Tolerances {
-    Tolerances { tolerance: settings.event_tolerance, max_iterations: settings.max_iterations }
 }
 
 /// Newton on a defining system, and the estimated error of the first released parameter: several
@@ -326,26 +323,24 @@ pub(super) fn converge(
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
     // The first correction is Newton's own last one; what the second one changes is the error left.
-    let first = match Matrix::after(&report) {
-        Matrix::Known => newton.correction_again(equations, unknowns, None)?,
-        Matrix::Unknown => newton.correction_left(equations, unknowns, None)?,
-    };
+    let refactor = Matrix::after(&report) == Matrix::Unknown;
+    let first = newton.residual_correction(equations, unknowns, refactor)?;
     let mut left = first[parameter].abs();
     unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);
     if left > rounding {
         // It is not made, so that what is assembled for it belongs to the point.
-        equations.assemble(unknowns).map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        let second = newton.correction_again(equations, unknowns, None)?;
-        let (before, mut at) = (left, subtracted(unknowns, second));
+        equations.assemble(unknowns)?;
+        let second = newton.residual_correction(equations, unknowns, false)?;
+        let (before, mut at) = (left, difference(unknowns, second));
         left = second[parameter].abs();
         // Corrections that do not shrink are rounding, multiplied: one of them may be small by chance.
         if left > 100.0 * rounding && left > 0.1 * before {
             for _ in 0..SAMPLES {
-                let sample = newton.correction_again(equations, &at, None)?;
+                let sample = newton.residual_correction(equations, &at, false)?;
                 left = left.max(sample[parameter].abs());
-                at = subtracted(&at, sample);
+                at = difference(&at, sample);
             }
-            newton.correction_again(equations, unknowns, None)?;
+            newton.residual_correction(equations, unknowns, false)?;
         }
     }
     Ok(4.0 * left + rounding)
@@ -353,7 +348,3 @@ pub(super) fn converge(
 
 /// How many more corrections tell how large rounding is.
 const SAMPLES: usize = 5;
-
-fn subtracted(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}

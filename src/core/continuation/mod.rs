@@ -4,6 +4,7 @@ mod beside;
 mod branch;
 mod error;
 mod event;
+mod gather;
 mod hermite;
 mod hidden;
 mod locate;

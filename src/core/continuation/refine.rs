@@ -1,7 +1,7 @@
 //! Special points on finer discretisations, where the problem has them.
 
 use super::event::Event;
-use super::locate::{converge, event_tolerances};
+use super::locate::converge;
 use super::stepper::Stepper;
 use super::{Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
@@ -19,51 +19,33 @@ impl Stepper<'_> {
         }
         let level = start.parameters[last];
         let event = Event::level("start", Quantity::Parameter(last), level);
-        let point = Point {
-            parameters: start.parameters.clone(),
-            monitors: start.monitors.clone(),
-            unstable: start.unstable,
-            eigenvalues: Vec::new(),
-            admissible: true,
-        };
-        if let Some((refined, error)) = self.refine(&event, &point, &point, usize::MAX) {
-            (start.parameters, start.monitors) = (refined.parameters, refined.monitors);
-            start.error += error;
-        }
+        let beside = start.point();
+        self.refine(&event, start, &beside, usize::MAX);
     }
 
     /// Finishes the special point loaded last on finer discretisations, until the accuracy asked for is
-    /// met or `rungs` of them have been climbed: the finest point, and the estimated error of the
-    /// continued parameter. `beside` is a point of the branch near it, which says how large settled columns
-    /// are.
+    /// met or `rungs` of them have been climbed. It then has the values of the finest one, and the estimated
+    /// error of the continued parameter is added to its own; false if there is none. `beside` is a point of the
+    /// branch near it, which says how large settled columns are.
     pub fn refine(
         &mut self,
         event: &Event,
-        point: &Point,
+        special: &mut SpecialPoint,
         beside: &Point,
         rungs: usize,
-    ) -> Option<(Point, f64)> {
-        let released = self.equations.released().to_vec();
-        let sizes: Vec<f64> = self
-            .settling(point)
-            .zip(self.settling(beside))
-            .map(|(here, there)| here.abs().max(there.abs()))
-            .collect();
-        let mut series: Vec<Vec<f64>> = self.settling(point).map(|value| vec![value]).collect();
+    ) -> bool {
+        let here = self.settling(&special.point());
+        let there = self.settling(beside);
+        let sizes: Vec<f64> = here.iter().zip(&there).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let mut series: Vec<Vec<f64>> = here.into_iter().map(|value| vec![value]).collect();
         let at = self.equations.at();
-        let mut refinement = at.system.refined(at.x)?;
+        let mut refinement = at.system.refined(at.x);
         let mut found = None;
         for rung in 1.. {
-            let curve = match &event.instead {
-                Some(instead) => std::slice::from_ref(instead),
-                None => &self.held[..],
-            };
-            let fresh = curve.iter().chain([&event.condition]).map(|make| make()).collect();
-            let Refinement { system, x } = &mut refinement;
-            let Some((fine, x)) = self.converge_refined(&mut **system, x, &released, fresh) else {
-                return found;
-            };
-            series.iter_mut().zip(self.settling(&fine)).for_each(|(all, value)| all.push(value));
+            let Some(Refinement { mut system, x }) = refinement else { break };
+            let Some((fine, x)) = self.converge_refined(&mut *system, &x, event) else { break };
+            let values = self.settling(&fine);
+            series.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
             let errors: Vec<f64> = series.iter().map(|values| error_of_last(values)).collect();
             let asked = self.settings.refinement;
             let settled = errors.iter().zip(&sizes).all(|(error, size)| *error <= asked * size);
@@ -71,26 +53,32 @@ impl Stepper<'_> {
             if settled || rung >= rungs {
                 break;
             }
-            let Some(next) = refinement.system.refined(&x) else { break };
-            refinement = next;
+            refinement = system.refined(&x);
         }
-        found
+        let Some((Point { parameters, monitors, .. }, error)) = found else { return false };
+        (special.parameters, special.monitors) = (parameters, monitors);
+        special.error += error;
+        true
     }
 
     /// The values that must settle at a point: the parameters that vary along the branch, and the
     /// columns that the setting `settle` names.
-    fn settling<'a>(&'a self, point: &'a Point) -> impl Iterator<Item = f64> + 'a {
+    fn settling(&self, point: &Point) -> Vec<f64> {
         let columns = self.equations.released().iter().chain(&self.settled);
-        columns.filter_map(|&column| point.value(column))
+        columns.filter_map(|&column| point.value(column)).collect()
     }
 
+    /// Newton on the defining system of an event of this discretisation: the point, and its `x`.
     fn converge_refined(
-        &mut self,
+        &self,
         system: &mut dyn System,
         x: &[f64],
-        released: &[usize],
-        conditions: Vec<Box<dyn Condition>>,
+        event: &Event,
     ) -> Option<(Point, Vec<f64>)> {
+        let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
+        let made = curve.iter().chain([&event.condition]).map(|make| make());
+        let conditions: Vec<Box<dyn Condition>> = made.collect();
+        let released = self.equations.released();
         let mut weights = self.metric.weights(system.names());
         let own: usize = conditions.iter().map(|condition| condition.unknowns()).sum();
         let place = weights.len() - released.len();
@@ -101,21 +89,13 @@ impl Stepper<'_> {
         for condition in conditions {
             unknowns = equations.hold(condition, &unknowns).ok()?;
         }
-        let tolerances = event_tolerances(&self.settings);
+        let tolerances = self.settings.until(self.settings.event_tolerance);
         converge(&mut equations, &mut unknowns, &weights, tolerances).ok()?;
         let x = equations.load(&unknowns).to_vec();
         let at = equations.at();
         let n = at.system.names().dimension();
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
-        let parameters = x[n..].to_vec();
-        let point = Point {
-            parameters,
-            monitors,
-            unstable: None,
-            eigenvalues: Vec::new(),
-            admissible: true,
-        };
-        Some((point, x))
+        Some((Point::of(x[n..].to_vec(), monitors, None), x))
     }
 }

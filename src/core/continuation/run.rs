@@ -4,11 +4,12 @@ use super::event::Test;
 use super::hermite::MOST_KNOTS;
 use super::locate::Located;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
-use super::{Branch, End, Kind, Observer, Point, SpecialPoint, TraceError};
+use super::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::extended::Closing;
 use crate::core::newton::scaled_norm;
 use crate::core::solution::Solution;
+use crate::core::vector::{advanced, difference, dot};
 
 /// A trace under way.
 pub(super) struct Tracer<'a> {
@@ -36,12 +37,8 @@ struct Half {
     end: End,
 }
 
-/// Whether and how a run ends with a step.
-struct Ending {
-    end: End,
-    /// The last point lies within the step.
-    at: Option<Located>,
-}
+/// How a run ends with a step, and the last point if it lies within the step.
+type Ending = (End, Option<Located>);
 
 impl Tracer<'_> {
     /// Refuses a start beyond a bound.
@@ -106,8 +103,8 @@ impl Tracer<'_> {
         }
         let equations = &mut self.stepper.equations;
         let n = equations.dimension();
-        let (state, parameters) = equations.load(&start.unknowns).split_at(n);
-        let (state, parameters) = (state.to_vec(), parameters.to_vec());
+        let x = equations.load(&start.unknowns);
+        let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
         let (kind, itinerary) = (Kind::EP, equations.system().itinerary());
         let solution =
             Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: false };
@@ -158,9 +155,8 @@ impl Tracer<'_> {
         backward: bool,
         observer: &mut dyn Observer,
     ) -> End {
-        let settings = &self.stepper.settings;
-        let (max_points, max_step) = (settings.max_points, settings.max_step);
-        let mut length = settings.initial_step.min(max_step);
+        let Settings { max_points, min_step, max_step, initial_step, .. } = self.stepper.settings;
+        let mut length = initial_step.min(max_step);
         let mut before: Vec<Before> = Vec::new();
         loop {
             let points = half.points.len();
@@ -169,78 +165,84 @@ impl Tracer<'_> {
             }
             let mut step = match self.stepper.step(&before, place, length) {
                 Ok(step) => step,
-                Err((step, cause)) => {
-                    return End::StepTooSmall { step, cause: cause.to_string() };
-                }
+                Err((step, cause)) => return End::StepTooSmall { step, cause: cause.to_string() },
             };
             if points == 0
                 && let Some(end) = self.left_at_once(start, &step.place)
             {
                 return end;
             }
-            if let Some(shorter) =
-                before.first().and_then(|before| self.stepper.hidden(before, place, &step))
+            if let Some(before) = before.first()
+                && let Some(shorter) = self.stepper.hidden(before, place, &step)
             {
                 step = shorter;
             }
-            length = step.next.clamp(self.stepper.settings.min_step, max_step);
+            length = step.next.clamp(min_step, max_step);
             let mut found = self.events_between(place, &step, backward, points == 0);
             let ending = self.ending(&mut found, place, &step, start, points);
             for Located { mut special, .. } in found {
                 special.after = points;
                 self.mark(half, special, observer);
             }
-            let at_bound = matches!(
-                &ending,
-                Some(Ending {
-                    end: End::ParameterBound { .. }
-                        | End::MonitorBound { .. }
-                        | End::Grazing { .. },
-                    ..
-                })
-            );
-            let Some(Ending { end, at }) = ending else {
-                let length = step.length;
-                let Place { unknowns, tangent, tests, .. } = std::mem::replace(place, step.place);
-                before.insert(0, Before { unknowns, tangent, tests, length });
-                before.truncate(MOST_KNOTS - 1);
-                let mut others = vec![&mut start.unknowns[..], &mut start.tangent[..]];
-                for Before { unknowns, tangent, .. } in &mut before {
-                    others.extend([&mut unknowns[..], &mut tangent[..]]);
-                }
-                self.stepper.settle(place, others);
-                half.points.push(place.point.clone());
-                if observer.point(&place.point).is_break() {
-                    return End::Interrupted;
-                }
-                continue;
-            };
-            let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
-            // The branch ends here anyhow, whatever the observer says.
-            let _ = observer.point(&last);
-            half.points.push(last);
-            match at {
-                Some(Located { mut special, .. }) => {
-                    special.after = half.points.len();
-                    if at_bound {
-                        special.event = end.to_string();
-                    }
-                    self.mark(half, special, observer);
-                }
-                None => *place = start.clone(),
+            if let Some(ending) = ending {
+                return self.end_half(half, ending, place, start, observer);
             }
-            return end;
+            self.accept(&mut before, place, step, start);
+            half.points.push(place.point.clone());
+            if observer.point(&place.point).is_break() {
+                return End::Interrupted;
+            }
         }
     }
 
-    fn point_of(&mut self, special: &SpecialPoint) -> Point {
-        Point {
-            parameters: special.parameters.clone(),
-            monitors: special.monitors.clone(),
-            unstable: special.unstable,
-            eigenvalues: Vec::new(),
-            admissible: self.stepper.is_admissible(&special.monitors, &special.parameters),
+    /// Makes a step: the mesh follows, and what is to stay comparable with it.
+    fn accept(
+        &mut self,
+        before: &mut Vec<Before>,
+        place: &mut Place,
+        step: Step,
+        start: &mut Place,
+    ) {
+        let left = std::mem::replace(place, step.place);
+        before.insert(0, Before { place: left, length: step.length });
+        before.truncate(MOST_KNOTS - 1);
+        let places =
+            std::iter::once(start).chain(before.iter_mut().map(|before| &mut before.place));
+        let others = places.flat_map(|other| [&mut other.unknowns[..], &mut other.tangent[..]]);
+        self.stepper.settle(place, others.collect());
+    }
+
+    /// Records the last point, at which the run ends.
+    fn end_half(
+        &mut self,
+        half: &mut Half,
+        (end, at): Ending,
+        place: &mut Place,
+        start: &Place,
+        observer: &mut dyn Observer,
+    ) -> End {
+        let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
+        // The branch ends here anyhow, whatever the observer says.
+        let _ = observer.point(&last);
+        half.points.push(last);
+        let Some(Located { mut special, .. }) = at else {
+            *place = start.clone();
+            return end;
+        };
+        special.after = half.points.len();
+        if matches!(
+            end,
+            End::ParameterBound { .. } | End::MonitorBound { .. } | End::Grazing { .. }
+        ) {
+            special.event = end.to_string();
         }
+        self.mark(half, special, observer);
+        end
+    }
+
+    fn point_of(&mut self, special: &SpecialPoint) -> Point {
+        let admissible = self.stepper.is_admissible(&special.monitors, &special.parameters);
+        Point { admissible, ..special.point() }
     }
 
     /// The end of a half that starts on a bound and is about to leave.
@@ -331,7 +333,7 @@ impl Tracer<'_> {
             && let Some(along) = self.passes(start, from, step)
         {
             found.retain(|located| located.along <= along + AT_START);
-            return Some(Ending { end: End::Closed { points: points + 1 }, at: None });
+            return Some((End::Closed { points: points + 1 }, None));
         }
         let events = &self.stepper.events;
         let index = found.iter().position(|located| events[located.event].terminal)?;
@@ -339,7 +341,7 @@ impl Tracer<'_> {
         let at = found.pop()?;
         let event = events[at.event].name.clone();
         let bound = (at.event < self.sides.len()).then(|| self.bound(at.event)).flatten();
-        Some(Ending { end: bound.unwrap_or(End::Event { event }), at: Some(at) })
+        Some((bound.unwrap_or(End::Event { event }), Some(at)))
     }
 
     /// How far along a step it passes through the start, in the start's direction: a Newton correction
@@ -347,63 +349,38 @@ impl Tracer<'_> {
     fn passes(&mut self, start: &Place, from: &Place, step: &Step) -> Option<f64> {
         let stepper = &mut self.stepper;
         let row = stepper.covector(&from.tangent);
-        let offset: Vec<f64> =
-            start.unknowns.iter().zip(&from.unknowns).map(|(s, x)| s - x).collect();
-        let along: f64 = row.iter().zip(&offset).map(|(r, d)| r * d).sum();
-        let alignment: f64 = row.iter().zip(&start.tangent).map(|(r, t)| r * t).sum();
+        let offset = difference(&start.unknowns, &from.unknowns);
+        let (along, alignment) = (dot(&row, &offset), dot(&row, &start.tangent));
         let distance = scaled_norm(&offset, &stepper.weights);
         if !(0.0..=step.length).contains(&along) || distance > 1.5 * step.length || alignment < 0.0
         {
             return None;
         }
-        let fraction = along / step.length;
-        let mut unknowns: Vec<f64> = from
-            .unknowns
-            .iter()
-            .zip(&step.place.unknowns)
-            .map(|(a, b)| a + fraction * (b - a))
-            .collect();
+        let whole = difference(&step.place.unknowns, &from.unknowns);
+        let mut unknowns = advanced(&from.unknowns, along / step.length, &whole);
         let closing = Closing { row: &row, base: &from.unknowns, length: along };
         stepper.correct(&mut unknowns, closing).ok()?;
-        unknowns.iter_mut().zip(&start.unknowns).for_each(|(x, s)| *x -= s);
-        let met =
-            scaled_norm(&unknowns, &stepper.weights) < 1e3 * stepper.settings.tolerance.max(1e-12);
-        met.then_some(along)
+        let miss = scaled_norm(&difference(&unknowns, &start.unknowns), &stepper.weights);
+        (miss < 1e3 * stepper.settings.tolerance.max(1e-12)).then_some(along)
     }
 
     fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
-        // On a bound the continued parameter is what it is.
-        let given = self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. });
-        let error = if given { 0.0 } else { self.stepper.parameter_error() };
         let equations = &mut self.stepper.equations;
-        equations.load(&place.unknowns);
-        let at = equations.at();
-        let profiles = match at.system.assemble(at.x) {
-            Ok(()) => at.system.profiles(at.x),
+        let profiles = match equations.assemble(&place.unknowns) {
+            Ok(()) => self.stepper.profiles(),
             Err(_) => Vec::new(),
         };
-        let mesh = at.system.mesh();
-        let (n, first) = (equations.dimension(), equations.parameters_at());
         let failed = matches!(end, End::StepTooSmall { .. });
-        let parameter = place.unknowns[first];
-        let mut tangent = place.tangent[..n].to_vec();
-        tangent.extend(&place.tangent[first..]);
-        SpecialPoint {
-            label: 0,
-            kind: if failed { Kind::MX } else { Kind::EP },
-            event: end.to_string(),
-            after,
-            parameters: place.point.parameters.clone(),
-            monitors: place.point.monitors.clone(),
-            unstable: place.point.unstable,
-            error,
-            bracket: [parameter; 2],
-            converged: true,
-            state: place.unknowns[..n].to_vec(),
-            tangent,
-            mesh,
-            profiles,
+        let kind = if failed { Kind::MX } else { Kind::EP };
+        let Place { unknowns, tangent, point, .. } = place;
+        let (event, point) = (end.to_string(), point.clone());
+        let mut special = self.stepper.special(kind, &event, point, unknowns, tangent, profiles);
+        special.after = after;
+        // On a bound the continued parameter is what it is.
+        if self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. }) {
+            special.error = 0.0;
         }
+        special
     }
 
     /// Joins the halves into one list from end to end.

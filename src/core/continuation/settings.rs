@@ -1,5 +1,6 @@
 //! Settings of a trace, with their ranges.
 
+use crate::core::newton::Tolerances;
 use serde::{Deserialize, Serialize};
 
 /// A setting out of its range.
@@ -68,6 +69,11 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// When Newton's iteration stops, with one of the tolerances.
+    pub(super) fn until(&self, tolerance: f64) -> Tolerances {
+        Tolerances { tolerance, max_iterations: self.max_iterations }
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -82,35 +88,21 @@ impl Settings {
     /// );
     /// ```
     pub fn check(&self) -> Result<(), SettingError> {
-        let tolerance = |t: f64| (1e-15..=1e-3).contains(&t);
-        let rules: [(&'static str, f64, bool, &'static str); 10] = [
-            ("initial_step", self.initial_step, self.initial_step > 0.0, "more than 0"),
-            ("min_step", self.min_step, self.min_step > 0.0, "more than 0"),
-            ("max_step", self.max_step, self.max_step >= self.min_step, "at least `min_step`"),
-            ("max_points", self.max_points as f64, self.max_points >= 1, "at least 1"),
-            (
-                "max_angle",
-                self.max_angle,
-                self.max_angle > 0.0 && self.max_angle <= 1.5,
-                "between 0 and 1.5",
-            ),
-            ("tolerance", self.tolerance, tolerance(self.tolerance), "between 1e-15 and 1e-3"),
-            (
-                "event_tolerance",
-                self.event_tolerance,
-                tolerance(self.event_tolerance),
-                "between 1e-15 and 1e-3",
-            ),
-            ("max_iterations", self.max_iterations as f64, self.max_iterations >= 2, "at least 2"),
-            (
-                "refinement",
-                self.refinement,
-                (0.0..1.0).contains(&self.refinement),
-                "between 0 and 1",
-            ),
-            ("eigenvalues", self.eigenvalues as f64, self.eigenvalues <= 16, "at most 16"),
+        let [iterations, points] = [self.max_iterations, self.max_points].map(|count| count as f64);
+        let least = f64::MIN_POSITIVE;
+        let rules = [
+            ("initial_step", self.initial_step, least..=f64::MAX, "more than 0"),
+            ("min_step", self.min_step, least..=f64::MAX, "more than 0"),
+            ("max_step", self.max_step, self.min_step..=f64::MAX, "at least `min_step`"),
+            ("max_points", points, 1.0..=f64::MAX, "at least 1"),
+            ("max_angle", self.max_angle, least..=1.5, "between 0 and 1.5"),
+            ("tolerance", self.tolerance, 1e-15..=1e-3, "between 1e-15 and 1e-3"),
+            ("event_tolerance", self.event_tolerance, 1e-15..=1e-3, "between 1e-15 and 1e-3"),
+            ("max_iterations", iterations, 2.0..=f64::MAX, "at least 2"),
+            ("refinement", self.refinement, 0.0..=1.0_f64.next_down(), "between 0 and 1"),
+            ("eigenvalues", self.eigenvalues as f64, 0.0..=16.0, "at most 16"),
         ];
-        match rules.into_iter().find(|rule| !(rule.2 && rule.1.is_finite())) {
+        match rules.into_iter().find(|(_, value, allowed, _)| !allowed.contains(value)) {
             Some((name, value, _, range)) => Err(SettingError { name, value, range }),
             None => Ok(()),
         }

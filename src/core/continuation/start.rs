@@ -1,153 +1,269 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
+use super::event::{MakeCondition, Test};
 use super::metric::Metric;
-use super::stepper::AT_START;
-use crate::core::bifurcation::generic_vector;
+use super::run::Tracer;
+use super::stepper::{AT_START, Matrix, Place, Stepper};
+use super::{Branch, Continuation, End, Kind, TraceError};
+use crate::core::bifurcation::branches_at;
+use crate::core::condition::{At, EvaluationError};
 use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
-use crate::core::zero::Names;
+use crate::core::newton::{Newton, NewtonError, scaled_norm};
+use crate::core::solution::Leaving;
+use crate::core::vector::{difference, dot, generic, norm};
+
+/// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
+pub(super) const VANISHES: f64 = 1e-6;
+
+/// What a curve is made of, by the names that the system has.
+pub(super) struct Resolved {
+    /// The parameters released, as positions among all.
+    pub released: Vec<usize>,
+    pub held: Vec<MakeCondition>,
+    /// The sides of the levels that bound a branch, which are the first events: −1 for a lower bound, 1 for an
+    /// upper one.
+    pub sides: Vec<f64>,
+    /// Scales that the user gives, of groups and then of released parameters.
+    pub scales: Vec<Option<f64>>,
+    /// The columns of points that settle.
+    pub settled: Vec<usize>,
+}
+
+impl<'a> Continuation<'a> {
+    /// The trace that starts here.
+    pub(super) fn start(self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, TraceError> {
+        let names = self.system.names();
+        let values = &self.x[names.dimension()..];
+        let place: Vec<String> = resolved
+            .released
+            .iter()
+            .map(|&p| format!("{} = {}", names.parameters[p], values[p]))
+            .collect();
+        let (branch, place) = (self.name.clone(), place.join(", "));
+        let tracer = self.begin(resolved, how).map_err(|cause| {
+            let cause = Box::new(cause);
+            TraceError::Start { branch, place, cause }
+        })?;
+        tracer.check_bounds()?;
+        Ok(tracer)
+    }
+
+    /// Corrects the start, finds the tangent and the scales.
+    fn begin(mut self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, NewtonError> {
+        let Resolved { released, held, sides, scales, settled } = resolved;
+        let branch = self.branch();
+        let leaving = self.leaving(&released, how)?;
+        let from_branch_point = leaving.is_some();
+        let same_curve = self.restarted_on == self.held.first().map(|(kind, _)| *kind);
+        let direction = leaving.or(self.tangent.filter(|_| same_curve));
+        let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
+        let mut equations = Extended::new(self.system, &self.x, released);
+        let mut unknowns = equations.unload(&self.x);
+        for make in &held {
+            unknowns = equations.hold(make(), &unknowns)?;
+        }
+        let direction = direction.map(|t| equations.unload(&t));
+        let scaling = |equations: &Extended, unknowns: &[f64], tangent: &[f64]| {
+            metric(equations, unknowns, tangent, &ranges).with_scales(&scales)
+        };
+        let rough = scaling(&equations, &unknowns, &vec![0.0; unknowns.len()]);
+        let tested =
+            |event: &super::Event| (event.test == Test::Condition).then(|| (event.condition)());
+        let mut stepper = Stepper {
+            weights: rough.weights(equations.names()),
+            equations,
+            newton: Newton::default(),
+            settings: self.settings,
+            metric: rough,
+            tested: self.events.iter().map(tested).collect(),
+            events: self.events,
+            held,
+            settled,
+        };
+        let tangent = match direction {
+            Some(direction) if from_branch_point => direction,
+            direction => stepper.first_tangent(&mut unknowns, direction.as_deref())?,
+        };
+        stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
+        let tangent = stepper.scaled(tangent);
+        stepper.prepare_tests(&unknowns)?;
+        let mut start = if from_branch_point {
+            stepper.arrive_at_branch_point(unknowns, tangent)?
+        } else {
+            let row = stepper.covector(&tangent);
+            let stability = stepper.held.is_empty();
+            stepper.arrive(unknowns, &row, Matrix::Unknown, stability)?
+        };
+        stepper.check_start(&start)?;
+        if how != Leaving::Along {
+            stepper.forget_stability_at(&mut start);
+        }
+        let slopes = stepper.forget_levels_at(&mut start, self.born)?;
+        if !from_branch_point {
+            stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
+        }
+        // Both sides are the same where a branch of periodic orbits is born.
+        let directions = match how {
+            Leaving::Along | Leaving::Switched => [self.backward, self.forward],
+            Leaving::BranchPoint | Leaving::Direction => [false, true],
+        };
+        let labels = 0;
+        Ok(Tracer { stepper, branch, start, sides, slopes, directions, from_branch_point, labels })
+    }
+
+    /// The direction in which to leave a branch point: along the branch that one comes from, or along
+    /// the other one. `None` if the start is no branch point.
+    fn leaving(
+        &mut self,
+        released: &[usize],
+        how: Leaving,
+    ) -> Result<Option<Vec<f64>>, EvaluationError> {
+        if how == Leaving::Direction {
+            return Ok(self.tangent.clone());
+        }
+        let at_branch_point = self.at_branch_point && self.held.is_empty();
+        if self.switched
+            && how == Leaving::Along
+            && let Some(kind) = self.restarted_at.filter(|kind| *kind != Kind::BP)
+        {
+            return Err(EvaluationError::NotApplicable(format!(
+                "the point to switch at is a {}, but branches cross at branch points (BP) only",
+                kind.meaning()
+            )));
+        }
+        if !(self.switched || at_branch_point) {
+            return Ok(None);
+        }
+        let at = At { system: &mut *self.system, x: &self.x, released };
+        match branches_at(at, released[0]) {
+            Ok(tangents) => {
+                Ok(Some(branch_along(tangents, self.tangent.as_deref(), self.switched)))
+            }
+            Err(cause) if self.switched || self.tangent.is_none() => Err(cause),
+            Err(_) => Ok(self.tangent.clone()),
+        }
+    }
+
+    /// The branch without its points.
+    fn branch(&self) -> Branch {
+        let names = self.system.names();
+        Branch {
+            name: self.name.clone(),
+            condition: self.held.first().map(|(kind, _)| *kind),
+            itinerary: self.system.itinerary(),
+            unknowns: names.unknowns.clone(),
+            parameters: names.parameters.clone(),
+            released: self.released.iter().map(|r| r.0.clone()).collect(),
+            monitors: names.monitors.clone(),
+            points: Vec::new(),
+            special: Vec::new(),
+            ends: [End::Start, End::Start],
+            settings: self.settings.clone(),
+        }
+    }
+}
 
 /// Of the tangents at a branch point, the one most aligned with the branch that one comes from, or the
 /// other one.
-pub(super) fn branch_along(
-    tangents: [Vec<f64>; 2],
-    along: Option<&[f64]>,
-    other: bool,
-) -> Vec<f64> {
+fn branch_along(tangents: [Vec<f64>; 2], along: Option<&[f64]>, other: bool) -> Vec<f64> {
     let [first, second] = tangents;
     let Some(along) = along else { return second };
-    let aligned = |t: &[f64]| {
-        let dot: f64 = t.iter().zip(along).map(|(a, b)| a * b).sum();
-        let norm: f64 = t.iter().map(|t| t * t).sum();
-        dot.abs() / norm.sqrt()
-    };
+    let aligned = |t: &[f64]| dot(t, along).abs() / norm(t);
     if (aligned(&first) > aligned(&second)) == other { second } else { first }
 }
 
-/// A direction `(z, p)` with zeros for the conditions' own unknowns.
-pub(super) fn with_own(direction: &[f64], n: usize, length: usize) -> Vec<f64> {
-    let mut out = direction.to_vec();
-    out.splice(n..n, std::iter::repeat_n(0.0, length - direction.len()));
-    out
+/// The scales at a place with a tangent.
+fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f64; 2]]) -> Metric {
+    let (n, first) = (equations.dimension(), equations.parameters_at());
+    let own = equations.own_sizes(unknowns);
+    let [(z, p), (z_tangent, p_tangent)] = [unknowns, tangent].map(|x| (&x[..n], &x[first..]));
+    Metric::new(equations.names(), z, z_tangent, ranges, p, p_tangent, &own)
 }
 
-/// What the first correction needs.
-pub(super) struct Starting<'s, 'a> {
-    pub equations: &'s mut Extended<'a>,
-    pub newton: Newton,
-    pub tolerances: Tolerances,
-    pub ranges: &'s [[f64; 2]],
-    /// Scales that the user gives, of groups and then of released parameters.
-    pub scales: &'s [Option<f64>],
-}
-
-impl Starting<'_, '_> {
-    /// Corrects the start on the hyperplane across `direction`, or with a parameter fixed, and
-    /// returns the scales and the tangent (of scaled length 1, the last released parameter growing).
-    pub fn begin(
+impl Stepper<'_> {
+    /// Corrects the start on the hyperplane across `direction`, or with a parameter fixed, and returns the
+    /// tangent there.
+    fn first_tangent(
         &mut self,
-        names: &Names,
         unknowns: &mut [f64],
-        direction: Option<Vec<f64>>,
-        correct: bool,
-    ) -> Result<(Metric, Vec<f64>), NewtonError> {
-        let length = unknowns.len();
-        let n = names.dimension();
-        let rough = self.metric(names, unknowns, &vec![0.0; length]);
-        let weights = rough.weights(names);
-        let base = unknowns.to_vec();
-        let mut rows: Vec<Vec<f64>> = Vec::new();
-        if let Some(direction) = &direction {
-            rows.push(direction.iter().zip(&weights).map(|(t, w)| t * w).collect());
-        }
-        for fixed in (self.equations.parameters_at()..length).rev() {
+        direction: Option<&[f64]>,
+    ) -> Result<Vec<f64>, NewtonError> {
+        let (length, base) = (unknowns.len(), unknowns.to_vec());
+        let fixed = |parameter: usize| {
             let mut row = vec![0.0; length];
-            row[fixed] = 1.0;
-            rows.push(row);
-        }
-        let mut outcome: Option<Result<Vec<f64>, NewtonError>> = None;
-        for row in &rows {
+            row[parameter] = 1.0;
+            row
+        };
+        let across = direction.map(|direction| self.covector(direction));
+        let fixed = (self.equations.parameters_at()..length).rev().map(fixed);
+        let mut failure = None;
+        for row in across.into_iter().chain(fixed) {
             unknowns.copy_from_slice(&base);
-            let tried = self.correct(unknowns, row, &weights, correct);
-            // The first failure is the one that tells: later rows only try harder.
-            if tried.is_ok() || outcome.is_none() {
-                let done = tried.is_ok();
-                outcome = Some(tried);
-                if done {
-                    break;
-                }
+            match self.correct_start(unknowns, &row) {
+                Ok(tangent) => return Ok(tangent),
+                // The first failure is the one that tells: later rows only try harder.
+                Err(cause) => _ = failure.get_or_insert(cause),
             }
         }
-        let mut outcome = outcome.unwrap_or_else(|| Ok(vec![0.0; length]));
-        if outcome.is_err() {
-            // A start that is a solution already may be a fold, which a hyperplane across some unknowns
-            // passes through, or a branch point, where this fails as well.
-            let mut row = generic_vector(length, 1);
-            row[n..].fill(0.0);
-            row.iter_mut().zip(&weights).for_each(|(r, w)| *r *= w.sqrt());
-            unknowns.copy_from_slice(&base);
-            if let Ok(tangent) = self.correct(unknowns, &row, &weights, correct) {
-                let moved: Vec<f64> = unknowns.iter().zip(&base).map(|(x, b)| x - b).collect();
-                if scaled_norm(&moved, &weights) <= AT_START {
-                    outcome = Ok(tangent);
-                }
-            }
+        // A start that is a solution already may be a fold, which a hyperplane across some unknowns
+        // passes through, or a branch point, where this fails as well.
+        let mut row = generic(length, 1);
+        row[self.equations.dimension()..].fill(0.0);
+        row.iter_mut().zip(&self.weights).for_each(|(r, w)| *r *= w.sqrt());
+        unknowns.copy_from_slice(&base);
+        let tangent = self.correct_start(unknowns, &row);
+        let moved = scaled_norm(&difference(unknowns, &base), &self.weights);
+        match failure {
+            Some(failure) if tangent.is_err() || moved > AT_START => Err(failure),
+            _ => tangent,
         }
-        let mut tangent = outcome?;
-        if let (Some(direction), false) = (direction, correct) {
-            tangent = direction;
-        }
-        let metric = self.metric(names, unknowns, &tangent);
-        let weights = metric.weights(names);
-        let size = scaled_norm(&tangent, &weights);
-        let sign = match tangent[length - 1] {
+    }
+
+    /// Corrects on the hyperplane of `row` through the start, and solves for the tangent.
+    fn correct_start(
+        &mut self,
+        unknowns: &mut [f64],
+        row: &[f64],
+    ) -> Result<Vec<f64>, NewtonError> {
+        let base = unknowns.to_vec();
+        self.correct(unknowns, Closing { row, base: &base, length: 0.0 })?;
+        let mut tangent = vec![0.0; unknowns.len()];
+        self.equations.residual(unknowns, None, &mut tangent)?;
+        self.equations.factor(Some(row))?;
+        self.equations.tangent(&mut tangent);
+        Ok(tangent)
+    }
+
+    /// Takes over the scales at the start, and the tangent there: of scaled length 1, the last released
+    /// parameter growing.
+    fn scaled(&mut self, mut tangent: Vec<f64>) -> Vec<f64> {
+        self.weights = self.metric.weights(self.equations.names());
+        // What the first correction has learned about the equations was in other scales.
+        self.newton = Newton::default();
+        let (n, last) = (self.equations.dimension(), tangent.len() - 1);
+        let size = scaled_norm(&tangent, &self.weights);
+        let sign = match tangent[last] {
             // A vertical start (a fold, a pitchfork) grows in its largest unknown.
-            p if p.abs() * weights[length - 1].sqrt() < 1e-9 * size => {
+            p if p.abs() * self.weights[last].sqrt() < 1e-9 * size => {
                 let by_size = |a: &&f64, b: &&f64| a.abs().total_cmp(&b.abs());
                 tangent[..n].iter().max_by(by_size).map_or(1.0, |z| z.signum())
             }
             p => p.signum(),
         };
         tangent.iter_mut().for_each(|t| *t *= sign / size);
-        Ok((metric, tangent))
+        tangent
     }
 
-    /// Corrects on the hyperplane of `row` through the start, and solves for the tangent.
-    fn correct(
-        &mut self,
-        unknowns: &mut [f64],
-        row: &[f64],
-        weights: &[f64],
-        correct: bool,
-    ) -> Result<Vec<f64>, NewtonError> {
-        let base = unknowns.to_vec();
-        let closing = Closing { row, base: &base, length: 0.0 };
-        if correct {
-            let tolerances = self.tolerances;
-            self.newton.solve(self.equations, unknowns, Some(closing), weights, tolerances)?;
+    /// Lets the system refuse the start, unless that grazes.
+    fn check_start(&mut self, start: &Place) -> Result<(), EvaluationError> {
+        let (monitors, p) = (&start.point.monitors, &start.point.parameters);
+        let system = self.equations.system();
+        let clear = |&m: &usize| monitors[m] > VANISHES * system.grazing_scale(m, p);
+        if system.grazings().iter().all(clear) {
+            self.equations.load(&start.unknowns);
+            let at = self.equations.at();
+            at.system.check_start(at.x)?;
         }
-        let mut tangent = vec![0.0; unknowns.len()];
-        self.equations
-            .residual(unknowns, None, &mut tangent)
-            .and_then(|()| self.equations.factor(unknowns, Some(row)))
-            .or_else(|cause| if correct { Err(cause) } else { Ok(()) })
-            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        tangent.fill(0.0);
-        if let Some(last) = tangent.last_mut() {
-            *last = 1.0;
-        }
-        if correct {
-            self.equations.solve(&mut tangent);
-        }
-        Ok(tangent)
-    }
-
-    fn metric(&self, names: &Names, unknowns: &[f64], tangent: &[f64]) -> Metric {
-        let n = names.dimension();
-        let parameters = self.equations.parameters_at();
-        let own = self.equations.own_sizes(unknowns);
-        let (z, p) = (&tangent[..n], &tangent[parameters..]);
-        let values = &unknowns[parameters..];
-        Metric::new(names, &unknowns[..n], z, self.ranges, values, p, &own).with_scales(self.scales)
+        Ok(())
     }
 }

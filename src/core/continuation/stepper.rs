@@ -7,7 +7,8 @@ use super::{Point, Settings};
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::{Stability, deciding};
-use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, Tolerances, scaled_norm};
+use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
+use crate::core::vector::{advanced, difference, dot, norm};
 use std::ops::Range;
 
 /// A point of the curve with everything that the next step, and the events, need of it.
@@ -80,9 +81,8 @@ const LEAST_SPEED: f64 = 0.5;
 
 /// A place before a step's, for the predictor and for pairs of events.
 pub(super) struct Before {
-    pub unknowns: Vec<f64>,
-    pub tangent: Vec<f64>,
-    pub tests: Vec<f64>,
+    pub place: Place,
+    /// The length of the step from it.
     pub length: f64,
 }
 
@@ -126,12 +126,9 @@ impl Stepper<'_> {
         unknowns: &mut [f64],
         closing: Closing,
     ) -> Result<Convergence, NewtonError> {
-        let tolerances = Tolerances {
-            tolerance: self.settings.tolerance,
-            max_iterations: self.settings.max_iterations,
-        };
-        let weights = &self.weights;
-        self.newton.solve(&mut self.equations, unknowns, Some(closing), weights, tolerances)
+        let Stepper { equations, weights, settings, .. } = self;
+        let tolerances = settings.until(settings.tolerance);
+        self.newton.solve(equations, unknowns, Some(closing), weights, tolerances)
     }
 
     /// Whether test functions need the matrix of the point itself, with which its monitors then come.
@@ -139,19 +136,10 @@ impl Stepper<'_> {
         self.tested.iter().flatten().any(|condition| condition.assembles())
     }
 
-    /// Records a corrected point: tangent (along `row`), monitors, stability, test functions. `matrix`
-    /// says whether the matrix factored last, with the same `row`, is that of this point.
+    /// Records a corrected point: tangent (along `row`), monitors, stability (which costs a spectrum) if it is
+    /// wanted, test functions. `matrix` says whether the matrix factored last, with the same `row`, is that of
+    /// this point.
     pub fn arrive(
-        &mut self,
-        unknowns: Vec<f64>,
-        row: &[f64],
-        matrix: Matrix,
-    ) -> Result<Place, EvaluationError> {
-        self.arrive_with(unknowns, row, matrix, self.held.is_empty())
-    }
-
-    /// The same with stability, which costs a spectrum, only if it is asked for.
-    pub fn arrive_with(
         &mut self,
         unknowns: Vec<f64>,
         row: &[f64],
@@ -166,12 +154,12 @@ impl Stepper<'_> {
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();
             if tangent[p].abs() * self.weights[p].sqrt() <= UNCERTAIN {
-                return self.arrive_with(unknowns, row, Matrix::Unknown, stability);
+                return self.arrive(unknowns, row, Matrix::Unknown, stability);
             }
         } else {
             self.equations.assemble(&unknowns)?;
             self.equations.residual(&unknowns, None, &mut tangent)?;
-            self.equations.factor(&unknowns, Some(row))?;
+            self.equations.factor(Some(row))?;
             self.tangent(&mut tangent);
         }
         let determinant = self.equations.determinant_sign();
@@ -185,12 +173,8 @@ impl Stepper<'_> {
     }
 
     /// The tangent, of scaled length 1, from the matrix factored last with the closing equation last.
-    fn tangent(&mut self, tangent: &mut [f64]) {
-        tangent.fill(0.0);
-        if let Some(last) = tangent.last_mut() {
-            *last = 1.0;
-        }
-        self.equations.solve(tangent);
+    pub fn tangent(&mut self, tangent: &mut [f64]) {
+        self.equations.tangent(tangent);
         let size = scaled_norm(tangent, &self.weights);
         tangent.iter_mut().for_each(|t| *t /= size);
     }
@@ -202,9 +186,7 @@ impl Stepper<'_> {
         unknowns: Vec<f64>,
         tangent: Vec<f64>,
     ) -> Result<Place, EvaluationError> {
-        self.equations.load(&unknowns);
-        let At { system, x, .. } = self.equations.at();
-        system.assemble(x)?;
+        self.equations.assemble(&unknowns)?;
         let (point, stability) = self.record(self.held.is_empty())?;
         let tests = self.tests(&unknowns, &tangent, 0.0, stability, &point)?;
         Ok(Place { unknowns, tangent, tests, point })
@@ -259,7 +241,7 @@ impl Stepper<'_> {
             Quantity::Monitor(m) => {
                 let mut gradient = vec![0.0; x.len()];
                 system.monitor_gradient(m, x, released, &mut gradient);
-                gradient.iter().zip(&direction).map(|(g, d)| g * d).sum()
+                dot(&gradient, &direction)
             }
         }
     }
@@ -269,10 +251,9 @@ impl Stepper<'_> {
         &mut self,
         before: &[Before],
         from: &Place,
-        length: f64,
+        mut length: f64,
     ) -> Result<Step, (f64, NewtonError)> {
         let row = self.covector(&from.tangent);
-        let mut length = length;
         loop {
             let tried = self.try_step(before, from, &row, length);
             let failure = match tried.and_then(|step| self.stays(from, &step).map(|()| step)) {
@@ -295,16 +276,12 @@ impl Stepper<'_> {
     ) -> Result<Step, NewtonError> {
         let curved = self.curved(before, from, row, length);
         let order = if curved.is_some() { 4 } else { 2 };
-        let mut unknowns = curved.unwrap_or_else(|| {
-            from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t).collect()
-        });
+        let line = || advanced(&from.unknowns, length, &from.tangent);
+        let mut unknowns = curved.unwrap_or_else(line);
         let closing = Closing { row, base: &from.unknowns, length };
         let report = self.correct(&mut unknowns, closing)?;
-        let place = self
-            .arrive(unknowns, row, Matrix::after(&report))
-            .map_err(|cause| NewtonError::from_evaluation(0, cause))?;
-        let cosine: f64 = row.iter().zip(&place.tangent).map(|(r, t)| r * t).sum();
-        let angle = cosine.clamp(-1.0, 1.0).acos();
+        let place = self.arrive(unknowns, row, Matrix::after(&report), self.held.is_empty())?;
+        let angle = dot(row, &place.tangent).clamp(-1.0, 1.0).acos();
         if angle > self.settings.max_angle && length > 2.0 * self.settings.min_step {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
@@ -321,22 +298,20 @@ impl Stepper<'_> {
         row: &[f64],
         length: f64,
     ) -> Option<Vec<f64>> {
-        let dot = |v: &[f64]| row.iter().zip(v).map(|(r, v)| r * v).sum::<f64>();
-        let origin = dot(&from.unknowns);
+        let origin = dot(row, &from.unknowns);
         let mut knots =
             vec![Knot { u: 0.0, x: &from.unknowns, tangent: &from.tangent, speed: 1.0 }];
-        for Before { unknowns, tangent, .. } in before {
-            let (u, speed) = (dot(unknowns) - origin, dot(tangent));
+        for Before { place: Place { unknowns, tangent, .. }, .. } in before {
+            let (u, speed) = (dot(row, unknowns) - origin, dot(row, tangent));
             if u >= knots[knots.len() - 1].u || speed <= LEAST_SPEED {
                 break;
             }
             knots.push(Knot { u, x: unknowns, tangent, speed });
         }
-        let line = from.unknowns.iter().zip(&from.tangent).map(|(x, t)| x + length * t);
+        let line = advanced(&from.unknowns, length, &from.tangent);
         while knots.len() > 1 {
             let curved = hermite(&knots, length);
-            let bend: Vec<f64> = curved.iter().zip(line.clone()).map(|(x, l)| x - l).collect();
-            if self.is_trusted(&bend, from, length) {
+            if self.is_trusted(&difference(&curved, &line), from, length) {
                 return Some(curved);
             }
             knots.pop();
@@ -348,11 +323,10 @@ impl Stepper<'_> {
     /// is small on this part of the branch hardly counts in the norm, in each group by itself: against the
     /// group's part of the step, or, where the group turns, against its size.
     fn is_trusted(&self, bend: &[f64], from: &Place, length: f64) -> bool {
-        let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
         let small = |place: Range<usize>| {
-            let step = length * size(&from.tangent[place.clone()]);
-            let turn = MOST_TURNED * size(&from.unknowns[place.clone()]);
-            size(&bend[place]) <= turn.max(MOST_CURVED * step)
+            let step = length * norm(&from.tangent[place.clone()]);
+            let turn = MOST_TURNED * norm(&from.unknowns[place.clone()]);
+            norm(&bend[place]) <= turn.max(MOST_CURVED * step)
         };
         let mut start = 0;
         let groups = self.equations.names().unknowns.iter().all(|group| {
@@ -400,10 +374,8 @@ impl Stepper<'_> {
         let spectrum = if stability { at.system.spectrum(at.x) } else { None };
         let count = self.settings.eigenvalues;
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), count);
-        let dynamics = at.system.dynamics();
-        let orientation = at.system.orientation();
-        let stability =
-            spectrum.map(|spectrum| Stability::of(dynamics, &spectrum).oriented(orientation));
+        let (dynamics, orientation) = (at.system.dynamics(), at.system.orientation());
+        let stability = spectrum.map(|all| Stability::of(dynamics, &all).oriented(orientation));
         let unstable = stability.map(|stability| stability.unstable);
         let parameters = at.x[n..].to_vec();
         let admissible = self.is_admissible(&monitors, &parameters);

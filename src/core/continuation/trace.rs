@@ -5,6 +5,7 @@ use super::{Branch, Kind, Observer, Settings, SpecialPoint, TraceError};
 use crate::core::condition::{Condition, Level};
 use crate::core::solution::Solution;
 use crate::core::zero::System;
+use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -12,16 +13,8 @@ use std::sync::Arc;
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
-/// struct ParallelPlate;
-/// impl ZeroProblem for ParallelPlate {
-///     fn names(&self) -> Names {
-///         Names::new(["u"], ["load"])
-///     }
-///     fn residual<T: Scalar>(&self, u: &[T], p: &[T], r: &mut [T]) {
-///         r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
-///     }
-/// }
+/// use tangency::core::dense::Dense;
+/// use tangency::problems::classic::ParallelPlate;
 /// let mut plate = Dense::new(ParallelPlate);
 /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().unwrap();
@@ -132,11 +125,10 @@ impl<'a> Continuation<'a> {
     /// # use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
     /// # struct Cusp;
     /// # impl ZeroProblem for Cusp {
-    /// #     fn names(&self) -> Names { Names::new(["x"], ["b", "a"]).with_monitors(["square"]) }
+    /// #     fn names(&self) -> Names { Names::new(["x"], ["b", "a"]) }
     /// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
     /// #         r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
     /// #     }
-    /// #     fn monitors<T: Scalar>(&self, x: &[T], _: &[T], values: &mut [T]) { values[0] = x[0] * x[0]; }
     /// # }
     /// # let mut system = Dense::new(Cusp);
     /// // Folds of b = x³ − a x at b = ±2 (a/3)^{3/2}; held in (b, a) they meet in a cusp at 0.
@@ -196,43 +188,50 @@ impl<'a> Continuation<'a> {
     /// Releases a parameter within a range: the continued one first. The range's length is the
     /// parameter's scale; an end may be infinite.
     pub fn along(mut self, parameter: &str, range: RangeInclusive<f64>) -> Self {
-        self.released.push((parameter.into(), [*range.start(), *range.end()]));
+        let range = self.range(parameter, range);
+        self.released.push(range);
         self
     }
 
     /// Bounds a parameter or a monitor: the branch ends there.
     pub fn bound(mut self, name: &str, range: RangeInclusive<f64>) -> Self {
-        self.bounds.push((name.into(), [*range.start(), *range.end()]));
+        let range = self.range(name, range);
+        self.bounds.push(range);
         self
+    }
+
+    /// A range with its name, unless it is empty or not a number.
+    fn range(&mut self, name: &str, range: RangeInclusive<f64>) -> (String, [f64; 2]) {
+        let (name, (low, high)) = (name.to_string(), range.into_inner());
+        if low.partial_cmp(&high) != Some(Ordering::Less) {
+            self.errors.push(TraceError::EmptyRange { name: name.clone(), low, high });
+        }
+        (name, [low, high])
     }
 
     /// Marks where a parameter or a monitor takes a value, as `UZ`.
     ///
     /// ```
-    /// # use tangency::core::continuation::{Continuation, Kind};
-    /// # use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
-    /// # struct Cusp;
-    /// # impl ZeroProblem for Cusp {
-    /// #     fn names(&self) -> Names { Names::new(["x"], ["b", "a"]).with_monitors(["square"]) }
-    /// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-    /// #         r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
-    /// #     }
-    /// #     fn monitors<T: Scalar>(&self, x: &[T], _: &[T], values: &mut [T]) { values[0] = x[0] * x[0]; }
-    /// # }
-    /// # let mut system = Dense::new(Cusp);
-    /// let branch = Continuation::of(&mut system)
-    ///     .at("a", -1.0)
-    ///     .along("b", 0.0..=10.0)
-    ///     .bound("square", 0.0..=4.0)
-    ///     .mark("square", 1.0)
-    ///     .trace()?;
-    /// // x = 1 at b = 2, and x = 2, where the branch ends, at b = 10 (both by b = x³ + x).
-    /// assert!((branch.of_kind(Kind::UZ).next().unwrap().parameters[0] - 2.0).abs() < 1e-13);
-    /// assert!((branch.points.last().unwrap().parameters[0] - 10.0).abs() < 1e-12);
+    /// use tangency::core::continuation::{Continuation, Kind};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::ParallelPlate;
+    /// let mut plate = Dense::new(ParallelPlate);
+    /// let branch = Continuation::of(&mut plate).along("load", 0.0..=1.0).mark("load", 0.125).trace()?;
+    /// // u (1 − u)² = 1/8, before pull-in and after.
+    /// let [before, after]: [f64; 2] = [0, 1].map(|k| branch.of_kind(Kind::UZ).nth(k).unwrap().state[0]);
+    /// assert!((before - (3.0 - 5.0_f64.sqrt()) / 4.0).abs() < 1e-13 && (after - 0.5).abs() < 1e-13);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
-    pub fn mark(mut self, name: &str, level: f64) -> Self {
-        self.marks.push((name.into(), level, Kind::UZ));
+    pub fn mark(self, name: &str, level: f64) -> Self {
+        self.marked(name, level, Kind::UZ)
+    }
+
+    fn marked(mut self, name: &str, value: f64, kind: Kind) -> Self {
+        if !value.is_finite() {
+            let (what, name, range) = ("the mark", name.into(), "finite");
+            self.errors.push(TraceError::Value { what, name, value, range });
+        }
+        self.marks.push((name.into(), value, kind));
         self
     }
 
@@ -253,9 +252,8 @@ impl<'a> Continuation<'a> {
     /// assert!((grazing.parameters[0] - 0.227177583102).abs() < 1e-11);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
-    pub fn graze(mut self, name: &str, level: f64) -> Self {
-        self.marks.push((name.into(), level, Kind::G));
-        self
+    pub fn graze(self, name: &str, level: f64) -> Self {
+        self.marked(name, level, Kind::G)
     }
 
     /// Goes on beyond grazings, where solutions pass through surfaces: points there are virtual
@@ -268,6 +266,10 @@ impl<'a> Continuation<'a> {
     /// Measures a group of unknowns, or a released parameter, by this size instead of the largest norm
     /// that the group has had (or the length of the parameter's range).
     pub fn scale(mut self, name: &str, size: f64) -> Self {
+        if !(size.is_finite() && size > 0.0) {
+            let (what, name, range) = ("the scale", name.into(), "finite and more than 0");
+            self.errors.push(TraceError::Value { what, name, value: size, range });
+        }
         self.scales.push((name.into(), size));
         self
     }

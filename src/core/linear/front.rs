@@ -1,6 +1,5 @@
 //! A front: a small dense matrix of which the leading columns are eliminated.
 
-use super::SINGULAR;
 use crate::core::zero::Singular;
 
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
@@ -44,7 +43,7 @@ impl Pivots {
     fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Singular> {
         self.sign *= pivot.signum();
         self.largest = self.largest.max(relative);
-        let regular = relative > SINGULAR;
+        let regular = relative > Singular::THRESHOLD;
         if regular { Ok(()) } else { Err(Singular { pivot: relative, largest: self.largest }) }
     }
 }

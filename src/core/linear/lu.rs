@@ -1,6 +1,5 @@
 //! LU factorisation with partial pivoting of a dense matrix within a border.
 
-use super::SINGULAR;
 use crate::core::zero::{Border, Singular};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -222,7 +221,7 @@ impl BorderedLu {
             verdict.pivot = if pivot.is_nan() { f64::NAN } else { verdict.pivot.min(pivot.abs()) };
             verdict.largest = verdict.largest.max(pivot.abs());
         }
-        let regular = verdict.pivot > SINGULAR * verdict.largest;
+        let regular = verdict.pivot > Singular::THRESHOLD * verdict.largest;
         if self.size == 0 || regular { Ok(()) } else { Err(verdict) }
     }
 }

@@ -3,12 +3,10 @@
 mod chain;
 mod front;
 mod lu;
+mod oscillation;
 mod pencil;
 
 pub use chain::Chain;
 pub use lu::BorderedLu;
+pub(crate) use oscillation::DenseOscillation;
 pub use pencil::multipliers;
-
-/// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
-/// equilibrated matrix, or the largest entry of its row.
-const SINGULAR: f64 = 1e-15;

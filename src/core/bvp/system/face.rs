@@ -8,10 +8,10 @@ use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::condition::EvaluationError;
-use crate::core::motion::Oscillation;
 use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
+    Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Refinement, Singular, Slot,
+    Spectrum, System,
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 

@@ -17,9 +17,8 @@ use super::linearisation::Linearisation;
 use super::{BoundarySystem, Method};
 use crate::core::bvp::{Number, Unknown};
 use crate::core::linear::{BorderedLu, multipliers};
-use crate::core::motion::Oscillation;
 use crate::core::scalar_field::FieldIn;
-use crate::core::zero::{Border, Singular, Slot, Spectrum};
+use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
 
 /// The factored linearisation of a complex multiplier, within a complex column and row.
 ///

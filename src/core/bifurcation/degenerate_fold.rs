@@ -1,0 +1,119 @@
+//! Points of codimension two on curves of folds: cusps and Bogdanov–Takens points.
+//!
+//! Both are zeros of a function of the null vectors, `a = wᵀ F_zz[v, v]` and `c = wᵀ v`. The null
+//! vectors depend on `x`; differentiating the bordered systems that define them,
+//! `M (δv, δg) = −(δF_z v, 0)` and `Mᵀ (δw, δg) = −(δF_zᵀ w, 0)`, and transposing gives
+//!
+//! ```text
+//!     qᵀ δv = −ξᵀ δF_z v   with  Mᵀ (ξ, ·) = (q, 0)
+//!     hᵀ δw = −wᵀ δF_z η   with  M (η, ·) = (h, 0)
+//! ```
+//!
+//! so that their gradients, too, are gradients of bilinear forms in `F_z`.
+
+use super::null::NullVectors;
+use crate::core::condition::{At, Condition, EvaluationError};
+use crate::core::kind::Kind;
+use crate::core::vector::dot;
+use crate::core::zero::Slot;
+
+/// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a Bogdanov–Takens point,
+/// where `c = wᵀ v = 0` and the eigenvalue zero is double.
+pub struct DegenerateFold {
+    kind: Kind,
+    null: NullVectors,
+    second: Vec<f64>,
+    form: Vec<f64>,
+    adjoint: Vec<f64>,
+    direct: Vec<f64>,
+    extended: Vec<f64>,
+}
+
+impl DegenerateFold {
+    /// A cusp.
+    pub fn cusp() -> Self {
+        Self::new(Kind::CP)
+    }
+
+    /// A Bogdanov–Takens point.
+    pub fn bogdanov_takens() -> Self {
+        Self::new(Kind::BT)
+    }
+
+    fn new(kind: Kind) -> Self {
+        let [second, form, adjoint, direct, extended] = Default::default();
+        let null = NullVectors::default();
+        DegenerateFold { kind, null, second, form, adjoint, direct, extended }
+    }
+}
+
+impl Condition for DegenerateFold {
+    fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    fn assembles(&self) -> bool {
+        true
+    }
+
+    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
+        let n = at.system.names().dimension();
+        self.second.resize(n, 0.0);
+        self.form = vec![0.0; at.x.len()];
+        self.extended = vec![0.0; at.x.len()];
+        self.adjoint = vec![0.0; n + 1];
+        self.direct = vec![0.0; n + 1];
+        self.null.start(&mut at)
+    }
+
+    fn values(
+        &mut self,
+        mut at: At,
+        _y: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        let null = &mut self.null;
+        null.update(&mut at)?;
+        values[0] = if self.kind == Kind::CP {
+            at.system.second_derivative(at.x, &null.right, &null.right, &mut self.second);
+            dot(&null.left, &self.second)
+        } else {
+            dot(&null.left, &null.right)
+        };
+        Ok(())
+    }
+
+    fn gradients(
+        &mut self,
+        mut at: At,
+        rows: &mut [f64],
+        _own: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        let (null, n) = (&mut self.null, self.second.len());
+        // ξ and η from what the value is multiplied with.
+        (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
+        if self.kind == Kind::CP {
+            at.system.second_gradient(at.x, &null.left, &null.right, at.released, rows);
+            at.system.gradient(at.x, &null.left, &null.right, at.released, &mut self.form);
+            self.adjoint[..n].iter_mut().zip(&self.form).for_each(|(q, form)| *q = 2.0 * form);
+            self.direct[..n].copy_from_slice(&self.second);
+        } else {
+            rows.fill(0.0);
+            self.adjoint[..n].copy_from_slice(&null.left);
+            self.direct[..n].copy_from_slice(&null.right[..n]);
+        }
+        null.update(&mut at)?;
+        at.system.solve_transposed(Slot::Condition, &mut self.adjoint);
+        at.system.solve(Slot::Condition, &mut self.direct);
+        self.extended[..n].copy_from_slice(&self.direct[..n]);
+        for (w, v) in [(&self.adjoint[..n], &null.right), (&null.left[..], &self.extended)] {
+            at.system.gradient(at.x, w, v, at.released, &mut self.form);
+            rows.iter_mut().zip(&self.form).for_each(|(row, form)| *row -= form);
+        }
+        Ok(())
+    }
+
+    fn adapt(&mut self) {
+        self.null.adapt();
+    }
+}

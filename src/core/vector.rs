@@ -1,0 +1,39 @@
+//! Vectors as slices.
+
+/// `aᵀ b`.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The Euclidean norm.
+pub(crate) fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// Scales a vector to length 1, unless it is zero.
+pub(crate) fn normalise(v: &mut [f64]) {
+    let norm = norm(v);
+    if norm > 0.0 {
+        v.iter_mut().for_each(|v| *v /= norm);
+    }
+}
+
+/// `⟨row, x − base⟩`: how far `x` lies beyond a hyperplane through `base`.
+pub(crate) fn along(row: &[f64], x: &[f64], base: &[f64]) -> f64 {
+    row.iter().zip(x.iter().zip(base)).map(|(r, (x, b))| r * (x - b)).sum()
+}
+
+/// `a − b`.
+pub(crate) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// `a + s b`.
+pub(crate) fn advanced(a: &[f64], s: f64, b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + s * b).collect()
+}
+
+/// A fixed pseudo-random vector, used as an initial border: generically not orthogonal to a null vector.
+pub(crate) fn generic(length: usize, seed: usize) -> Vec<f64> {
+    (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
+}
