@@ -1,6 +1,7 @@
 //! The scaled norm in which arclength is measured.
 
-use crate::core::zero::Names;
+use crate::core::vector::norm;
+use crate::core::zero::{Group, Names};
 
 /// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
 ///
@@ -47,49 +48,19 @@ impl Metric {
         own: &[Option<f64>],
     ) -> Self {
         let (sizes, slopes) = (group_norms(names, z), group_norms(names, z_tangent));
-        let steepest = sizes
-            .iter()
-            .zip(&slopes)
-            .filter(|(size, slope)| **size > 0.0 && **slope > 0.0)
-            .map(|(size, slope)| size / slope)
-            .fold(f64::INFINITY, f64::min);
-        let mut parameters: Vec<f64> = ranges
-            .iter()
-            .zip(p_tangent)
-            .map(|([low, high], slope)| match high - low {
-                range if range.is_finite() => range,
-                _ => steepest * slope.abs(),
-            })
-            .collect();
+        let steepest = least_ratio(&sizes, &slopes, |size, slope| size > 0.0 && slope > 0.0);
+        let by_range = |([low, high], slope): (&[f64; 2], &f64)| match high - low {
+            range if range.is_finite() => range,
+            _ => steepest * slope.abs(),
+        };
+        let mut parameters: Vec<f64> = ranges.iter().zip(p_tangent).map(by_range).collect();
         // What the tangent reaches over the first range that is known, unless it is vertical there.
         let steep = z_tangent.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
-        let reach = parameters
-            .iter()
-            .zip(p_tangent)
-            .filter(|(scale, slope)| usable(**scale) && slope.abs() > VERTICAL * steep)
-            .map(|(scale, slope)| scale / slope.abs())
-            .next();
-        // Near a fold the tangent says too much of all groups alike.
-        let known = |reach: f64| {
-            let parts = sizes.iter().zip(&slopes).map(|(size, slope)| size / (reach * slope));
-            parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
-        };
-        let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
-        let groups: Vec<f64> = sizes
-            .iter()
-            .zip(&slopes)
-            .map(|(&size, slope)| match reach.map(|reach| reach * slope) {
-                Some(reach) if usable(reach) && size <= zero * reach => reach,
-                _ if size > NOTHING => size,
-                _ => 1.0,
-            })
-            .collect();
-        let fallback = groups
-            .iter()
-            .zip(&slopes)
-            .filter(|(_, slope)| usable(**slope))
-            .map(|(size, slope)| size / slope)
-            .fold(f64::INFINITY, f64::min);
+        let known =
+            |(scale, slope): &(&f64, &f64)| usable(**scale) && slope.abs() > VERTICAL * steep;
+        let reach = parameters.iter().zip(p_tangent).find(known);
+        let groups = group_scales(&sizes, &slopes, reach.map(|(scale, slope)| scale / slope.abs()));
+        let fallback = least_ratio(&groups, &slopes, |_, slope| usable(slope));
         for (scale, slope) in parameters.iter_mut().zip(p_tangent) {
             if !usable(*scale) {
                 let scaled = fallback * slope.abs();
@@ -97,10 +68,10 @@ impl Metric {
             }
         }
         let is_open =
-            |(range, p): (&[f64; 2], &f64)| (range[1] - range[0]).is_infinite().then_some(*p);
+            |([low, high], p): (&[f64; 2], &f64)| (high - low).is_infinite().then_some(*p);
         let open = ranges.iter().zip(p).map(is_open).collect();
-        let own =
-            own.iter().map(|y| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y))).collect();
+        let weight = |y: &Option<f64>| y.filter(|y| *y != 0.0).map_or(0.0, |y| 1.0 / (y * y));
+        let own = own.iter().map(weight).collect();
         Metric { fixed: vec![false; groups.len()], groups, parameters, open, own }
     }
 
@@ -166,16 +137,34 @@ fn usable(scale: f64) -> bool {
     (TINY..1.0 / TINY).contains(&scale)
 }
 
-fn group_norms(names: &Names, z: &[f64]) -> Vec<f64> {
-    let mut start = 0;
-    let norm = |z: &[f64]| z.iter().map(|z| z * z).sum::<f64>().sqrt();
-    names
-        .unknowns
-        .iter()
-        .map(|group| {
-            let part = &z[start..start + group.length];
-            start += group.length;
-            norm(part)
-        })
-        .collect()
+/// The smallest ratio of a size to a slope, of those that count.
+fn least_ratio(sizes: &[f64], slopes: &[f64], counts: impl Fn(f64, f64) -> bool) -> f64 {
+    let pairs = sizes.iter().zip(slopes).filter(|(size, slope)| counts(**size, **slope));
+    pairs.map(|(size, slope)| size / slope).fold(f64::INFINITY, f64::min)
+}
+
+/// The scales of groups of these sizes, which change at these slopes over what the tangent reaches.
+fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>) -> Vec<f64> {
+    let both = || sizes.iter().zip(slopes);
+    // Near a fold the tangent says too much of all groups alike.
+    let known = |reach: f64| {
+        let parts = both().map(|(size, slope)| size / (reach * slope));
+        parts.filter(|part| part.is_finite()).fold(0.0, f64::max).min(1.0)
+    };
+    let zero = reach.map_or(ZERO, |reach| (SMALL * known(reach)).max(ZERO));
+    let scale = |(&size, slope): (&f64, &f64)| match reach.map(|reach| reach * slope) {
+        Some(reach) if usable(reach) && size <= zero * reach => reach,
+        _ if size > NOTHING => size,
+        _ => 1.0,
+    };
+    both().map(scale).collect()
+}
+
+fn group_norms(names: &Names, mut z: &[f64]) -> Vec<f64> {
+    let norm_of = |group: &Group| {
+        let (part, rest) = z.split_at(group.length);
+        z = rest;
+        norm(part)
+    };
+    names.unknowns.iter().map(norm_of).collect()
 }

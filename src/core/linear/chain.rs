@@ -25,7 +25,7 @@
 //! and what belongs to the ends (boundary conditions, the corner) is added to `R` by the owner, who also
 //! solves with it.
 
-use super::front::{Front, Pivots, Scales};
+use super::front::{Fronts, Pivots};
 use crate::core::zero::Singular;
 
 /// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
@@ -59,16 +59,10 @@ pub struct Chain {
     columns: usize,
     rows: usize,
     /// Columns `[inner nodes | right node | left node | k]`, rows: equations, border.
-    inner: Front,
-    /// Columns `[left node | right node | x_0 | k]`, rows: left over before, left of this interval, border.
-    shared: Front,
-    inner_factors: Vec<f64>,
-    inner_exchanges: Vec<usize>,
-    inner_scales: Scales,
-    /// One for each interval but the first.
-    shared_factors: Vec<f64>,
-    shared_exchanges: Vec<usize>,
-    shared_scales: Scales,
+    inner: Fronts,
+    /// One for each interval but the first. Columns `[left node | right node | x_0 | k]`, rows: left over
+    /// before, left of this interval, border.
+    shared: Fronts,
     /// `R`, while the elimination has come to some node: by `x_0`, that node, and the `k` columns.
     reduced: Vec<f64>,
     state_scales: Vec<f64>,
@@ -110,12 +104,13 @@ impl Chain {
         let mut pivots = Pivots::new();
         for i in 0..self.intervals {
             self.fill_inner(i, blocks, columns, rows);
-            self.eliminate_inner(i, &mut pivots)?;
+            self.inner.eliminate(i, &mut pivots)?;
             if i == 0 {
                 self.begin(rows);
             } else {
                 self.fill_shared(i);
-                self.eliminate_shared(i, &mut pivots)?;
+                self.shared.eliminate(i - 1, &mut pivots)?;
+                self.keep_shared(i);
             }
         }
         let reordered = self.states * (self.intervals * self.nodes - 1);
@@ -143,20 +138,17 @@ impl Chain {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_right.split_at_mut(n);
         for (i, right) in right.chunks_exact_mut(each).enumerate() {
-            let (a, exchanges) = self.inner_front(i);
-            self.inner.forward(a, exchanges, right, border);
+            self.inner.forward(i, right, border);
             if i == 0 {
                 left_over.copy_from_slice(&right[inner..]);
                 continue;
             }
-            let mut y = std::mem::take(&mut self.equations);
+            let y = &mut self.equations[..2 * n];
             y[..n].copy_from_slice(left_over);
-            y[n..2 * n].copy_from_slice(&right[inner..]);
-            let (a, exchanges) = self.shared_front(i);
-            self.shared.forward(a, exchanges, &mut y[..2 * n], border);
+            y[n..].copy_from_slice(&right[inner..]);
+            self.shared.forward(i - 1, y, border);
             right[inner..].copy_from_slice(&y[..n]);
-            left_over.copy_from_slice(&y[n..2 * n]);
-            self.equations = y;
+            left_over.copy_from_slice(&y[n..]);
         }
     }
 
@@ -171,27 +163,25 @@ impl Chain {
         nodes_out: &mut [f64],
     ) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
-        let mut z = std::mem::take(&mut self.unknowns);
         nodes_out[..n].copy_from_slice(x_0);
         nodes_out[self.intervals * each..].copy_from_slice(x_n);
         for (i, right) in right.chunks_exact(each).enumerate().rev() {
             let nodes = &mut nodes_out[i * each..(i + 1) * each + n];
             if i > 0 {
-                let z = &mut z[..3 * n + self.columns];
+                let z = &mut self.unknowns[..3 * n + self.columns];
                 z[n..2 * n].copy_from_slice(&nodes[each..]);
                 z[2 * n..3 * n].copy_from_slice(x_0);
                 z[3 * n..].copy_from_slice(y);
-                self.shared.back(self.shared_front(i).0, &right[inner..], z);
+                self.shared.back(i - 1, &right[inner..], z);
                 nodes[..n].copy_from_slice(&z[..n]);
             }
-            let z = &mut z[..each + n + self.columns];
+            let z = &mut self.unknowns[..each + n + self.columns];
             z[inner..each].copy_from_slice(&nodes[each..]);
             z[each..each + n].copy_from_slice(&nodes[..n]);
             z[each + n..].copy_from_slice(y);
-            self.inner.back(self.inner_front(i).0, right, z);
+            self.inner.back(i, right, z);
             nodes[n..each].copy_from_slice(&z[..inner]);
         }
-        self.unknowns = z;
     }
 
     /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns` (`k`) are
@@ -206,18 +196,15 @@ impl Chain {
         reduced_right: &mut [f64],
     ) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
-        let mut kept = std::mem::take(&mut self.transposed);
-        let mut z = std::mem::take(&mut self.unknowns);
-        let mut front = std::mem::take(&mut self.equations);
         reduced_right[..n].copy_from_slice(&right_nodes[..n]);
         reduced_right[n..2 * n].fill(0.0);
         reduced_right[2 * n..].copy_from_slice(right_columns);
-        for (i, kept) in kept.chunks_exact_mut(each).enumerate() {
+        for (i, kept) in self.transposed.chunks_exact_mut(each).enumerate() {
             let nodes = &right_nodes[i * each..(i + 1) * each + n];
-            let z = &mut z[..each + n + self.columns];
+            let z = &mut self.unknowns[..each + n + self.columns];
             z[..each].copy_from_slice(&nodes[n..]);
             z[each..].fill(0.0);
-            self.inner.forward_transposed(self.inner_front(i).0, z);
+            self.inner.forward_transposed(i, z);
             kept[..inner].copy_from_slice(&z[..inner]);
             let (right, left, k) = (&z[inner..each], &z[each..each + n], &z[each + n..]);
             add(&mut reduced_right[2 * n..], k);
@@ -227,13 +214,15 @@ impl Chain {
                 continue;
             }
             add(&mut reduced_right[n..2 * n], left);
+            // From right sides by x_0, node i and the k columns, and what the interval adds to node i + 1, to
+            // those with node i + 1 instead.
+            let front = &mut self.equations[..3 * n + self.columns];
+            place(front, reduced_right, n);
             front[n..2 * n].copy_from_slice(right);
-            self.shared_transposed(i, reduced_right, &mut front[..3 * n + self.columns]);
+            self.shared.forward_transposed(i - 1, front);
+            unplace(reduced_right, front, n);
             kept[inner..].copy_from_slice(&front[..n]);
         }
-        self.equations = front;
-        self.transposed = kept;
-        self.unknowns = z;
     }
 
     /// The components of `w` that belong to the chain's equations (`N·m·n`), from the solution `reduced_left`
@@ -242,50 +231,23 @@ impl Chain {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_left.split_at(n);
         equations_out.copy_from_slice(&self.transposed);
-        let mut y = std::mem::take(&mut self.equations);
-        y[n..2 * n].copy_from_slice(left_over);
+        let y = &mut self.equations[..2 * n];
+        y[n..].copy_from_slice(left_over);
         for (i, out) in equations_out.chunks_exact_mut(each).enumerate().rev() {
             if i > 0 {
                 y[..n].copy_from_slice(&out[inner..]);
-                let (a, exchanges) = self.shared_front(i);
-                self.shared.back_transposed(a, exchanges, &mut y[..2 * n], border);
-                out[inner..].copy_from_slice(&y[n..2 * n]);
+                self.shared.back_transposed(i - 1, y, border);
+                out[inner..].copy_from_slice(&y[n..]);
                 y.copy_within(..n, n);
             } else {
-                out[inner..].copy_from_slice(&y[n..2 * n]);
+                out[inner..].copy_from_slice(&y[n..]);
             }
-            let (a, exchanges) = self.inner_front(i);
-            self.inner.back_transposed(a, exchanges, out, border);
+            self.inner.back_transposed(i, out, border);
         }
-        self.equations = y;
-    }
-
-    /// From right sides by `x_0`, node `i` and the `k` columns, and what interval `i` adds to node `i + 1`
-    /// (in its place in `front`), to those with node `i + 1` instead.
-    fn shared_transposed(&self, i: usize, reduced_right: &mut [f64], front: &mut [f64]) {
-        let n = self.states;
-        front[..n].copy_from_slice(&reduced_right[n..2 * n]);
-        front[2 * n..3 * n].copy_from_slice(&reduced_right[..n]);
-        front[3 * n..].copy_from_slice(&reduced_right[2 * n..]);
-        self.shared.forward_transposed(self.shared_front(i).0, front);
-        reduced_right[n..2 * n].copy_from_slice(&front[n..2 * n]);
-        reduced_right[..n].copy_from_slice(&front[2 * n..3 * n]);
-        reduced_right[2 * n..].copy_from_slice(&front[3 * n..]);
     }
 
     fn equations_each(&self) -> usize {
         self.nodes * self.states
-    }
-
-    fn inner_front(&self, i: usize) -> (&[f64], &[usize]) {
-        let (length, count) = (self.inner.length(), self.inner.eliminated);
-        (&self.inner_factors[i * length..][..length], &self.inner_exchanges[i * count..][..count])
-    }
-
-    fn shared_front(&self, i: usize) -> (&[f64], &[usize]) {
-        let (length, count) = (self.shared.length(), self.shared.eliminated);
-        let i = i - 1;
-        (&self.shared_factors[i * length..][..length], &self.shared_exchanges[i * count..][..count])
     }
 
     fn resize(&mut self, k: usize, l: usize) {
@@ -294,14 +256,8 @@ impl Chain {
         }
         (self.columns, self.rows) = (k, l);
         let (n, each, intervals) = (self.states, self.equations_each(), self.intervals);
-        self.inner = Front::new(each - n, each, l, each + n + k);
-        self.shared = Front::new(n, 2 * n, l, 3 * n + k);
-        self.inner_factors = vec![0.0; intervals * self.inner.length()];
-        self.inner_exchanges = vec![0; intervals * self.inner.eliminated];
-        self.shared_factors = vec![0.0; (intervals - 1) * self.shared.length()];
-        self.shared_exchanges = vec![0; (intervals - 1) * n];
-        self.inner_scales.columns = vec![0.0; self.inner.stride];
-        self.shared_scales.columns = vec![0.0; self.shared.stride];
+        self.inner = Fronts::new(intervals, each - n, each, l, each + n + k);
+        self.shared = Fronts::new(intervals - 1, n, 2 * n, l, 3 * n + k);
         self.reduced = vec![0.0; (n + l) * (2 * n + k)];
         self.state_scales = vec![0.0; each + n];
         self.transposed = vec![0.0; intervals * each];
@@ -322,57 +278,44 @@ impl Chain {
         for state in 0..n {
             let largest = self.state_scales.iter().skip(state).step_by(n);
             let scale = 1.0 / largest.fold(0.0, |a: f64, b| a.max(*b));
-            let inner = self.inner_scales.columns[..each + n].iter_mut().skip(state).step_by(n);
+            let inner = self.inner.scales[..each + n].iter_mut().skip(state).step_by(n);
             inner.for_each(|column| *column = scale);
-            let shared = self.shared_scales.columns[..3 * n].iter_mut().skip(state).step_by(n);
+            let shared = self.shared.scales[..3 * n].iter_mut().skip(state).step_by(n);
             shared.for_each(|column| *column = scale);
         }
     }
 
     fn fill_inner(&mut self, i: usize, blocks: &[f64], columns: &[f64], rows: &[f64]) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
-        let length = self.inner.length();
-        let factors = &mut self.inner_factors[i * length..(i + 1) * length];
-        let (equations, border) = factors.split_at_mut(each * self.inner.stride);
-        for (r, row) in equations.chunks_exact_mut(self.inner.stride).enumerate() {
+        let stride = self.inner.stride;
+        let (equations, border) = self.inner.front_mut(i).split_at_mut(each * stride);
+        for (r, row) in equations.chunks_exact_mut(stride).enumerate() {
             let source = &blocks[(i * each + r) * (each + n)..][..each + n];
             row[..each].copy_from_slice(&source[n..]);
             row[each..each + n].copy_from_slice(&source[..n]);
             row[each + n..each + n + k].copy_from_slice(&columns[(i * each + r) * k..][..k]);
         }
         let nodes = (self.intervals * self.nodes + 1) * n;
-        for (r, row) in border.chunks_exact_mut(self.inner.stride).enumerate() {
+        for (r, row) in border.chunks_exact_mut(stride).enumerate() {
             row.fill(0.0);
             row[..each].copy_from_slice(&rows[r * nodes + i * each + n..][..each]);
         }
     }
 
-    fn eliminate_inner(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
-        let (length, count) = (self.inner.length(), self.inner.eliminated);
-        let a = &mut self.inner_factors[i * length..(i + 1) * length];
-        let exchanges = &mut self.inner_exchanges[i * count..(i + 1) * count];
-        self.inner.eliminate(a, exchanges, &mut self.inner_scales, pivots)
-    }
-
-    fn eliminate_shared(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
-        let (n, k, length) = (self.states, self.columns, self.shared.length());
-        let a = &mut self.shared_factors[(i - 1) * length..i * length];
-        let exchanges = &mut self.shared_exchanges[(i - 1) * n..i * n];
-        self.shared.eliminate(a, exchanges, &mut self.shared_scales, pivots)?;
-        let rows = a.chunks_exact(self.shared.stride).skip(n);
+    /// What is left of the chain up to the end of interval `i`.
+    fn keep_shared(&mut self, i: usize) {
+        let (n, k) = (self.states, self.columns);
+        let rows = self.shared.front(i - 1).chunks_exact(self.shared.stride).skip(n);
         for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(rows) {
-            reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
-            reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);
-            reduced[2 * n..].copy_from_slice(&row[3 * n..3 * n + k]);
+            unplace(reduced, &row[..3 * n + k], n);
         }
-        Ok(())
     }
 
     /// What is left after the first interval, by both its ends.
     fn begin(&mut self, rows: &[f64]) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
-        let left = self.inner_factors[..self.inner.length()].chunks_exact(stride).skip(inner);
+        let left = self.inner.front(0).chunks_exact(stride).skip(inner);
         for (reduced, row) in self.reduced.chunks_exact_mut(2 * n + k).zip(left) {
             reduced[..n].copy_from_slice(&row[each..each + n]);
             reduced[n..2 * n].copy_from_slice(&row[inner..each]);
@@ -388,21 +331,17 @@ impl Chain {
     fn fill_shared(&mut self, i: usize) {
         let (n, k, each) = (self.states, self.columns, self.equations_each());
         let (inner, stride) = (self.inner.eliminated, self.inner.stride);
-        let length = self.shared.length();
-        let a = &mut self.shared_factors[(i - 1) * length..i * length];
+        let wide = self.shared.stride;
+        let a = self.shared.front_mut(i - 1);
         a.fill(0.0);
-        let (before, others) = a.split_at_mut(n * self.shared.stride);
+        let (before, others) = a.split_at_mut(n * wide);
         let carried = self.reduced.chunks_exact(2 * n + k);
-        for (row, reduced) in before.chunks_exact_mut(self.shared.stride).zip(carried.clone()) {
+        let border = others[n * wide..].chunks_exact_mut(wide);
+        for (row, reduced) in before.chunks_exact_mut(wide).chain(border).zip(carried) {
             place(row, reduced, n);
         }
-        let border = others[n * self.shared.stride..].chunks_exact_mut(self.shared.stride);
-        for (row, reduced) in border.zip(carried.skip(n)) {
-            place(row, reduced, n);
-        }
-        let front = &self.inner_factors[i * self.inner.length()..][..self.inner.length()];
-        let left = front.chunks_exact(stride).skip(inner);
-        for (row, left) in others.chunks_exact_mut(self.shared.stride).zip(left) {
+        let left = self.inner.front(i).chunks_exact(stride).skip(inner);
+        for (row, left) in others.chunks_exact_mut(wide).zip(left) {
             add(&mut row[..n], &left[each..each + n]);
             add(&mut row[n..2 * n], &left[inner..each]);
             add(&mut row[3 * n..3 * n + k], &left[each + n..each + n + k]);
@@ -415,6 +354,13 @@ fn place(row: &mut [f64], reduced: &[f64], n: usize) {
     row[..n].copy_from_slice(&reduced[n..2 * n]);
     row[2 * n..3 * n].copy_from_slice(&reduced[..n]);
     row[3 * n..n + reduced.len()].copy_from_slice(&reduced[2 * n..]);
+}
+
+/// The row by `x_0`, the node and the `k` columns in one by an eliminated node, the node, `x_0` and `k`.
+fn unplace(reduced: &mut [f64], row: &[f64], n: usize) {
+    reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
+    reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);
+    reduced[2 * n..].copy_from_slice(&row[3 * n..]);
 }
 
 fn add(target: &mut [f64], source: &[f64]) {

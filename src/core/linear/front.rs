@@ -1,11 +1,11 @@
-//! A front: a small dense matrix of which the leading columns are eliminated.
+//! Fronts: small dense matrices of which the leading columns are eliminated.
 
 use crate::core::zero::Singular;
 
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
 const LANES: usize = 4;
 
-/// The shape of a front: some leading columns are eliminated with pivots from the leading rows,
+/// Fronts of one shape: in each, some leading columns are eliminated with pivots from the leading rows,
 ///
 /// ```text
 ///     ⎡ L₁    ⎤     ⎡ U  * ⎤      pivotal rows (permuted by P): as many as columns
@@ -15,16 +15,26 @@ const LANES: usize = 4;
 ///
 /// and the factors take the place of the matrix: `S` is the Schur complement. Rows are exchanged whole, with
 /// their multipliers, so that all exchanges may be applied first.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Front {
+#[derive(Default)]
+pub(super) struct Fronts {
     /// How many columns are eliminated.
     pub(super) eliminated: usize,
     /// How many rows a pivot may come from.
-    pub(super) pivotal: usize,
-    /// How many rows follow those.
-    pub(super) border: usize,
+    pivotal: usize,
     /// From one row to the next.
     pub(super) stride: usize,
+    /// The length of a front.
+    length: usize,
+    /// All fronts, one after the other.
+    factors: Vec<f64>,
+    /// The rows that pivots come from.
+    exchanges: Vec<usize>,
+    /// By column: the inverse of a typical entry; zero where a column has no say.
+    pub(super) scales: Vec<f64>,
+    /// By row: the inverse of the largest entry after columns are scaled.
+    row_scales: Vec<f64>,
+    /// Room for a row.
+    top: Vec<f64>,
 }
 
 /// The pivots of an elimination so far, each relative to the largest entry of its row.
@@ -48,25 +58,43 @@ impl Pivots {
     }
 }
 
-/// Scales by which pivots are compared: of columns (given) and of rows.
-#[derive(Default)]
-pub(super) struct Scales {
-    /// By column of the front: the inverse of a typical entry; zero where a column has no say.
-    pub(super) columns: Vec<f64>,
-    /// By row: the inverse of the largest entry after columns are scaled.
-    pub(super) rows: Vec<f64>,
-    /// Room for a row.
-    top: Vec<f64>,
-}
-
-impl Front {
-    pub(super) fn new(eliminated: usize, pivotal: usize, border: usize, width: usize) -> Self {
-        Front { eliminated, pivotal, border, stride: width.next_multiple_of(LANES) }
+impl Fronts {
+    /// This many fronts: of each, how many columns are eliminated, how many rows a pivot may come from, how
+    /// many rows follow those, and how many columns there are.
+    pub(super) fn new(
+        count: usize,
+        eliminated: usize,
+        pivotal: usize,
+        border: usize,
+        width: usize,
+    ) -> Self {
+        let stride = width.next_multiple_of(LANES);
+        let length = (pivotal + border) * stride;
+        Fronts {
+            eliminated,
+            pivotal,
+            stride,
+            length,
+            factors: vec![0.0; count * length],
+            exchanges: vec![0; count * eliminated],
+            scales: vec![0.0; stride],
+            row_scales: vec![0.0; pivotal],
+            top: vec![0.0; stride],
+        }
     }
 
-    /// The length of the matrix.
-    pub(super) fn length(&self) -> usize {
-        (self.pivotal + self.border) * self.stride
+    /// A front, one row after the other.
+    pub(super) fn front(&self, i: usize) -> &[f64] {
+        &self.factors[i * self.length..][..self.length]
+    }
+
+    /// A front to be filled in.
+    pub(super) fn front_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.factors[i * self.length..][..self.length]
+    }
+
+    fn exchanges(&self, i: usize) -> &[usize] {
+        &self.exchanges[i * self.eliminated..][..self.eliminated]
     }
 
     /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as they would
@@ -76,64 +104,35 @@ impl Front {
     ///
     /// # Errors
     /// [`Singular`] at the first pivot that vanishes.
-    pub(super) fn eliminate(
-        &self,
-        a: &mut [f64],
-        exchanges: &mut [usize],
-        scales: &mut Scales,
-        pivots: &mut Pivots,
-    ) -> Result<(), Singular> {
+    pub(super) fn eliminate(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
         let w = self.stride;
-        self.scale_rows(a, scales);
-        scales.top.resize(w, 0.0);
+        let a = &mut self.factors[i * self.length..][..self.length];
+        for (row, scale) in a.chunks_exact(w).zip(&mut self.row_scales) {
+            *scale = 1.0 / largest(row, &self.scales);
+        }
         for c in 0..self.eliminated {
-            let (pivot, relative) = self.pivot(a, &scales.rows, c);
-            exchanges[c] = pivot;
+            let (pivot, relative) = pivot_of(a, w, &self.row_scales, c);
+            self.exchanges[i * self.eliminated + c] = pivot;
             if pivot != c {
                 let (above, below) = a.split_at_mut(pivot * w);
                 above[c * w..(c + 1) * w].swap_with_slice(&mut below[..w]);
-                scales.rows.swap(c, pivot);
+                self.row_scales.swap(c, pivot);
                 pivots.sign = -pivots.sign;
             }
             let (above, below) = a.split_at_mut((c + 1) * w);
             let top = &above[c * w..];
-            pivots.record(top[c], relative * scales.columns[c])?;
-            update(below, top, c, &mut scales.top);
+            pivots.record(top[c], relative * self.scales[c])?;
+            update(below, top, c, &mut self.top);
         }
         Ok(())
     }
 
-    fn scale_rows(&self, a: &[f64], scales: &mut Scales) {
-        scales.rows.resize(self.pivotal, 0.0);
-        for (r, scale) in scales.rows.iter_mut().enumerate() {
-            *scale = 1.0 / largest(&a[r * self.stride..][..self.stride], &scales.columns);
-        }
-    }
-
-    /// The row of the largest entry of a column, and that entry.
-    fn pivot(&self, a: &[f64], scales: &[f64], c: usize) -> (usize, f64) {
-        let mut best = (c, a[c * self.stride + c].abs() * scales[c]);
-        for r in c + 1..self.pivotal {
-            let size = a[r * self.stride + c].abs() * scales[r];
-            if size > best.1 {
-                best = (r, size);
-            }
-        }
-        best
-    }
-
     /// Right sides of the pivotal rows and of the border rows: applies `L⁻¹ P`.
-    pub(super) fn forward(
-        &self,
-        a: &[f64],
-        exchanges: &[usize],
-        y: &mut [f64],
-        border: &mut [f64],
-    ) {
-        for (c, pivot) in exchanges.iter().enumerate() {
+    pub(super) fn forward(&self, i: usize, y: &mut [f64], border: &mut [f64]) {
+        for (c, pivot) in self.exchanges(i).iter().enumerate() {
             y.swap(c, *pivot);
         }
-        let mut rows = a.chunks_exact(self.stride);
+        let mut rows = self.front(i).chunks_exact(self.stride);
         for (r, row) in rows.by_ref().take(self.pivotal).enumerate() {
             let done = r.min(self.eliminated);
             y[r] -= dot(&row[..done], &y[..done]);
@@ -144,8 +143,8 @@ impl Front {
     }
 
     /// Unknowns in the order of the front's columns: fills in those eliminated from the others.
-    pub(super) fn back(&self, a: &[f64], right: &[f64], unknowns: &mut [f64]) {
-        let width = unknowns.len();
+    pub(super) fn back(&self, i: usize, right: &[f64], unknowns: &mut [f64]) {
+        let (a, width) = (self.front(i), unknowns.len());
         for r in (0..self.eliminated).rev() {
             let row = &a[r * self.stride..][..width];
             unknowns[r] = (right[r] - dot(&row[r + 1..], &unknowns[r + 1..])) / row[r];
@@ -153,8 +152,8 @@ impl Front {
     }
 
     /// Right sides of the transposed system, in the order of the front's columns: applies `U⁻ᵀ`.
-    pub(super) fn forward_transposed(&self, a: &[f64], right: &mut [f64]) {
-        let width = right.len();
+    pub(super) fn forward_transposed(&self, i: usize, right: &mut [f64]) {
+        let (a, width) = (self.front(i), right.len());
         for r in 0..self.eliminated {
             let row = &a[r * self.stride..][..width];
             right[r] /= row[r];
@@ -164,13 +163,8 @@ impl Front {
     }
 
     /// Unknowns of the transposed system, by pivotal rows and border rows: applies `Pᵀ L⁻ᵀ`.
-    pub(super) fn back_transposed(
-        &self,
-        a: &[f64],
-        exchanges: &[usize],
-        y: &mut [f64],
-        border: &[f64],
-    ) {
+    pub(super) fn back_transposed(&self, i: usize, y: &mut [f64], border: &[f64]) {
+        let a = self.front(i);
         for (r, factor) in border.iter().enumerate() {
             let row = &a[(self.pivotal + r) * self.stride..][..self.eliminated];
             subtract(&mut y[..self.eliminated], *factor, row);
@@ -179,10 +173,22 @@ impl Front {
             let (done, factor) = (r.min(self.eliminated), y[r]);
             subtract(&mut y[..done], factor, &a[r * self.stride..][..done]);
         }
-        for (c, pivot) in exchanges.iter().enumerate().rev() {
+        for (c, pivot) in self.exchanges(i).iter().enumerate().rev() {
             y.swap(c, *pivot);
         }
     }
+}
+
+/// The row of the largest entry of a column, and that entry, after rows (each `w` long) are scaled.
+fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
+    let mut best = (c, a[c * w + c].abs() * scales[c]);
+    for r in c + 1..scales.len() {
+        let size = a[r * w + c].abs() * scales[r];
+        if size > best.1 {
+            best = (r, size);
+        }
+    }
+    best
 }
 
 /// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c` vanish,
