@@ -21,14 +21,18 @@ impl<T: Scalar> Work<T> {
         Work { x: vec![T::zero(); names.length()], r: vec![T::zero(); names.dimension()] }
     }
 
+    /// Unknowns and parameters given component by component, and room for the residual.
+    fn arguments(&mut self, argument: impl Fn(usize) -> T) -> (&[T], &[T], &mut [T]) {
+        self.x.iter_mut().enumerate().for_each(|(i, x)| *x = argument(i));
+        let (z, p) = self.x.split_at(self.r.len());
+        (z, p, &mut self.r)
+    }
+
     /// Evaluates the residual at arguments given component by component.
     fn evaluate<P: ZeroProblem>(&mut self, problem: &P, argument: impl Fn(usize) -> T) -> &[T] {
-        for (i, x) in self.x.iter_mut().enumerate() {
-            *x = argument(i);
-        }
-        let (z, p) = self.x.split_at(self.r.len());
-        problem.residual(z, p, &mut self.r);
-        &self.r
+        let (z, p, r) = self.arguments(argument);
+        problem.residual(z, p, r);
+        r
     }
 }
 
@@ -268,10 +272,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         out: &mut [f64],
     ) {
         for start in (0..x.len()).step_by(CHUNK) {
-            for (i, (slot, x)) in self.chunk.x.iter_mut().zip(x).enumerate() {
-                *slot = seeded(*x, i, start);
-            }
-            let (z, p) = self.chunk.x.split_at(self.names.dimension());
+            let (z, p, _) = self.chunk.arguments(|i| seeded(x[i], i, start));
             self.problem.monitors(z, p, &mut self.monitors);
             let slopes = self.monitors[monitor].eps;
             out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);

@@ -97,7 +97,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Takes all conditions away, to be given back to [`resume`](Extended::resume).
-    pub fn suspend(&mut self) -> Vec<Box<dyn Condition + 'a>> {
+    pub(crate) fn suspend(&mut self) -> Vec<Box<dyn Condition + 'a>> {
         self.own = 0;
         let conditions = std::mem::take(&mut self.conditions);
         self.resize();
@@ -105,49 +105,49 @@ impl<'a> Extended<'a> {
     }
 
     /// Holds exactly these conditions, as they are: prepared already.
-    pub fn resume(&mut self, conditions: Vec<Box<dyn Condition + 'a>>) {
+    pub(crate) fn resume(&mut self, conditions: Vec<Box<dyn Condition + 'a>>) {
         self.own = conditions.iter().map(|condition| condition.unknowns()).sum();
         self.conditions = conditions;
         self.resize();
     }
 
     /// The number `n` of the problem's unknowns.
-    pub fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.x.len() - self.system.names().parameters.len()
     }
 
     /// The length of `X`.
-    pub fn length(&self) -> usize {
+    pub(crate) fn length(&self) -> usize {
         self.dimension() + self.own + self.released.len()
     }
 
     /// The position of the first released parameter in `X`.
-    pub fn parameters_at(&self) -> usize {
+    pub(crate) fn parameters_at(&self) -> usize {
         self.dimension() + self.own
     }
 
     /// The released parameters, as positions among all parameters.
-    pub fn released(&self) -> &[usize] {
+    pub(crate) fn released(&self) -> &[usize] {
         &self.released
     }
 
     /// The system.
-    pub fn system(&mut self) -> &mut dyn System {
+    pub(crate) fn system(&mut self) -> &mut dyn System {
         self.system
     }
 
     /// Names of the system.
-    pub fn names(&self) -> &Names {
+    pub(crate) fn names(&self) -> &Names {
         self.system.names()
     }
 
     /// The system together with `x = (z, p)` as loaded last, and the released parameters.
-    pub fn at(&mut self) -> At<'_> {
+    pub(crate) fn at(&mut self) -> At<'_> {
         At { system: self.system, x: &self.x, released: &self.released }
     }
 
     /// Writes `X` into `x = (z, p)`, and returns that.
-    pub fn load(&mut self, unknowns: &[f64]) -> &[f64] {
+    pub(crate) fn load(&mut self, unknowns: &[f64]) -> &[f64] {
         let n = self.dimension();
         self.x[..n].copy_from_slice(&unknowns[..n]);
         for (&p, value) in self.released.iter().zip(&unknowns[n + self.own..]) {
@@ -166,7 +166,7 @@ impl<'a> Extended<'a> {
 
     /// The sizes of the conditions' own unknowns, `None` for those that unfold the problem and so
     /// are zero in the end.
-    pub fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
+    pub(crate) fn own_sizes(&self, unknowns: &[f64]) -> Vec<Option<f64>> {
         let place = self.dimension();
         self.conditions
             .iter()
@@ -177,7 +177,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and directions over.
-    pub fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
+    pub(crate) fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
         self.system.follow(&mut self.x, directions);
@@ -185,33 +185,27 @@ impl<'a> Extended<'a> {
     }
 
     /// Turns the borders of all conditions.
-    pub fn adapt(&mut self) {
+    pub(crate) fn adapt(&mut self) {
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
     /// From now on the problem may err by as much as this, as a solution is only approached; conditions are
     /// not stated for what errs.
-    pub fn allow(&mut self, error: f64) {
+    pub(crate) fn allow(&mut self, error: f64) {
         if error == 0.0 || self.conditions.is_empty() {
             self.system.allow(error);
         }
     }
 
     /// Assembles the problem's matrix at `X`.
-    ///
-    /// # Errors
-    /// [`EvaluationError`] outside the domain.
-    pub fn assemble(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+    pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
         self.load(unknowns);
         Ok(self.system.assemble(&self.x)?)
     }
 
     /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
     /// equation, with nothing written there).
-    ///
-    /// # Errors
-    /// [`EvaluationError`] outside the domain or where a condition cannot be evaluated.
-    pub fn residual(
+    pub(crate) fn residual(
         &mut self,
         unknowns: &[f64],
         closing: Option<Closing>,
@@ -245,10 +239,7 @@ impl<'a> Extended<'a> {
 
     /// Assembles and factors the matrix of all equations at the point where
     /// [`residual`](Extended::residual) was called last.
-    ///
-    /// # Errors
-    /// [`EvaluationError`], `Singular` among others.
-    pub fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), EvaluationError> {
+    pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), EvaluationError> {
         let n = self.dimension();
         let width = self.own + self.released.len();
         self.fill_gradients()?;
@@ -265,7 +256,7 @@ impl<'a> Extended<'a> {
 
     /// The tangent of the curve at the point where the matrix was factored with a closing row, on which the
     /// tangent is 1.
-    pub fn tangent(&mut self, tangent: &mut [f64]) {
+    pub(crate) fn tangent(&mut self, tangent: &mut [f64]) {
         tangent.fill(0.0);
         if let Some(last) = tangent.last_mut() {
             *last = 1.0;
@@ -274,12 +265,12 @@ impl<'a> Extended<'a> {
     }
 
     /// Solves with the factored matrix, in place.
-    pub fn solve(&mut self, right: &mut [f64]) {
+    pub(crate) fn solve(&mut self, right: &mut [f64]) {
         self.system.solve(Slot::Curve, right);
     }
 
     /// The sign of the determinant of the factored matrix.
-    pub fn determinant_sign(&self) -> f64 {
+    pub(crate) fn determinant_sign(&self) -> f64 {
         self.system.determinant_sign(Slot::Curve)
     }
 

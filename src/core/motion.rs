@@ -28,36 +28,26 @@ pub struct Stability {
 impl Stability {
     /// The verdict on a spectrum.
     pub fn of(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> Self {
-        let count = |unstable: &dyn Fn(&(f64, f64)) -> bool| {
-            spectrum.iter().filter(|eigenvalue| unstable(eigenvalue)).count()
-        };
-        match dynamics {
-            Dynamics::Periodic => Stability {
-                unstable: count(&|mu| mu.0.hypot(mu.1) > 1.0),
-                oscillation: pairs(spectrum, |a, b| a * b - 1.0, |re, im| re.hypot(im) - 1.0),
-                doubling: spectrum.iter().map(doubling_factor).product(),
+        let periodic = dynamics == Dynamics::Periodic;
+        let outside =
+            |(re, im): &(f64, f64)| if periodic { re.hypot(*im) > 1.0 } else { *re > 0.0 };
+        Stability {
+            unstable: spectrum.iter().filter(|value| outside(value)).count(),
+            oscillation: match dynamics {
+                Dynamics::Periodic => {
+                    pairs(spectrum, |a, b| a * b - 1.0, |re, im| re.hypot(im) - 1.0)
+                }
+                Dynamics::Flow => pairs(spectrum, |a, b| a + b, |re, _| re),
+                _ => 0.0,
             },
-            Dynamics::Flow => Stability {
-                unstable: count(&|lambda| lambda.0 > 0.0),
-                oscillation: pairs(spectrum, |a, b| a + b, |re, _| re),
-                doubling: 1.0,
-            },
-            _ => Stability {
-                unstable: count(&|lambda| lambda.0 > 0.0),
-                oscillation: 0.0,
-                doubling: 1.0,
-            },
+            doubling: if periodic { spectrum.iter().map(doubling_factor).product() } else { 1.0 },
         }
     }
 
-    /// The same with test functions that keep their signs where a multiplier passes through infinity.
+    /// With test functions that keep their signs where a multiplier passes through infinity.
     pub fn oriented(self, orientation: f64) -> Self {
-        let Stability { unstable, oscillation, doubling } = self;
-        Stability {
-            unstable,
-            oscillation: oscillation * orientation,
-            doubling: doubling * orientation,
-        }
+        let [oscillation, doubling] = [self.oscillation, self.doubling].map(|t| t * orientation);
+        Stability { oscillation, doubling, ..self }
     }
 }
 

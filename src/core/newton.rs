@@ -278,10 +278,7 @@ impl Newton {
 
     /// What Newton would still change at a solution, which is the error left, rounding included: with the
     /// matrix there (`refactor`), or with the one factored last, that of a point near by.
-    ///
-    /// # Errors
-    /// [`NewtonError`] if the equations cannot be evaluated there.
-    pub fn residual_correction(
+    pub(crate) fn residual_correction(
         &mut self,
         equations: &mut Extended,
         unknowns: &[f64],
@@ -311,23 +308,23 @@ impl Newton {
     fn simplified_step(&mut self, problem: &mut Problem, unknowns: &mut [f64]) -> bool {
         self.try_correction(unknowns, 1.0);
         let evaluated = problem.equations.residual(&self.trial, problem.closing, &mut self.next);
-        if evaluated.is_ok() {
-            problem.equations.solve(&mut self.next);
-            let left = problem.size(&self.next);
-            let contraction = left / problem.size(&self.correction);
-            if left <= NEGLIGIBLE * problem.tolerance {
-                // What was found with the residual belongs to this very point.
-                unknowns.copy_from_slice(&self.trial);
-                return true;
-            }
-            if contraction <= NEARLY_LINEAR && left * contraction <= NEGLIGIBLE * problem.tolerance
-            {
-                let last = self.trial.iter().zip(&self.next).map(|(x, d)| x - d);
-                unknowns.iter_mut().zip(last).for_each(|(x, last)| *x = last);
-                return true;
-            }
+        if evaluated.is_err() {
+            return false;
         }
-        false
+        problem.equations.solve(&mut self.next);
+        let (left, negligible) = (problem.size(&self.next), NEGLIGIBLE * problem.tolerance);
+        let contraction = left / problem.size(&self.correction);
+        if left <= negligible {
+            // What was found with the residual belongs to this very point.
+            unknowns.copy_from_slice(&self.trial);
+            return true;
+        }
+        let nearly_linear = contraction <= NEARLY_LINEAR && left * contraction <= negligible;
+        if nearly_linear {
+            let last = self.trial.iter().zip(&self.next).map(|(x, d)| x - d);
+            unknowns.iter_mut().zip(last).for_each(|(x, last)| *x = last);
+        }
+        nearly_linear
     }
 
     /// Applies the correction, damped as far as needed, leaves the residual at the new point, and
@@ -379,23 +376,15 @@ fn hopeless(
         Ok(()) if size.is_finite() => {
             NewtonError::Stagnation { iterations: iteration, correction: size, damping }
         }
-        Ok(()) => NewtonError::LeftDomain {
-            iteration,
-            cause: LeftDomain::new(
-                "the correction",
-                size,
-                "the equations must be finite near the solution",
-            ),
-        },
+        Ok(()) => {
+            let remedy = "the equations must be finite near the solution";
+            let cause = LeftDomain::new("the correction", size, remedy);
+            NewtonError::LeftDomain { iteration, cause }
+        }
     }
 }
 
 /// `√(Σ wᵢ dᵢ²)`.
-///
-/// ```
-/// use tangency::core::newton::scaled_norm;
-/// assert_eq!(scaled_norm(&[3.0, 8.0], &[1.0, 0.25]), 5.0);
-/// ```
-pub fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
+pub(crate) fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
     d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
 }

@@ -83,49 +83,35 @@ impl Event {
         Self::with_test(name, kind, Test::Condition, condition)
     }
 
-    /// A fold with respect to the continued parameter.
-    pub fn fold() -> Self {
-        Self::with_test("fold", Kind::LP, Test::Fold, Fold::default)
-    }
-
-    /// A branch point of branches in this parameter (a position among the parameters).
-    pub fn branch_point(parameter: usize) -> Self {
-        let make = move || BranchPoint::new(parameter);
-        Self::with_test("branch point", Kind::BP, Test::BranchPoint, make)
-    }
-
-    /// A Hopf point.
-    pub fn hopf() -> Self {
-        Self::with_test("Hopf point", Kind::HB, Test::Hopf, Hopf::of_equilibria)
-    }
-
-    /// A torus point of periodic orbits.
-    pub fn torus() -> Self {
-        Self::with_test("torus point", Kind::TR, Test::Hopf, Hopf::of_orbits)
-    }
-
-    /// A period doubling of periodic orbits.
-    pub fn period_doubling() -> Self {
-        let test = Test::PeriodDoubling;
-        Self::with_test("period doubling", Kind::PD, test, Fold::antiperiodic)
-    }
-
-    /// A cusp on a curve of folds.
-    pub fn cusp() -> Self {
-        Self::new("cusp", DegenerateFold::cusp)
-    }
-
-    /// A Bogdanov–Takens point on a curve of folds.
-    pub fn bogdanov_takens() -> Self {
-        Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens)
+    /// The bifurcation that a kind of special point stands for, of branches in this parameter (a position among
+    /// the parameters): folds, branch points, Hopf points of equilibria; period doublings and torus points of
+    /// periodic orbits; cusps and Bogdanov–Takens points of curves of folds.
+    pub fn bifurcation(kind: Kind, parameter: usize) -> Option<Self> {
+        Some(match kind {
+            Kind::LP => Self::with_test("fold", kind, Test::Fold, Fold::default),
+            Kind::BP => {
+                let make = move || BranchPoint::new(parameter);
+                Self::with_test("branch point", kind, Test::BranchPoint, make)
+            }
+            Kind::HB => Self::with_test("Hopf point", kind, Test::Hopf, Hopf::of_equilibria),
+            Kind::TR => Self::with_test("torus point", kind, Test::Hopf, Hopf::of_orbits),
+            Kind::PD => {
+                let test = Test::PeriodDoubling;
+                Self::with_test("period doubling", kind, test, Fold::antiperiodic)
+            }
+            Kind::CP => Self::new("cusp", DegenerateFold::cusp),
+            Kind::BT => Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens),
+            _ => return None,
+        })
     }
 
     /// The end of a curve of Hopf points, where their frequency, its own unknown, vanishes: a
     /// Bogdanov–Takens point, which is a double zero on a curve of folds. (Beyond it the curve would be
     /// traced back with negative frequency.)
-    pub fn vanishing_frequency() -> Self {
-        let instead = Some(Event::fold().condition);
-        Event { test: Test::Own(0), instead, ..Self::bogdanov_takens() }.ending()
+    pub(super) fn vanishing_frequency() -> Self {
+        let point = Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens);
+        let fold = Self::new("fold", Fold::default);
+        Event { test: Test::Own(0), instead: Some(fold.condition), ..point }.ending()
     }
 
     /// A parameter or monitor at a level, marked `UZ`.
@@ -186,19 +172,5 @@ impl Event {
             Direction::Rising => rising,
             Direction::Falling => falling,
         }
-    }
-}
-
-/// The condition that a kind of special point stands for, if it can be held along a curve.
-pub(super) fn condition_of(kind: Kind, parameter: usize) -> Option<MakeCondition> {
-    match kind {
-        Kind::LP => Some(Event::fold().condition),
-        Kind::BP => Some(Event::branch_point(parameter).condition),
-        Kind::HB => Some(Event::hopf().condition),
-        Kind::PD => Some(Event::period_doubling().condition),
-        Kind::TR => Some(Event::torus().condition),
-        Kind::CP => Some(Event::cusp().condition),
-        Kind::BT => Some(Event::bogdanov_takens().condition),
-        _ => None,
     }
 }

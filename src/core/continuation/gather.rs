@@ -1,9 +1,9 @@
 //! What is held along a curve, and the events that are looked for.
 
-use super::event::{Event, MakeCondition, Test, condition_of};
+use super::event::{Event, MakeCondition, Test};
+use super::run::Bound;
 use super::start::VANISHES;
 use super::{Continuation, Kind, TraceError};
-use crate::core::bifurcation::Fold;
 use crate::core::condition::Quantity;
 use crate::core::zero::Dynamics;
 
@@ -22,7 +22,7 @@ impl Continuation<'_> {
             .map(|(kind, make)| {
                 let known = || match kind {
                     Kind::G => self.grazing.first().map(grazing),
-                    _ => condition_of(*kind, parameter),
+                    _ => Event::bifurcation(*kind, parameter).map(|event| event.condition),
                 };
                 make.clone().or_else(known).ok_or(TraceError::NotHeld { kind: *kind })
             })
@@ -53,57 +53,57 @@ impl Continuation<'_> {
         monitors.map(|&m| self.graze_at(m)).collect()
     }
 
-    /// Bounds, which end the branch, and their sides.
-    fn bounding(&self) -> Result<(Vec<Event>, Vec<f64>), TraceError> {
-        let (mut events, mut sides) = (Vec::new(), Vec::new());
-        for (name, [low, high]) in self.released.iter().chain(&self.bounds) {
+    /// Bounds, which end the branch.
+    fn bounding(&self) -> Result<(Vec<Event>, Vec<Bound>), TraceError> {
+        let (mut events, mut bounds) = (Vec::new(), Vec::new());
+        for (name, range) in self.released.iter().chain(&self.bounds) {
             let quantity = self.quantity(name)?;
-            for (level, side) in [(*low, -1.0), (*high, 1.0)] {
+            for (level, side) in range.iter().zip([-1.0, 1.0]) {
                 if level.is_finite() {
-                    events.push(Event::level_of_kind(Kind::EP, name, quantity, level).ending());
-                    sides.push(side);
+                    events.push(Event::level_of_kind(Kind::EP, name, quantity, *level).ending());
+                    bounds.push(Bound { side, range: *range });
                 }
             }
         }
-        Ok((events, sides))
+        Ok((events, bounds))
     }
 
     /// Bifurcations of the solutions or special points that the curve is made of.
     fn bifurcations(&self, parameter: usize) -> Vec<Event> {
         let dynamics = self.system.dynamics();
+        let (flow, periodic) = (dynamics == Dynamics::Flow, dynamics == Dynamics::Periodic);
         let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();
-        match (&held[..], dynamics) {
-            ([], _) => {
-                let motion = match dynamics {
-                    Dynamics::Flow => vec![Event::hopf()],
-                    Dynamics::Periodic => vec![Event::period_doubling(), Event::torus()],
-                    _ => Vec::new(),
-                };
-                [vec![Event::branch_point(parameter), Event::fold()], motion].concat()
-            }
-            ([Kind::LP], Dynamics::Flow) => vec![Event::cusp(), Event::bogdanov_takens()],
-            ([Kind::LP], _) => vec![Event::cusp()],
-            ([Kind::HB], _) => vec![Event::vanishing_frequency()],
-            ([Kind::G], _) => {
-                let doubling = Event::new("period doubling", Fold::antiperiodic);
-                let doubling = Some(doubling).filter(|_| dynamics == Dynamics::Periodic);
-                [Event::new("fold", Fold::default)].into_iter().chain(doubling).collect()
-            }
-            _ => Vec::new(),
-        }
+        let kinds: &[Kind] = match held[..] {
+            [] if flow => &[Kind::BP, Kind::LP, Kind::HB],
+            [] if periodic => &[Kind::BP, Kind::LP, Kind::PD, Kind::TR],
+            [] => &[Kind::BP, Kind::LP],
+            [Kind::LP] if flow => &[Kind::CP, Kind::BT],
+            [Kind::LP] => &[Kind::CP],
+            [Kind::HB] => return vec![Event::vanishing_frequency()],
+            [Kind::G] if periodic => &[Kind::LP, Kind::PD],
+            [Kind::G] => &[Kind::LP],
+            _ => &[],
+        };
+        let event = |&kind: &Kind| {
+            let event = Event::bifurcation(kind, parameter)?;
+            // The tangent of a curve of grazings, and its multipliers, do not tell its bifurcations.
+            let test = if held == [Kind::G] { Test::Condition } else { event.test };
+            Some(Event { test, ..event })
+        };
+        kinds.iter().filter_map(event).collect()
     }
 
-    /// Gathers the events, the bounds first, so that a branch ends before anything beyond, and returns the sides
-    /// of the bounds.
+    /// Gathers the events, the bounds first, so that a branch ends before anything beyond, and returns those.
     pub(super) fn gather_events(
         &mut self,
         parameter: usize,
         held: &[MakeCondition],
-    ) -> Result<Vec<f64>, TraceError> {
-        let (mut events, mut sides) = self.bounding()?;
+    ) -> Result<Vec<Bound>, TraceError> {
+        let (mut events, mut bounds) = self.bounding()?;
         let grazings = self.grazings();
         if !self.beyond {
-            sides.extend(grazings.iter().map(|_| -1.0));
+            let bound = |_| Bound { side: -1.0, range: [0.0, f64::INFINITY] };
+            bounds.extend(grazings.iter().map(bound));
             events.extend(grazings.iter().cloned().map(Event::ending));
         }
         for (name, level, kind) in &self.marks {
@@ -118,7 +118,7 @@ impl Continuation<'_> {
         let own = held.iter().map(|make| make().unknowns()).sum();
         events.iter().try_for_each(|event| self.check(event, own))?;
         self.events = events;
-        Ok(sides)
+        Ok(bounds)
     }
 
     /// Refuses an event without a test function, and one at a position that does not exist.

@@ -2,7 +2,7 @@
 //! have changed it twice.
 
 use super::event::Test;
-use super::stepper::{Before, Matrix, Place, Step, Stepper};
+use super::stepper::{Before, Place, Step, Stepper};
 use crate::core::extended::Closing;
 use crate::core::vector::advanced;
 
@@ -47,7 +47,7 @@ impl Stepper<'_> {
             let closing = Closing { row: &row, base: &from.unknowns, length };
             let report = self.correct(&mut unknowns, closing).ok()?;
             let stability = self.held.is_empty();
-            let place = self.arrive(unknowns, &row, Matrix::after(&report), stability).ok()?;
+            let place = self.arrive(unknowns, &row, report.matrix_error, stability).ok()?;
             let test = place.tests[index];
             if sign * test < 0.0 {
                 return Some(Step { place, length, next: end - length });

@@ -2,7 +2,7 @@
 
 use super::event::{Event, MakeCondition, Test};
 use super::hermite::{Knot, hermite};
-use super::stepper::{Matrix, Place, Stepper};
+use super::stepper::{MATRIX_ERROR, Place, Stepper};
 use super::{Kind, Point, SpecialPoint};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances};
@@ -146,8 +146,8 @@ impl Stepper<'_> {
         let closing = Closing { row, base: &from.unknowns, length };
         let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
         let stability = matches!(self.events[index].test, Test::Hopf | Test::PeriodDoubling);
-        let matrix = Matrix::after(&report);
-        let Ok(place) = self.arrive(unknowns, row, matrix, stability) else { return false };
+        let arrived = self.arrive(unknowns, row, report.matrix_error, stability);
+        let Ok(place) = arrived else { return false };
         let test = place.tests[index];
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
         bracket.ends[side] = place.unknowns;
@@ -168,23 +168,17 @@ impl Stepper<'_> {
         let curve = self.equations.suspend();
         let (n, end) = (self.equations.dimension(), self.equations.length());
         let own: usize = curve.iter().map(|condition| condition.unknowns()).sum();
-        let outcome = match &event.instead {
-            None => {
-                self.equations.resume(curve);
-                let outcome = self.finish_with(std::slice::from_ref(&event.condition), &guess);
-                (outcome, self.equations.suspend())
-            }
-            Some(instead) => {
-                let mut bare = guess;
-                bare.drain(n..n + own);
-                let makes = [instead.clone(), event.condition.clone()];
-                (self.finish_with(&makes, &bare), curve)
-            }
+        let (outcome, mut conditions) = if let Some(instead) = &event.instead {
+            let mut bare = guess;
+            bare.drain(n..n + own);
+            (self.finish_with(&[instead.clone(), event.condition.clone()], &bare), curve)
+        } else {
+            self.equations.resume(curve);
+            let outcome = self.finish_with(std::slice::from_ref(&event.condition), &guess);
+            (outcome, self.equations.suspend())
         };
-        let (outcome, mut conditions) = outcome;
         // Whatever was added for the event goes again; the curve's own unknowns are in their place.
-        let count = self.held.len();
-        conditions.truncate(count);
+        conditions.truncate(self.held.len());
         self.equations.resume(conditions);
         let (unknowns, error) = outcome?;
         let kept = if event.instead.is_none() { own } else { 0 };
@@ -323,7 +317,7 @@ pub(super) fn converge(
     let parameter = equations.parameters_at();
     let rounding = 4.0 * f64::EPSILON * unknowns[parameter].abs();
     // The first correction is Newton's own last one; what the second one changes is the error left.
-    let refactor = Matrix::after(&report) == Matrix::Unknown;
+    let refactor = report.matrix_error > MATRIX_ERROR;
     let first = newton.residual_correction(equations, unknowns, refactor)?;
     let mut left = first[parameter].abs();
     unknowns.iter_mut().zip(first).for_each(|(x, d)| *x -= d);

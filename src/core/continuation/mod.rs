@@ -10,6 +10,7 @@ mod hidden;
 mod locate;
 mod metric;
 mod observer;
+mod predictor;
 mod prepare;
 mod refine;
 mod run;

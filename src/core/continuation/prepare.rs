@@ -12,23 +12,23 @@ impl<'a> Continuation<'a> {
         let how = self.adopt()?;
         let released = self.resolve_released()?;
         let held = self.resolve_held(released[0])?;
-        let sides = self.gather_events(released[0], &held)?;
+        let bounds = self.gather_events(released[0], &held)?;
         let (scales, settled) = (self.resolve_scales(&released)?, self.resolve_settled()?);
-        self.start(Resolved { released, held, sides, scales, settled }, how)
+        self.start(Resolved { released, held, bounds, scales, settled }, how)
     }
 
     /// Hands the solution that one restarts from to the system, which may change its mesh for it.
     fn adopt(&mut self) -> Result<Leaving, TraceError> {
-        let Some(mut solution) = self.solution.take() else { return Ok(Leaving::Along) };
+        let Some(mut solution) = self.origin.solution.take() else { return Ok(Leaving::Along) };
         solution.parameters = self.x[self.system.names().dimension()..].to_vec();
-        solution.switch = self.switched;
+        solution.switch = self.origin.switched;
         let adopted = self.system.adopt(&solution);
         let Adopted { z, tangent, leaving } = adopted.map_err(|cause| self.not_started(cause))?;
         self.x = [&z[..], &solution.parameters].concat();
-        self.tangent = tangent;
-        self.at_branch_point |= leaving == Leaving::BranchPoint;
+        self.origin.tangent = tangent;
+        self.origin.is_branch_point |= leaving == Leaving::BranchPoint;
         if leaving == Leaving::Switched {
-            (self.switched, self.born) = (false, true);
+            (self.origin.switched, self.origin.is_birth) = (false, true);
             return Ok(Leaving::Along);
         }
         Ok(leaving)

@@ -1,6 +1,6 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
-use super::event::Test;
+use super::event::{Event, Test};
 use super::hermite::MOST_KNOTS;
 use super::locate::Located;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
@@ -16,8 +16,8 @@ pub(super) struct Tracer<'a> {
     pub stepper: Stepper<'a>,
     pub branch: Branch,
     pub start: Place,
-    /// The first events are bounds: −1 for a lower, 1 for an upper one.
-    pub sides: Vec<f64>,
+    /// The bounds, which are the first events.
+    pub bounds: Vec<Bound>,
     /// How fast the levels' test functions grow at the start.
     pub slopes: Vec<f64>,
     /// Whether to trace backward, forward.
@@ -27,6 +27,14 @@ pub(super) struct Tracer<'a> {
     pub from_branch_point: bool,
     /// How many labels have been given.
     pub labels: usize,
+}
+
+/// A level that bounds a branch.
+pub(super) struct Bound {
+    /// −1 for a lower bound, 1 for an upper one.
+    pub side: f64,
+    /// The range that it belongs to.
+    pub range: [f64; 2],
 }
 
 /// One of the two halves of a branch, from the start outward. `after` of its special points counts
@@ -43,21 +51,14 @@ type Ending = (End, Option<Located>);
 impl Tracer<'_> {
     /// Refuses a start beyond a bound.
     pub fn check_bounds(&self) -> Result<(), TraceError> {
-        let events = &self.stepper.events;
-        let beyond = |i: &usize| self.start.tests[*i] * self.sides[*i] > 0.0;
-        let Some(i) = (0..self.sides.len()).find(beyond) else { return Ok(()) };
-        let Test::Level(quantity, level) = events[i].test else { return Ok(()) };
-        let other = |side: f64| {
-            let level = events.iter().zip(&self.sides).find_map(|(event, s)| match event.test {
-                Test::Level(q, level) if q == quantity && *s == side => Some(level),
-                _ => None,
-            });
-            level.unwrap_or(side * f64::INFINITY)
+        let beyond = |i: &usize| self.start.tests[*i] * self.bounds[*i].side > 0.0;
+        let Some(i) = (0..self.bounds.len()).find(beyond) else { return Ok(()) };
+        let Event { name, test: Test::Level(_, level), .. } = &self.stepper.events[i] else {
+            return Ok(());
         };
-        let (low, high) =
-            if self.sides[i] < 0.0 { (level, other(1.0)) } else { (other(-1.0), level) };
+        let [low, high] = self.bounds[i].range;
         let value = level + self.start.tests[i];
-        Err(TraceError::OutOfRange { name: events[i].name.clone(), value, low, high })
+        Err(TraceError::OutOfRange { name: name.clone(), value, low, high })
     }
 
     /// Traces both halves and joins them.
@@ -168,7 +169,7 @@ impl Tracer<'_> {
                 Err((step, cause)) => return End::StepTooSmall { step, cause: cause.to_string() },
             };
             if points == 0
-                && let Some(end) = self.left_at_once(start, &step.place)
+                && let Some(end) = self.leaves(start, |i| step.place.tests[i])
             {
                 return end;
             }
@@ -248,15 +249,13 @@ impl Tracer<'_> {
     /// The end of a half that starts on a bound and is about to leave.
     fn leaves_at_once(&self, backward: bool) -> Option<End> {
         let way = if backward { -1.0 } else { 1.0 };
-        let leaves =
-            |i: &usize| self.start.tests[*i] == 0.0 && way * self.slopes[*i] * self.sides[*i] > 0.0;
-        (0..self.sides.len()).find(leaves).and_then(|i| self.bound(i))
+        self.leaves(&self.start, |i| way * self.slopes[i])
     }
 
-    /// The end of a half that starts on a bound, along it, and has left with its first step.
-    fn left_at_once(&self, start: &Place, place: &Place) -> Option<End> {
-        let left = |i: &usize| start.tests[*i] == 0.0 && place.tests[*i] * self.sides[*i] > 0.0;
-        (0..self.sides.len()).find(left).and_then(|i| self.bound(i))
+    /// The end of a half that starts on a bound which such changes of the test functions lead beyond.
+    fn leaves(&self, start: &Place, change: impl Fn(usize) -> f64) -> Option<End> {
+        let leaves = |i: &usize| start.tests[*i] == 0.0 && change(*i) * self.bounds[*i].side > 0.0;
+        (0..self.bounds.len()).find(leaves).and_then(|i| self.bound(i))
     }
 
     fn bound(&self, index: usize) -> Option<End> {
@@ -309,7 +308,7 @@ impl Tracer<'_> {
             let vertical = kind == Kind::PD && on_grazings && found.iter().any(folds);
             let pitchfork = at_start && self.from_branch_point;
             let double = kind == Kind::LP && (pitchfork || found.iter().any(same));
-            let bound = index < self.sides.len();
+            let bound = index < self.bounds.len();
             let of_the_start = at_start && !bound && located.along <= AT_START;
             if !(double || vertical || of_the_start) {
                 found.push(located);
@@ -340,7 +339,7 @@ impl Tracer<'_> {
         found.truncate(index + 1);
         let at = found.pop()?;
         let event = events[at.event].name.clone();
-        let bound = (at.event < self.sides.len()).then(|| self.bound(at.event)).flatten();
+        let bound = (at.event < self.bounds.len()).then(|| self.bound(at.event)).flatten();
         Some((bound.unwrap_or(End::Event { event }), Some(at)))
     }
 

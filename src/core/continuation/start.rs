@@ -2,8 +2,9 @@
 
 use super::event::{MakeCondition, Test};
 use super::metric::Metric;
-use super::run::Tracer;
-use super::stepper::{AT_START, Matrix, Place, Stepper};
+use super::run::{Bound, Tracer};
+use super::stepper::{AT_START, Place, Stepper};
+use super::trace::Origin;
 use super::{Branch, Continuation, End, Kind, TraceError};
 use crate::core::bifurcation::branches_at;
 use crate::core::condition::{At, EvaluationError};
@@ -20,9 +21,8 @@ pub(super) struct Resolved {
     /// The parameters released, as positions among all.
     pub released: Vec<usize>,
     pub held: Vec<MakeCondition>,
-    /// The sides of the levels that bound a branch, which are the first events: −1 for a lower bound, 1 for an
-    /// upper one.
-    pub sides: Vec<f64>,
+    /// The bounds, which are the first events.
+    pub bounds: Vec<Bound>,
     /// Scales that the user gives, of groups and then of released parameters.
     pub scales: Vec<Option<f64>>,
     /// The columns of points that settle.
@@ -50,12 +50,12 @@ impl<'a> Continuation<'a> {
 
     /// Corrects the start, finds the tangent and the scales.
     fn begin(mut self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, NewtonError> {
-        let Resolved { released, held, sides, scales, settled } = resolved;
+        let Resolved { released, held, bounds, scales, settled } = resolved;
         let branch = self.branch();
         let leaving = self.leaving(&released, how)?;
         let from_branch_point = leaving.is_some();
-        let same_curve = self.restarted_on == self.held.first().map(|(kind, _)| *kind);
-        let direction = leaving.or(self.tangent.filter(|_| same_curve));
+        let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
+        let direction = leaving.or(self.origin.tangent.filter(|_| same_curve));
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
         let mut equations = Extended::new(self.system, &self.x, released);
         let mut unknowns = equations.unload(&self.x);
@@ -86,19 +86,11 @@ impl<'a> Continuation<'a> {
         };
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
         let tangent = stepper.scaled(tangent);
-        stepper.prepare_tests(&unknowns)?;
-        let mut start = if from_branch_point {
-            stepper.arrive_at_branch_point(unknowns, tangent)?
-        } else {
-            let row = stepper.covector(&tangent);
-            let stability = stepper.held.is_empty();
-            stepper.arrive(unknowns, &row, Matrix::Unknown, stability)?
-        };
-        stepper.check_start(&start)?;
+        let mut start = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
         if how != Leaving::Along {
             stepper.forget_stability_at(&mut start);
         }
-        let slopes = stepper.forget_levels_at(&mut start, self.born)?;
+        let slopes = stepper.forget_levels_at(&mut start, self.origin.is_birth)?;
         if !from_branch_point {
             stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
         }
@@ -108,7 +100,7 @@ impl<'a> Continuation<'a> {
             Leaving::BranchPoint | Leaving::Direction => [false, true],
         };
         let labels = 0;
-        Ok(Tracer { stepper, branch, start, sides, slopes, directions, from_branch_point, labels })
+        Ok(Tracer { stepper, branch, start, bounds, slopes, directions, from_branch_point, labels })
     }
 
     /// The direction in which to leave a branch point: along the branch that one comes from, or along
@@ -118,29 +110,27 @@ impl<'a> Continuation<'a> {
         released: &[usize],
         how: Leaving,
     ) -> Result<Option<Vec<f64>>, EvaluationError> {
+        let Origin { tangent, kind, switched, is_branch_point, .. } = &self.origin;
         if how == Leaving::Direction {
-            return Ok(self.tangent.clone());
+            return Ok(tangent.clone());
         }
-        let at_branch_point = self.at_branch_point && self.held.is_empty();
-        if self.switched
+        if *switched
             && how == Leaving::Along
-            && let Some(kind) = self.restarted_at.filter(|kind| *kind != Kind::BP)
+            && let Some(kind) = kind.filter(|kind| *kind != Kind::BP)
         {
             return Err(EvaluationError::NotApplicable(format!(
                 "the point to switch at is a {}, but branches cross at branch points (BP) only",
                 kind.meaning()
             )));
         }
-        if !(self.switched || at_branch_point) {
+        if !(*switched || *is_branch_point && self.held.is_empty()) {
             return Ok(None);
         }
         let at = At { system: &mut *self.system, x: &self.x, released };
         match branches_at(at, released[0]) {
-            Ok(tangents) => {
-                Ok(Some(branch_along(tangents, self.tangent.as_deref(), self.switched)))
-            }
-            Err(cause) if self.switched || self.tangent.is_none() => Err(cause),
-            Err(_) => Ok(self.tangent.clone()),
+            Ok(tangents) => Ok(Some(branch_along(tangents, tangent.as_deref(), *switched))),
+            Err(cause) if *switched || tangent.is_none() => Err(cause),
+            Err(_) => Ok(tangent.clone()),
         }
     }
 
@@ -254,8 +244,20 @@ impl Stepper<'_> {
         tangent
     }
 
-    /// Lets the system refuse the start, unless that grazes.
-    fn check_start(&mut self, start: &Place) -> Result<(), EvaluationError> {
+    /// Records the start. The system may refuse it, unless it grazes.
+    fn arrive_first(
+        &mut self,
+        unknowns: Vec<f64>,
+        tangent: Vec<f64>,
+        from_branch_point: bool,
+    ) -> Result<Place, EvaluationError> {
+        self.prepare_tests(&unknowns)?;
+        let start = if from_branch_point {
+            self.arrive_at_branch_point(unknowns, tangent)?
+        } else {
+            let row = self.covector(&tangent);
+            self.arrive(unknowns, &row, f64::INFINITY, self.held.is_empty())?
+        };
         let (monitors, p) = (&start.point.monitors, &start.point.parameters);
         let system = self.equations.system();
         let clear = |&m: &usize| monitors[m] > VANISHES * system.grazing_scale(m, p);
@@ -264,6 +266,6 @@ impl Stepper<'_> {
             let at = self.equations.at();
             at.system.check_start(at.x)?;
         }
-        Ok(())
+        Ok(start)
     }
 }

@@ -1,15 +1,13 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
 use super::event::{Event, MakeCondition, Test};
-use super::hermite::{Knot, hermite};
 use super::metric::Metric;
 use super::{Point, Settings};
 use crate::core::condition::{At, Condition, EvaluationError, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
-use crate::core::vector::{advanced, difference, dot, norm};
-use std::ops::Range;
+use crate::core::vector::{advanced, dot};
 
 /// A point of the curve with everything that the next step, and the events, need of it.
 #[derive(Clone)]
@@ -47,37 +45,12 @@ pub(super) const AT_START: f64 = 1e-6;
 /// A level nearer than this to where a curve is born, in scaled arclength, is where it is born.
 const AT_BIRTH: f64 = 1e-2;
 
-/// Whether the matrix factored last is, nearly, that of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Matrix {
-    /// It is.
-    Known,
-    /// It is another one.
-    Unknown,
-}
-
-impl Matrix {
-    /// Whether Newton's last matrix is near enough to that of the solution for its tangent.
-    pub fn after(report: &Convergence) -> Self {
-        if report.matrix_error <= MATRIX_ERROR { Matrix::Known } else { Matrix::Unknown }
-    }
-}
-
 /// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
-const MATRIX_ERROR: f64 = 1e-4;
+pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
 /// The sign of a tangent's component along the parameter that is smaller than this is not left to a matrix that
 /// is only nearly known.
 const UNCERTAIN: f64 = 0.05;
-
-/// A prediction that leaves the tangent by more than this share of the step is not trusted.
-const MOST_CURVED: f64 = 0.2;
-
-/// Of a group that turns, it may leave the tangent by this share of the group's size.
-const MOST_TURNED: f64 = 0.02;
-
-/// A place with a tangent that is this far from the present one is of no use to the predictor.
-const LEAST_SPEED: f64 = 0.5;
 
 /// A place before a step's, for the predictor and for pairs of events.
 pub(super) struct Before {
@@ -137,24 +110,24 @@ impl Stepper<'_> {
     }
 
     /// Records a corrected point: tangent (along `row`), monitors, stability (which costs a spectrum) if it is
-    /// wanted, test functions. `matrix` says whether the matrix factored last, with the same `row`, is that of
-    /// this point.
+    /// wanted, test functions. The matrix factored last, with the same `row`, is that of this point but for
+    /// `matrix_error`, relatively.
     pub fn arrive(
         &mut self,
         unknowns: Vec<f64>,
         row: &[f64],
-        matrix: Matrix,
+        matrix_error: f64,
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
         // Eigenvalues that are only counted need not be known well.
         let exact = self.tests_assemble() || (stability && self.settings.eigenvalues > 0);
-        if matrix == Matrix::Known && !exact {
+        if matrix_error <= MATRIX_ERROR && !exact {
             self.equations.load(&unknowns);
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();
             if tangent[p].abs() * self.weights[p].sqrt() <= UNCERTAIN {
-                return self.arrive(unknowns, row, Matrix::Unknown, stability);
+                return self.arrive(unknowns, row, f64::INFINITY, stability);
             }
         } else {
             self.equations.assemble(&unknowns)?;
@@ -280,62 +253,12 @@ impl Stepper<'_> {
         let mut unknowns = curved.unwrap_or_else(line);
         let closing = Closing { row, base: &from.unknowns, length };
         let report = self.correct(&mut unknowns, closing)?;
-        let place = self.arrive(unknowns, row, Matrix::after(&report), self.held.is_empty())?;
+        let place = self.arrive(unknowns, row, report.matrix_error, self.held.is_empty())?;
         let angle = dot(row, &place.tangent).clamp(-1.0, 1.0).acos();
         if angle > self.settings.max_angle && length > 2.0 * self.settings.min_step {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
         Ok(Step { place, length, next: self.next_length(length, report.contraction, angle, order) })
-    }
-
-    /// The polynomial through the last places with their tangents, extrapolated. Its parameter is the
-    /// coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane
-    /// of the step.
-    fn curved(
-        &self,
-        before: &[Before],
-        from: &Place,
-        row: &[f64],
-        length: f64,
-    ) -> Option<Vec<f64>> {
-        let origin = dot(row, &from.unknowns);
-        let mut knots =
-            vec![Knot { u: 0.0, x: &from.unknowns, tangent: &from.tangent, speed: 1.0 }];
-        for Before { place: Place { unknowns, tangent, .. }, .. } in before {
-            let (u, speed) = (dot(row, unknowns) - origin, dot(row, tangent));
-            if u >= knots[knots.len() - 1].u || speed <= LEAST_SPEED {
-                break;
-            }
-            knots.push(Knot { u, x: unknowns, tangent, speed });
-        }
-        let line = advanced(&from.unknowns, length, &from.tangent);
-        while knots.len() > 1 {
-            let curved = hermite(&knots, length);
-            if self.is_trusted(&difference(&curved, &line), from, length) {
-                return Some(curved);
-            }
-            knots.pop();
-        }
-        None
-    }
-
-    /// Whether a prediction's `bend` away from the tangent is small against the step; and, since a group that
-    /// is small on this part of the branch hardly counts in the norm, in each group by itself: against the
-    /// group's part of the step, or, where the group turns, against its size.
-    fn is_trusted(&self, bend: &[f64], from: &Place, length: f64) -> bool {
-        let small = |place: Range<usize>| {
-            let step = length * norm(&from.tangent[place.clone()]);
-            let turn = MOST_TURNED * norm(&from.unknowns[place.clone()]);
-            norm(&bend[place]) <= turn.max(MOST_CURVED * step)
-        };
-        let mut start = 0;
-        let groups = self.equations.names().unknowns.iter().all(|group| {
-            let place = start..start + group.length;
-            start = place.end;
-            small(place)
-        });
-        let whole = scaled_norm(bend, &self.weights) <= MOST_CURVED * length;
-        whole && groups && (start..bend.len()).all(|i| small(i..i + 1))
     }
 
     /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the

@@ -1,7 +1,7 @@
 //! A curve to be traced, put together piece by piece.
 
 use super::event::{Event, MakeCondition};
-use super::{Branch, Kind, Observer, Settings, SpecialPoint, TraceError};
+use super::{Branch, Kind, Observer, Settings, TraceError};
 use crate::core::condition::{Condition, Level};
 use crate::core::solution::Solution;
 use crate::core::zero::System;
@@ -26,8 +26,6 @@ pub struct Continuation<'a> {
     pub(super) system: &'a mut dyn System,
     pub(super) name: String,
     pub(super) x: Vec<f64>,
-    /// The direction `(z, p)` of the branch that the start lies on, where it is known.
-    pub(super) tangent: Option<Vec<f64>>,
     pub(super) released: Vec<(String, [f64; 2])>,
     pub(super) bounds: Vec<(String, [f64; 2])>,
     pub(super) marks: Vec<(String, f64, Kind)>,
@@ -35,17 +33,8 @@ pub struct Continuation<'a> {
     pub(super) events: Vec<Event>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
-    /// The solution that the start is to be made of, where one restarts.
-    pub(super) solution: Option<Solution>,
-    /// The start is a branch point of a branch of solutions.
-    pub(super) at_branch_point: bool,
-    /// Whether the curve is born where it starts, at a level that defines its birth.
-    pub(super) born: bool,
-    /// What the curve one restarts from is made of: its direction means nothing on another curve.
-    pub(super) restarted_on: Option<Kind>,
-    /// The kind of the special point one restarts from.
-    pub(super) restarted_at: Option<Kind>,
-    pub(super) switched: bool,
+    /// The point that the curve starts from.
+    pub(super) origin: Origin,
     /// Whether to go on beyond grazings.
     pub(super) beyond: bool,
     /// The monitors that vanish along the curve of grazings: the first one is held.
@@ -53,6 +42,25 @@ pub struct Continuation<'a> {
     pub(super) forward: bool,
     pub(super) backward: bool,
     errors: Vec<TraceError>,
+}
+
+/// The point that a curve starts from.
+#[derive(Default)]
+pub(super) struct Origin {
+    /// The solution that the start is to be made of, where one restarts.
+    pub solution: Option<Solution>,
+    /// The direction `(z, p)` of the branch that it lies on, where it is known.
+    pub tangent: Option<Vec<f64>>,
+    /// It is a branch point of a branch of solutions.
+    pub is_branch_point: bool,
+    /// The curve is born there, at a level that defines its birth.
+    pub is_birth: bool,
+    /// What the curve one restarts from is made of: its direction means nothing on another curve.
+    pub condition: Option<Kind>,
+    /// The kind of the special point one restarts from.
+    pub kind: Option<Kind>,
+    /// It is to be left along the other branch.
+    pub switched: bool,
 }
 
 impl<'a> Continuation<'a> {
@@ -63,7 +71,6 @@ impl<'a> Continuation<'a> {
             system,
             name: "branch".into(),
             x,
-            tangent: None,
             released: Vec::new(),
             bounds: Vec::new(),
             marks: Vec::new(),
@@ -71,12 +78,7 @@ impl<'a> Continuation<'a> {
             events: Vec::new(),
             held: Vec::new(),
             settings: Settings::default(),
-            solution: None,
-            at_branch_point: false,
-            born: false,
-            restarted_on: None,
-            restarted_at: None,
-            switched: false,
+            origin: Origin::default(),
             beyond: false,
             grazing: Vec::new(),
             forward: true,
@@ -146,23 +148,17 @@ impl<'a> Continuation<'a> {
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn restart(mut self, branch: &Branch, label: usize) -> Self {
-        match branch.labelled(label) {
-            Some(special) => self.restart_at(branch, special),
-            None => {
-                let (branch, last) = (branch.name.clone(), branch.special.len());
-                self.errors.push(TraceError::Label { branch, label, last });
-                self
-            }
-        }
-    }
-
-    fn restart_at(mut self, branch: &Branch, special: &SpecialPoint) -> Self {
+        let Some(special) = branch.labelled(label) else {
+            let (branch, last) = (branch.name.clone(), branch.special.len());
+            self.errors.push(TraceError::Label { branch, label, last });
+            return self;
+        };
         for (name, value) in branch.parameters.iter().zip(&special.parameters) {
             self = self.at(name, *value);
         }
-        self.restarted_on = branch.condition;
-        self.restarted_at = Some(special.kind);
-        self.at_branch_point = special.kind == Kind::BP && branch.condition.is_none();
+        self.origin.condition = branch.condition;
+        self.origin.kind = Some(special.kind);
+        self.origin.is_branch_point = special.kind == Kind::BP && branch.condition.is_none();
         let n = special.state.len();
         let mut slopes = vec![0.0; self.system.names().parameters.len()];
         let known = special.tangent.len() == n + branch.released.len();
@@ -173,7 +169,7 @@ impl<'a> Continuation<'a> {
                 }
             }
         }
-        self.solution = Some(Solution {
+        self.origin.solution = Some(Solution {
             kind: special.kind,
             itinerary: branch.itinerary.clone(),
             mesh: special.mesh.clone(),
@@ -292,12 +288,12 @@ impl<'a> Continuation<'a> {
     /// released.
     pub fn hold_level(mut self, name: &str, level: f64) -> Self {
         match self.quantity(name) {
-            Ok(quantity) => self.hold_condition(move || Level::new(quantity, level, Kind::UZ)),
-            Err(error) => {
-                self.errors.push(error);
-                self
+            Ok(quantity) => {
+                return self.hold_condition(move || Level::new(quantity, level, Kind::UZ));
             }
+            Err(error) => self.errors.push(error),
         }
+        self
     }
 
     /// Holds a condition of the user's own.
@@ -312,7 +308,7 @@ impl<'a> Continuation<'a> {
 
     /// Leaves the branch point where the curve starts along the *other* branch.
     pub fn switch(mut self) -> Self {
-        self.switched = true;
+        self.origin.switched = true;
         self
     }
 

@@ -35,7 +35,9 @@ pub fn multipliers(p: &[f64], q: &[f64], n: usize) -> Vec<(f64, f64)> {
         2 => quadratic(p, q),
         _ => general(p, q, n),
     };
-    sort(&mut multipliers);
+    // The largest modulus first; of a pair, the positive imaginary part.
+    let modulus = |mu: &(f64, f64)| mu.0.hypot(mu.1);
+    multipliers.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(b.1.total_cmp(&a.1)));
     multipliers
 }
 
@@ -88,12 +90,4 @@ fn general(p: &[f64], q: &[f64], n: usize) -> Vec<(f64, f64)> {
         _ => ((a / b).re, (a / b).im),
     };
     above.iter().zip(below.iter()).map(quotient).collect()
-}
-
-/// The largest modulus first; of a pair, the positive imaginary part.
-fn sort(values: &mut [(f64, f64)]) {
-    let order = |a: &(f64, f64), b: &(f64, f64)| {
-        b.0.hypot(b.1).total_cmp(&a.0.hypot(a.1)).then(b.1.total_cmp(&a.1))
-    };
-    values.sort_by(order);
 }
