@@ -3,13 +3,8 @@
 //! # The mathematics
 //!
 //! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. With all
-//! parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of
-//!
-//! ```text
-//!     F(z, p) = 0
-//! ```
-//!
-//! form a curve, a **branch**. It is followed by its arclength `s`, not by the parameter: from a point
+//! parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of `F(z, p) = 0` form a
+//! curve, a **branch**. It is followed by its arclength `s`, not by the parameter: from a point
 //! `x₀ = (z₀, p₀)` with tangent `t`, `F_x t = 0`, the next point solves
 //!
 //! ```text
@@ -19,18 +14,11 @@
 //! whose matrix, `F_z` bordered by one row and one column, is regular at folds too.
 //!
 //! A **monitor** is a scalar of the solution. A **condition** is what holds at a **special point**: that
-//! a monitor is at a level, or that a matrix is singular. With the bordered system
-//!
-//! ```text
-//!     ⎡ F_z  b ⎤⎡ v ⎤   ⎡ 0 ⎤
-//!     ⎣ cᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦
-//! ```
-//!
-//! a **fold** is `g(x) = 0`. A branch with its condition determines the point: Newton's iteration
-//! finishes it, and what it would still change is its error. The condition alone, held while a second
-//! parameter is released, is one equation fewer than there are unknowns: a **curve of folds**, traced
-//! like any other, with special points of its own (cusps, Bogdanov–Takens points). Branch points, Hopf
-//! points and conditions of the user's own work in the same way.
+//! a monitor is at a level, or that a matrix is singular, as at folds, branch points and Hopf points. A branch
+//! with its condition determines the point: Newton's iteration finishes it, and what it would still change is
+//! its error. The condition alone, held while a second parameter is released, defines a curve of such points,
+//! traced like any other, with special points of its own (cusps, Bogdanov–Takens points). Conditions of the
+//! user's own work in the same way.
 //!
 //! A **boundary-value problem**, trajectories of vector fields with conditions at their ends, becomes a zero
 //! problem by collocation or by shooting. **Periodic orbits** are the case `x(1) = x(0)`; their multipliers
@@ -68,7 +56,9 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`prelude`] | what a crate needs to state problems and follow their branches |
 //! | [`core::zero`], [`core::scalar`] | what a user states ([`ZeroProblem`](core::zero::ZeroProblem)) and what the stepper sees ([`System`](core::zero::System)) |
+//! | [`core::names`] | names of unknowns, parameters and monitors; unknown names, and what was probably meant |
 //! | [`core::dense`], [`core::linear`] | a system from any residual, by dual numbers and a bordered LU |
 //! | [`core::condition`], [`core::bifurcation`] | conditions: levels, folds, branch points, Hopf points, cusps, Bogdanov–Takens points |
 //! | [`core::extended`], [`core::newton`] | the problem with the conditions held, and Newton's iteration on it |
@@ -83,12 +73,14 @@
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
+//! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
 //! | [`work_precision`] | work-precision diagrams: error of methods against CPU time |
 //! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
 //!
-//! `core` knows no device and `output` no problem; `scene` joins them, and the binary adds the command
-//! line. How the core is put together, with pictures, is told in `docs/core.md`, and what periodic orbits and
-//! boundary-value problems add to it in `docs/orbits.md`, impacts in `docs/hybrid.md` and `docs/grazing.md`, what motions settle on in `docs/sweeps.md`, which method to choose in `docs/speed-and-accuracy.md`; the way in for users is the README.
+//! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command line. How the
+//! core is put together, with pictures, is told in `docs/core.md`; periodic orbits and boundary-value problems in
+//! `docs/orbits.md`; impacts in `docs/hybrid.md` and `docs/grazing.md`; what motions settle on in
+//! `docs/sweeps.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -106,6 +106,7 @@ pub trait Condition: Send {
 
 /// What can be held at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Quantity {
     /// The parameter at this position.
     Parameter(usize),

@@ -15,12 +15,10 @@
 /// assert_eq!(intervals, [20, 30, 40, 60, 80, 120]);
 /// ```
 pub fn ladder<D>(mut rungs: Vec<D>, most: usize, finer: impl Fn(&D) -> Option<D>) -> Vec<D> {
-    while let Some(next) =
-        rungs.len().checked_sub(2).and_then(|last_but_one| finer(&rungs[last_but_one]))
+    while rungs.len() < most
+        && let [.., last_but_one, _] = &rungs[..]
+        && let Some(next) = finer(last_but_one)
     {
-        if rungs.len() >= most {
-            break;
-        }
         rungs.push(next);
     }
     rungs

@@ -8,6 +8,7 @@ use super::scalar::Scalar;
 /// Scalars are given by name: states, and monitors of the system's own. Extremes are those over all legs whose
 /// mode has the scalar, inside legs as well as at their ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Measure {
     /// The largest value of a scalar.
     Maximum(String),
@@ -86,6 +87,7 @@ impl Measure {
 
 /// How scalars are integrated over time, in the motion in which there are any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Integral {
     /// `∫ Σ h dt`.
     Total,

@@ -8,7 +8,7 @@ pub mod condition;
 pub mod continuation;
 pub mod dense;
 pub mod extended;
-pub mod failure;
+mod failure;
 pub mod field;
 pub mod flow;
 pub mod grazing;

@@ -25,6 +25,7 @@ pub struct Tolerances {
 
 /// Why Newton's iteration failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NewtonError {
     /// The corrections do not shrink, even when damped.
     #[error(

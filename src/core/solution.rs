@@ -36,6 +36,7 @@ pub struct Adopted {
 
 /// How a branch leaves the solution it starts from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Leaving {
     /// Along the curve through it.
     Along,

@@ -38,6 +38,7 @@ pub trait Watch {
 
 /// A scalar of a trajectory, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Observable {
     /// A state.
     State(usize),

@@ -19,6 +19,7 @@ use super::solution::{Adopted, Leaving, Solution};
 
 /// What the residual says about motion near an equilibrium, which decides what "stable" means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Dynamics {
     /// `z' = F(z, p)`: stable where every eigenvalue of `F_z` has a negative real part.
     #[default]

@@ -70,6 +70,7 @@ pub struct SpecialPoint {
 
 /// Why a branch ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[non_exhaustive]
 pub enum End {
     /// A parameter reached its bound.
     #[error("{name} reached its bound {value}")]

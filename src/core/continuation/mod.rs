@@ -1,12 +1,11 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
-mod beside;
 mod branch;
+mod checks;
 mod error;
 mod event;
 mod gather;
 mod hermite;
-mod hidden;
 mod locate;
 mod metric;
 mod observer;

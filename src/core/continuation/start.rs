@@ -251,12 +251,20 @@ impl Stepper<'_> {
         tangent: Vec<f64>,
         from_branch_point: bool,
     ) -> Result<Place, EvaluationError> {
-        self.prepare_tests(&unknowns)?;
+        self.equations.load(&unknowns);
+        for condition in self.tested.iter_mut().flatten() {
+            condition.start(self.equations.at(), &mut [])?;
+        }
+        let stability = self.held.is_empty();
         let start = if from_branch_point {
-            self.arrive_at_branch_point(unknowns, tangent)?
+            // The tangent of the matrix is not unique there.
+            self.equations.assemble(&unknowns)?;
+            let (point, stability) = self.record(stability)?;
+            let tests = self.tests(&unknowns, &tangent, 0.0, stability, &point)?;
+            Place { unknowns, tangent, tests, point }
         } else {
             let row = self.covector(&tangent);
-            self.arrive(unknowns, &row, f64::INFINITY, self.held.is_empty())?
+            self.arrive(unknowns, &row, f64::INFINITY, stability)?
         };
         let (monitors, p) = (&start.point.monitors, &start.point.parameters);
         let system = self.equations.system();

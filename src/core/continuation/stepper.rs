@@ -74,15 +74,6 @@ impl Stepper<'_> {
         direction.iter().zip(&self.weights).map(|(t, w)| t * w).collect()
     }
 
-    /// Prepares the conditions whose values are test functions.
-    pub fn prepare_tests(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
-        self.equations.load(unknowns);
-        for condition in self.tested.iter_mut().flatten() {
-            condition.start(self.equations.at(), &mut [])?;
-        }
-        Ok(())
-    }
-
     /// The same place, seen in the other direction.
     pub fn turn(&self, place: &mut Place) {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
@@ -104,11 +95,6 @@ impl Stepper<'_> {
         self.newton.solve(equations, unknowns, Some(closing), weights, tolerances)
     }
 
-    /// Whether test functions need the matrix of the point itself, with which its monitors then come.
-    fn tests_assemble(&self) -> bool {
-        self.tested.iter().flatten().any(|condition| condition.assembles())
-    }
-
     /// Records a corrected point: tangent (along `row`), monitors, stability (which costs a spectrum) if it is
     /// wanted, test functions. The matrix factored last, with the same `row`, is that of this point but for
     /// `matrix_error`, relatively.
@@ -120,8 +106,10 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Place, EvaluationError> {
         let mut tangent = vec![0.0; unknowns.len()];
-        // Eigenvalues that are only counted need not be known well.
-        let exact = self.tests_assemble() || (stability && self.settings.eigenvalues > 0);
+        // Eigenvalues that are only counted need not be known well, but monitors come with the matrix.
+        let mut tested = self.tested.iter().flatten();
+        let exact = tested.any(|condition| condition.assembles())
+            || (stability && self.settings.eigenvalues > 0);
         if matrix_error <= MATRIX_ERROR && !exact {
             self.equations.load(&unknowns);
             self.tangent(&mut tangent);
@@ -150,19 +138,6 @@ impl Stepper<'_> {
         self.equations.tangent(tangent);
         let size = scaled_norm(tangent, &self.weights);
         tangent.iter_mut().for_each(|t| *t /= size);
-    }
-
-    /// Records a branch point that the curve is to leave in this direction: its own tangent is not
-    /// unique there.
-    pub fn arrive_at_branch_point(
-        &mut self,
-        unknowns: Vec<f64>,
-        tangent: Vec<f64>,
-    ) -> Result<Place, EvaluationError> {
-        self.equations.assemble(&unknowns)?;
-        let (point, stability) = self.record(self.held.is_empty())?;
-        let tests = self.tests(&unknowns, &tangent, 0.0, stability, &point)?;
-        Ok(Place { unknowns, tangent, tests, point })
     }
 
     /// Where a branch of periodic orbits is born a multiplier is 1 but for rounding: its stability there is
@@ -312,7 +287,8 @@ impl Stepper<'_> {
         !system.grazings().iter().any(beyond)
     }
 
-    fn tests(
+    /// The values of the events' test functions at the point recorded.
+    pub fn tests(
         &mut self,
         unknowns: &[f64],
         tangent: &[f64],
