@@ -109,12 +109,12 @@ fn finite(values: &[f64], name: impl Fn(usize) -> String, remedy: &str) -> Resul
 }
 
 /// The gradient, in the directions of a chunk, of a sum of numbers with these weights.
-fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64]) -> [f64; CHUNK] {
+fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64], out: &mut [f64]) {
     let mut sums = [0.0; CHUNK];
     for (number, weight) in numbers.zip(weights) {
         sums.iter_mut().zip(number.eps).for_each(|(sum, part)| *sum += part * weight);
     }
-    sums
+    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum);
 }
 
 /// Whether a matrix is exactly symmetric, as that of a discretised self-adjoint operator is: its
@@ -204,8 +204,7 @@ impl<P: ZeroProblem> System for Dense<P> {
             let r = self
                 .nested
                 .evaluate(&self.problem, |i| Dual::new(seeded(x[i], i, start), Chunk::from(v[i])));
-            let slopes = weighted(r.iter().map(|r| &r.eps), w);
-            out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
+            weighted(r.iter().map(|r| &r.eps), w, &mut out[start..]);
         }
     }
 
@@ -221,8 +220,7 @@ impl<P: ZeroProblem> System for Dense<P> {
             let r = self.nested_twice.evaluate(&self.problem, |i| {
                 Dual2::new(seeded(x[i], i, start), Chunk::from(v[i]), Chunk::from(0.0))
             });
-            let slopes = weighted(r.iter().map(|r| &r.v2), w);
-            out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
+            weighted(r.iter().map(|r| &r.v2), w, &mut out[start..]);
         }
     }
 

@@ -231,12 +231,6 @@ impl Tracer<'_> {
             return end;
         };
         special.after = half.points.len();
-        if matches!(
-            end,
-            End::ParameterBound { .. } | End::MonitorBound { .. } | End::Grazing { .. }
-        ) {
-            special.event = end.to_string();
-        }
         self.mark(half, special, observer);
         end
     }
@@ -289,33 +283,36 @@ impl Tracer<'_> {
             if event.test == Test::Hopf && from.point.unstable == to.point.unstable {
                 continue;
             }
-            let kind = event.kind;
             let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
-            // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is one
-            // branch point, and no fold, whose defining system is singular there.
-            let same = |other: &Located| {
-                other.special.kind == Kind::BP
-                    && (!located.special.converged
-                        || (other.along - located.along).abs() < 1e-3 * length)
-            };
-            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
-            // point, which a fold defines.
-            let folds = |other: &Located| {
-                other.special.kind == Kind::LP
-                    && (other.along - located.along).abs() < 1e-3 * length
-            };
-            let on_grazings = self.branch.condition == Some(Kind::G);
-            let vertical = kind == Kind::PD && on_grazings && found.iter().any(folds);
-            let pitchfork = at_start && self.from_branch_point;
-            let double = kind == Kind::LP && (pitchfork || found.iter().any(same));
             let bound = index < self.bounds.len();
             let of_the_start = at_start && !bound && located.along <= AT_START;
-            if !(double || vertical || of_the_start) {
+            if !(of_the_start || self.is_double(&located, &found, length, at_start)) {
                 found.push(located);
             }
         }
         found.sort_by(|a, b| a.along.total_cmp(&b.along));
         found
+    }
+
+    /// Whether an event is another one of those found in the step, seen once more.
+    fn is_double(&self, it: &Located, found: &[Located], length: f64, at_start: bool) -> bool {
+        let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
+        let mut others = found.iter();
+        match it.special.kind {
+            // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is one
+            // branch point, and no fold, whose defining system is singular there.
+            Kind::LP => {
+                let at_pitchfork = at_start && self.from_branch_point;
+                let same = |other: &Located| !it.special.converged || near(other);
+                at_pitchfork || others.any(|other| other.special.kind == Kind::BP && same(other))
+            }
+            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
+            // point, which a fold defines.
+            Kind::PD if self.branch.condition == Some(Kind::G) => {
+                others.any(|other| other.special.kind == Kind::LP && near(other))
+            }
+            _ => false,
+        }
     }
 
     /// Whether the branch ends in this step: at a terminal event, or because the curve has closed.
@@ -337,10 +334,14 @@ impl Tracer<'_> {
         let events = &self.stepper.events;
         let index = found.iter().position(|located| events[located.event].terminal)?;
         found.truncate(index + 1);
-        let at = found.pop()?;
-        let event = events[at.event].name.clone();
-        let bound = (at.event < self.bounds.len()).then(|| self.bound(at.event)).flatten();
-        Some((bound.unwrap_or(End::Event { event }), Some(at)))
+        let mut at = found.pop()?;
+        let bound = Some(at.event).filter(|event| *event < self.bounds.len());
+        let end = bound.and_then(|event| self.bound(event));
+        if let Some(end) = &end {
+            at.special.event = end.to_string();
+        }
+        let event = at.special.event.clone();
+        Some((end.unwrap_or(End::Event { event }), Some(at)))
     }
 
     /// How far along a step it passes through the start, in the start's direction: a Newton correction

@@ -123,28 +123,18 @@ impl<'a> Continuation<'a> {
     /// Starts at a special point of a branch: its state, parameters and direction.
     ///
     /// ```
-    /// # use tangency::core::continuation::{Continuation, Kind};
-    /// # use tangency::core::{dense::Dense, scalar::Scalar, zero::{Names, ZeroProblem}};
-    /// # struct Cusp;
-    /// # impl ZeroProblem for Cusp {
-    /// #     fn names(&self) -> Names { Names::new(["x"], ["b", "a"]) }
-    /// #     fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
-    /// #         r[0] = p[1] * x[0] + p[0] - x[0].powi(3);
-    /// #     }
-    /// # }
-    /// # let mut system = Dense::new(Cusp);
-    /// // Folds of b = x³ − a x at b = ±2 (a/3)^{3/2}; held in (b, a) they meet in a cusp at 0.
-    /// let branch =
-    ///     Continuation::of(&mut system).from(&[-1.0]).at("a", 0.5).along("b", -1.0..=1.0).trace()?;
-    /// let fold = branch.of_kind(Kind::LP).next().unwrap();
-    /// assert!((fold.parameters[0] - 2.0 * (0.5_f64 / 3.0).powf(1.5)).abs() < 1e-14);
-    /// let curve = Continuation::of(&mut system)
-    ///     .restart(&branch, fold.label)
-    ///     .hold(Kind::LP)
-    ///     .along("b", -1.0..=1.0)
-    ///     .along("a", -1.0..=1.0)
-    ///     .trace()?;
-    /// assert!(curve.of_kind(Kind::CP).next().unwrap().parameters[1].abs() < 1e-12);
+    /// use tangency::core::continuation::{Continuation, Kind};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::Hyperbola;
+    /// // x² = μ²: the branches x = −μ and x = μ cross at 0.
+    /// let mut system = Dense::new(Hyperbola);
+    /// let curve = Continuation::of(&mut system).from(&[1.0]).at("mu", -1.0);
+    /// let branch = curve.along("mu", -1.0..=1.0).trace()?;
+    /// let crossing = branch.of_kind(Kind::BP).next().unwrap().label;
+    /// let other = Continuation::of(&mut system).restart(&branch, crossing).switch();
+    /// let other = other.along("mu", -1.0..=1.0).trace()?;
+    /// let end = other.special.last().unwrap();
+    /// assert!((end.state[0] - 1.0).abs() < 1e-10 && (end.parameters[0] - 1.0).abs() < 1e-10);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn restart(mut self, branch: &Branch, label: usize) -> Self {
