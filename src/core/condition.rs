@@ -4,7 +4,7 @@
 //! parameter released it can be held along a curve; together with a branch it defines a point.
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
-pub use super::failure::EvaluationError;
+pub use super::failure::Failure;
 use super::kind::Kind;
 use super::zero::System;
 
@@ -22,7 +22,7 @@ pub struct At<'a> {
 /// A condition on a zero problem: `k + 1` equations with `k` unknowns of their own.
 ///
 /// ```
-/// use tangency::core::condition::{At, Condition, EvaluationError};
+/// use tangency::core::condition::{At, Condition, Failure};
 /// use tangency::core::continuation::{Continuation, Event, Kind};
 /// use tangency::core::dense::Dense;
 /// use tangency::problems::classic::Hyperbola;
@@ -32,16 +32,11 @@ pub struct At<'a> {
 ///     fn kind(&self) -> Kind {
 ///         Kind::UZ
 ///     }
-///     fn values(&mut self, at: At, _: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
+///     fn values(&mut self, at: At, _: &[f64], values: &mut [f64]) -> Result<(), Failure> {
 ///         values[0] = at.x[0] * at.x[1] - 20.0;
 ///         Ok(())
 ///     }
-///     fn gradients(
-///         &mut self,
-///         at: At,
-///         rows: &mut [f64],
-///         _: &mut [f64],
-///     ) -> Result<(), EvaluationError> {
+///     fn gradients(&mut self, at: At, rows: &mut [f64], _: &mut [f64]) -> Result<(), Failure> {
 ///         rows.copy_from_slice(&[at.x[1], at.x[0], 0.0]);
 ///         Ok(())
 ///     }
@@ -71,28 +66,23 @@ pub trait Condition: Send {
     /// Prepares the condition near a point: chooses borders, and the unknowns `y` of its own.
     ///
     /// # Errors
-    /// [`EvaluationError`] if the condition cannot be stated there.
-    fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
+    /// [`Failure`] if the condition cannot be stated there.
+    fn start(&mut self, _at: At, _y: &mut [f64]) -> Result<(), Failure> {
         Ok(())
     }
 
     /// The `k + 1` left sides of its equations.
     ///
     /// # Errors
-    /// [`EvaluationError`] outside the domain, or where the condition's own matrix is singular.
-    fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), EvaluationError>;
+    /// [`Failure`] outside the domain, or where the condition's own matrix is singular.
+    fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
     /// Their gradients at the point where [`values`](Condition::values) was called last: `rows` by `x`
     /// (`k + 1` rows as long as `x`; only released parameters count), `own` by `y` (`k + 1` rows of `k`).
     ///
     /// # Errors
     /// As for the values.
-    fn gradients(
-        &mut self,
-        at: At,
-        rows: &mut [f64],
-        own: &mut [f64],
-    ) -> Result<(), EvaluationError>;
+    fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure>;
 
     /// The vector `b` if the `j`-th unknown of the condition unfolds the problem: `F + yⱼ b = 0`.
     fn unfolding(&self, _j: usize) -> Option<&[f64]> {
@@ -117,7 +107,7 @@ pub enum Quantity {
 /// A parameter or a monitor at a given level.
 ///
 /// ```
-/// use tangency::core::condition::{At, Condition, EvaluationError, Level, Quantity};
+/// use tangency::core::condition::{At, Condition, Failure, Level, Quantity};
 /// use tangency::core::{continuation::Kind, dense::Dense};
 /// use tangency::problems::classic::ParallelPlate;
 /// let mut level = Level::new(Quantity::Parameter(0), 2.0, Kind::UZ);
@@ -125,7 +115,7 @@ pub enum Quantity {
 /// let at = At { system: &mut Dense::new(ParallelPlate), x: &[0.2, 5.0], released: &[0] };
 /// level.values(at, &[], &mut value)?;
 /// assert_eq!(value, [3.0]);
-/// # Ok::<(), EvaluationError>(())
+/// # Ok::<(), Failure>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Level {
@@ -150,14 +140,14 @@ impl Condition for Level {
         self.kind
     }
 
-    fn start(&mut self, at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
+    fn start(&mut self, at: At, _y: &mut [f64]) -> Result<(), Failure> {
         let names = at.system.names();
         let (position, count) = match self.quantity {
             Quantity::Parameter(p) => (p, names.parameters.len()),
             Quantity::Monitor(m) => (m, names.monitors.len()),
         };
         if position >= count {
-            return Err(EvaluationError::NotApplicable(format!(
+            return Err(Failure::NotApplicable(format!(
                 "the level is that of quantity {position}, counted from 0, of {count}"
             )));
         }
@@ -165,7 +155,7 @@ impl Condition for Level {
         Ok(())
     }
 
-    fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
+    fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         values[0] = match self.quantity {
             Quantity::Parameter(p) => at.x[at.system.names().dimension() + p],
             Quantity::Monitor(m) => at.system.monitor(m, at.x, &mut self.monitors)?,
@@ -173,12 +163,7 @@ impl Condition for Level {
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        at: At,
-        rows: &mut [f64],
-        _own: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         match self.quantity {
             Quantity::Parameter(p) => {
                 rows.fill(0.0);

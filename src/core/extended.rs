@@ -7,7 +7,7 @@
 //!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
 //! ```
 
-use super::condition::{At, Condition, EvaluationError};
+use super::condition::{At, Condition, Failure};
 use super::vector::along;
 use super::zero::{Border, Names, Slot, System};
 
@@ -77,12 +77,12 @@ impl<'a> Extended<'a> {
     /// Adds a condition, prepared at `X`, and returns `X` with the condition's own unknowns.
     ///
     /// # Errors
-    /// [`EvaluationError`] if the condition cannot be stated there.
+    /// [`Failure`] if the condition cannot be stated there.
     pub fn hold(
         &mut self,
         mut condition: Box<dyn Condition + 'a>,
         unknowns: &[f64],
-    ) -> Result<Vec<f64>, EvaluationError> {
+    ) -> Result<Vec<f64>, Failure> {
         self.load(unknowns);
         let mut y = vec![0.0; condition.unknowns()];
         condition
@@ -198,7 +198,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Assembles the problem's matrix at `X`.
-    pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), EvaluationError> {
+    pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
         self.load(unknowns);
         Ok(self.system.assemble(&self.x)?)
     }
@@ -210,7 +210,7 @@ impl<'a> Extended<'a> {
         unknowns: &[f64],
         closing: Option<Closing>,
         out: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    ) -> Result<(), Failure> {
         let n = self.dimension();
         self.load(unknowns);
         if self.conditions.iter().any(|condition| condition.assembles()) {
@@ -239,7 +239,7 @@ impl<'a> Extended<'a> {
 
     /// Assembles and factors the matrix of all equations at the point where
     /// [`residual`](Extended::residual) was called last.
-    pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), EvaluationError> {
+    pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), Failure> {
         let n = self.dimension();
         let width = self.own + self.released.len();
         self.fill_gradients()?;
@@ -275,7 +275,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Rows of the conditions, and their part of the corner.
-    fn fill_gradients(&mut self) -> Result<(), EvaluationError> {
+    fn fill_gradients(&mut self) -> Result<(), Failure> {
         let (n, length) = (self.dimension(), self.x.len());
         let width = self.own + self.released.len();
         self.corner.fill(0.0);

@@ -41,7 +41,7 @@ impl Singular {
 /// Why equations could not be evaluated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum EvaluationError {
+pub enum Failure {
     /// The point lies outside the domain of the equations.
     #[error(transparent)]
     LeftDomain(#[from] LeftDomain),

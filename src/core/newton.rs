@@ -10,7 +10,7 @@
 //! Each point costs one assembly and one factorisation: the matrix of the last correction serves the
 //! tangent as well, where it was evaluated near enough to the solution.
 
-use super::condition::EvaluationError;
+use super::condition::Failure;
 use super::extended::{Closing, Extended};
 use super::zero::{LeftDomain, Singular};
 
@@ -103,18 +103,18 @@ pub enum NewtonError {
 
 impl NewtonError {
     /// An evaluation that failed in an iteration.
-    fn evaluation(iteration: usize, cause: EvaluationError) -> Self {
+    fn evaluation(iteration: usize, cause: Failure) -> Self {
         match cause {
-            EvaluationError::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
-            EvaluationError::Singular(cause) => NewtonError::Singular { iteration, cause },
-            EvaluationError::NotApplicable(reason) => NewtonError::NotApplicable { reason },
+            Failure::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
+            Failure::Singular(cause) => NewtonError::Singular { iteration, cause },
+            Failure::NotApplicable(reason) => NewtonError::NotApplicable { reason },
         }
     }
 }
 
 /// An evaluation that failed where the iteration begins.
-impl From<EvaluationError> for NewtonError {
-    fn from(cause: EvaluationError) -> Self {
+impl From<Failure> for NewtonError {
+    fn from(cause: Failure) -> Self {
         NewtonError::evaluation(0, cause)
     }
 }
@@ -181,7 +181,7 @@ struct Problem<'p, 'a> {
 
 impl Problem<'_, '_> {
     /// Assembles first, so that systems which find the residual on the way need not look for it again.
-    fn residual(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), EvaluationError> {
+    fn residual(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.equations.assemble(unknowns)?;
         self.equations.residual(unknowns, self.closing, out)
     }
@@ -367,7 +367,7 @@ impl Newton {
 
 /// Why no damping helps.
 fn hopeless(
-    outcome: Result<(), EvaluationError>,
+    outcome: Result<(), Failure>,
     iteration: usize,
     size: f64,
     damping: f64,

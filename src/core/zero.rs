@@ -11,7 +11,7 @@
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
-use super::failure::EvaluationError;
+use super::failure::Failure;
 pub use super::failure::{LeftDomain, Singular};
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
@@ -341,11 +341,11 @@ pub trait System: Send {
     /// it the number of its unknowns.
     ///
     /// # Errors
-    /// [`EvaluationError`] if this system cannot start there.
-    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+    /// [`Failure`] if this system cannot start there.
+    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         let n = self.names().dimension();
         if solution.state.len() != n {
-            return Err(EvaluationError::NotApplicable(format!(
+            return Err(Failure::NotApplicable(format!(
                 "the start has {} unknowns, the problem {n}: was it made with other settings?",
                 solution.state.len()
             )));

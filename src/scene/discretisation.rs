@@ -3,7 +3,7 @@
 use super::SceneError;
 use super::slot::{Slots, slots};
 use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::continuation::SettingError;
 use crate::core::flow::Scheme;
 use crate::core::ladder::ladder;
@@ -292,13 +292,13 @@ impl Discretisation {
 pub(super) type Started = (Box<dyn System>, Vec<f64>);
 
 fn started<M: Method + Clone + 'static>(
-    start: Result<(BoundarySystem<M>, Vec<f64>), EvaluationError>,
+    start: Result<(BoundarySystem<M>, Vec<f64>), Failure>,
 ) -> Result<Started, SceneError> {
     let (system, z) = start.map_err(no_start)?;
     Ok((Box::new(system), z))
 }
 
 /// A simulated motion from which no branch can start.
-pub(super) fn no_start(cause: EvaluationError) -> SceneError {
+pub(super) fn no_start(cause: Failure) -> SceneError {
     SceneError::Value { name: "start".into(), value: "Simulated".into(), reason: cause.to_string() }
 }

@@ -3,7 +3,7 @@
 use super::discretisation::{Discretisation, Discretised};
 use super::{Run, Scene, SceneError, Start};
 use crate::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use crate::core::dense::Dense;
 use crate::core::grazing::{
@@ -126,7 +126,7 @@ impl Local {
         let point = match method {
             Discretised::Collocation => {
                 let method = Collocation::new(degree)
-                    .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
+                    .map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
                 grazing_point(system, method, intervals, branch, special)
             }
             Discretised::Shooting => {
@@ -148,7 +148,7 @@ impl Local {
 pub(super) fn points_of(map: LocalMap, impacts: &[bool]) -> Result<Box<dyn System>, GrazingError> {
     let impacts = if impacts.is_empty() { &[false] } else { impacts };
     let points = LocalOrbit::of(map, impacts).in_place().system();
-    Ok(Box::new(points.map_err(EvaluationError::from)?))
+    Ok(Box::new(points.map_err(Failure::from)?))
 }
 
 /// The curve of a kind of special points that begins at the grazing of a map, by its series in one of its two
@@ -195,7 +195,7 @@ where
 {
     let orbit = HybridOrbit::shared(system.clone(), Itinerary::smooth(0, 1));
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
-        .map_err(EvaluationError::from)?;
+        .map_err(Failure::from)?;
     let solution = Solution {
         kind: special.kind,
         itinerary: branch.itinerary.clone(),

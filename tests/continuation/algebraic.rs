@@ -5,7 +5,7 @@ use crate::common::{
     Bratu, Columns, CuspSlice, Oxidation, PredatorPrey, TrivialBranch, close, first, values,
 };
 use std::f64::consts::PI;
-use tangency::core::condition::{At, Condition, EvaluationError};
+use tangency::core::condition::{At, Condition, Failure};
 use tangency::core::continuation::{Branch, Continuation, Direction, End, Event, Kind};
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
@@ -265,16 +265,11 @@ impl Condition for Product {
     fn kind(&self) -> Kind {
         Kind::UZ
     }
-    fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
+    fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         values[0] = at.x[0] * at.x[1] - 2.0;
         Ok(())
     }
-    fn gradients(
-        &mut self,
-        at: At,
-        rows: &mut [f64],
-        _own: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         rows.fill(0.0);
         rows[0] = at.x[1];
         rows[1] = at.x[0];

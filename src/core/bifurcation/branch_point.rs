@@ -1,6 +1,6 @@
 //! Branch points: where two branches cross.
 
-use crate::core::condition::{At, Condition, EvaluationError};
+use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::vector::{dot, generic, normalise};
 use crate::core::zero::{Border, Slot};
@@ -42,7 +42,7 @@ impl BranchPoint {
         BranchPoint { parameter, ..BranchPoint::default() }
     }
 
-    fn solve(&mut self, at: &mut At) -> Result<(), EvaluationError> {
+    fn solve(&mut self, at: &mut At) -> Result<(), Failure> {
         let n = self.left.len();
         at.system.assemble(at.x)?;
         at.system.derivative(at.x, &self.direction, &mut self.columns[..n]);
@@ -84,10 +84,10 @@ impl Condition for BranchPoint {
         1
     }
 
-    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), EvaluationError> {
+    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         if n + self.parameter >= at.x.len() {
-            return Err(EvaluationError::NotApplicable(format!(
+            return Err(Failure::NotApplicable(format!(
                 "the branch point asks for parameter {}, counted from 0, of {}",
                 self.parameter,
                 at.x.len() - n
@@ -110,23 +110,13 @@ impl Condition for BranchPoint {
         Ok(())
     }
 
-    fn values(
-        &mut self,
-        mut at: At,
-        _y: &[f64],
-        values: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.solve(&mut at)?;
         values.copy_from_slice(&self.g);
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        at: At,
-        rows: &mut [f64],
-        own: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         own.fill(0.0);
         for (row, right) in rows.chunks_exact_mut(at.x.len()).zip(&self.right) {
             at.system.gradient(at.x, &self.left, right, at.released, row);
@@ -162,9 +152,9 @@ impl Condition for BranchPoint {
 /// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977).
 ///
 /// # Errors
-/// [`EvaluationError::NotApplicable`] where it has no two real solutions: the point is isolated or
+/// [`Failure::NotApplicable`] where it has no two real solutions: the point is isolated or
 /// degenerate.
-pub(crate) fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2], EvaluationError> {
+pub(crate) fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2], Failure> {
     let mut point = BranchPoint::new(parameter);
     let mut beta = [0.0];
     point.start(At { system: at.system, x: at.x, released: at.released }, &mut beta)?;
@@ -178,7 +168,7 @@ pub(crate) fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2],
     let discriminant = b * b - a * c;
     let size = a.abs().max(b.abs()).max(c.abs());
     if discriminant <= 1e-10 * size * size {
-        return Err(EvaluationError::NotApplicable(format!(
+        return Err(Failure::NotApplicable(format!(
             "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no two \
              distinct real solutions: the branch point is isolated or degenerate, and no branch can be \
              switched to"

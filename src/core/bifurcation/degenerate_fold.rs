@@ -12,7 +12,7 @@
 //! so that their gradients, too, are gradients of bilinear forms in `F_z`.
 
 use super::null::NullVectors;
-use crate::core::condition::{At, Condition, EvaluationError};
+use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::vector::dot;
 use crate::core::zero::Slot;
@@ -56,7 +56,7 @@ impl Condition for DegenerateFold {
         true
     }
 
-    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
+    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         self.second.resize(n, 0.0);
         self.form = vec![0.0; at.x.len()];
@@ -66,12 +66,7 @@ impl Condition for DegenerateFold {
         self.null.start(&mut at)
     }
 
-    fn values(
-        &mut self,
-        mut at: At,
-        _y: &[f64],
-        values: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         let null = &mut self.null;
         null.update(&mut at)?;
         values[0] = if self.kind == Kind::CP {
@@ -83,12 +78,7 @@ impl Condition for DegenerateFold {
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        mut at: At,
-        rows: &mut [f64],
-        _own: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn gradients(&mut self, mut at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         let (null, n) = (&mut self.null, self.second.len());
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);

@@ -1,7 +1,7 @@
 //! Folds, and period doublings of periodic orbits.
 
 use super::null::NullVectors;
-use crate::core::condition::{At, Condition, EvaluationError};
+use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::zero::Slot;
 
@@ -35,28 +35,18 @@ impl Condition for Fold {
         true
     }
 
-    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), EvaluationError> {
+    fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), Failure> {
         self.null.start(&mut at)
     }
 
-    fn values(
-        &mut self,
-        mut at: At,
-        _y: &[f64],
-        values: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.null.update(&mut at)?;
         self.sign = at.system.determinant_sign(Slot::Condition);
         values[0] = self.sign * self.null.g;
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        at: At,
-        rows: &mut [f64],
-        _own: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         at.system.gradient(at.x, &self.null.left, &self.null.right, at.released, rows);
         rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())

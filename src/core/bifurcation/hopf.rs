@@ -1,6 +1,6 @@
 //! Hopf points of equilibria, and torus points of periodic orbits.
 
-use crate::core::condition::{At, Condition, EvaluationError};
+use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::vector::{dot, generic, normalise};
 use crate::core::zero::{Dynamics, Oscillation};
@@ -40,7 +40,7 @@ impl Hopf {
         Hopf { periodic: true, ..Hopf::default() }
     }
 
-    fn solve(&mut self, at: &mut At, omega: f64) -> Result<(), EvaluationError> {
+    fn solve(&mut self, at: &mut At, omega: f64) -> Result<(), Failure> {
         at.system.assemble(at.x)?;
         let n = at.system.names().dimension();
         let oscillation = oscillation(at)?;
@@ -69,7 +69,7 @@ impl Condition for Hopf {
         1
     }
 
-    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), EvaluationError> {
+    fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         at.system.assemble(at.x)?;
         y[0] = crossing_frequency(&mut at)?;
@@ -88,19 +88,14 @@ impl Condition for Hopf {
         Ok(())
     }
 
-    fn values(&mut self, mut at: At, y: &[f64], values: &mut [f64]) -> Result<(), EvaluationError> {
+    fn values(&mut self, mut at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         self.solve(&mut at, y[0])?;
         values.copy_from_slice(&[self.right[n], self.right[2 * n + 1]]);
         Ok(())
     }
 
-    fn gradients(
-        &mut self,
-        mut at: At,
-        rows: &mut [f64],
-        own: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn gradients(&mut self, mut at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         let (n, length) = (at.system.names().dimension(), at.x.len());
         let (real, imaginary) = (0..n, n + 1..2 * n + 1);
         self.extended[0][..n].copy_from_slice(&self.right[real.clone()]);
@@ -137,15 +132,15 @@ impl Condition for Hopf {
     }
 }
 
-fn oscillation<'a>(at: &'a mut At) -> Result<&'a mut dyn Oscillation, EvaluationError> {
+fn oscillation<'a>(at: &'a mut At) -> Result<&'a mut dyn Oscillation, Failure> {
     at.system.oscillation().ok_or_else(|| {
-        EvaluationError::NotApplicable("the system does not say how its solutions oscillate".into())
+        Failure::NotApplicable("the system does not say how its solutions oscillate".into())
     })
 }
 
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair of
 /// multipliers nearest to the unit circle.
-fn crossing_frequency(at: &mut At) -> Result<f64, EvaluationError> {
+fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
     let spectrum = at.system.spectrum(at.x).unwrap_or_default();
     let periodic = at.system.dynamics() == Dynamics::Periodic;
     let distance = |l: &(f64, f64)| match periodic {
@@ -156,7 +151,7 @@ fn crossing_frequency(at: &mut At) -> Result<f64, EvaluationError> {
     match pairs.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
         Some((real, imaginary)) if periodic => Ok(imaginary.atan2(real)),
         Some((_, omega)) => Ok(omega),
-        None => Err(EvaluationError::NotApplicable(
+        None => Err(Failure::NotApplicable(
             "no complex pair is near the imaginary axis (or of multipliers near the unit circle): not a \
              Hopf or torus point (a neutral saddle, perhaps)"
                 .into(),

@@ -1,6 +1,6 @@
 //! Null vectors of `F_z` by bordering.
 
-use crate::core::condition::{At, EvaluationError};
+use crate::core::condition::{At, Failure};
 use crate::core::vector::{generic, normalise};
 use crate::core::zero::{Border, Slot, System};
 
@@ -30,7 +30,7 @@ pub(super) struct NullVectors {
 
 impl NullVectors {
     /// Chooses borders near the null vectors at a point.
-    pub fn start(&mut self, at: &mut At) -> Result<(), EvaluationError> {
+    pub fn start(&mut self, at: &mut At) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         self.column = generic(n, 1);
         self.row = generic(n, 2);
@@ -46,7 +46,7 @@ impl NullVectors {
     }
 
     /// Computes the null vectors at a point.
-    pub fn update(&mut self, at: &mut At) -> Result<(), EvaluationError> {
+    pub fn update(&mut self, at: &mut At) -> Result<(), Failure> {
         at.system.assemble(at.x)?;
         self.solve(at.system)
     }
@@ -60,7 +60,7 @@ impl NullVectors {
         normalise(&mut self.row);
     }
 
-    fn solve(&mut self, system: &mut dyn System) -> Result<(), EvaluationError> {
+    fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
         let n = self.left.len();
         let border = Border { width: 1, columns: &self.column, rows: &self.row, corner: &[0.0] };
         match self.antiperiodic {

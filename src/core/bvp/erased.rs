@@ -6,7 +6,7 @@
 
 use super::problem::{Birth, BoundaryProblem, Ends, Monitor, Return, Watched};
 use crate::core::chunk::{Chunk, Narrow};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
 use crate::core::watch::{WatchIn, Watchable};
@@ -88,15 +88,15 @@ pub trait Equations:
     /// The problem whose solutions have a saved itinerary.
     ///
     /// # Errors
-    /// [`EvaluationError`] if it has no meaning for this problem.
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError>;
+    /// [`Failure`] if it has no meaning for this problem.
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
     /// The problem of solutions of two periods, if it is another one.
     fn doubled(&self) -> Option<Arc<dyn Equations>>;
     /// The branch that emanates where a solution touches a surface.
     ///
     /// # Errors
-    /// [`EvaluationError`] if it cannot be determined.
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError>;
+    /// [`Failure`] if it cannot be determined.
+    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Checks that each segment leads to the next one.
     ///
     /// # Errors
@@ -181,9 +181,9 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         grazing_scale(monitor: usize, p: &[f64]) -> f64;
         monitors() -> Vec<(String, Monitor)>;
         itinerary() -> String;
-        with_itinerary(words: &str) -> Result<Arc<dyn Equations>, EvaluationError>;
+        with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
         doubled() -> Option<Arc<dyn Equations>>;
-        born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError>;
+        born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
         check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
     }
 }

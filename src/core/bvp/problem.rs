@@ -1,7 +1,7 @@
 //! Boundary-value problems as a user states them.
 
 use super::erased::{Equations, IntoEquations};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
@@ -273,9 +273,9 @@ pub trait BoundaryProblem: Send + Sync {
     /// The problem whose solutions go through a saved itinerary.
     ///
     /// # Errors
-    /// [`EvaluationError`] if it has no meaning for this problem.
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
-        Err(EvaluationError::NotApplicable(format!("the problem has no itinerary `{words}`")))
+    /// [`Failure`] if it has no meaning for this problem.
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
+        Err(Failure::NotApplicable(format!("the problem has no itinerary `{words}`")))
     }
 
     /// The problem whose solutions go through everything twice, segments and their extras one time after the
@@ -289,12 +289,8 @@ pub trait BoundaryProblem: Send + Sync {
     /// numbers `q`.
     ///
     /// # Errors
-    /// [`EvaluationError`] if nothing can be told.
-    fn born_at_grazing(
-        &self,
-        _starts: &[f64],
-        _q: &[f64],
-    ) -> Result<Option<Birth>, EvaluationError> {
+    /// [`Failure`] if nothing can be told.
+    fn born_at_grazing(&self, _starts: &[f64], _q: &[f64]) -> Result<Option<Birth>, Failure> {
         Ok(None)
     }
 

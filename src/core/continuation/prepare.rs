@@ -3,7 +3,7 @@
 use super::run::Tracer;
 use super::start::Resolved;
 use super::{Continuation, TraceError};
-use crate::core::condition::{EvaluationError, Quantity};
+use crate::core::condition::{Failure, Quantity};
 use crate::core::names::UnknownName;
 use crate::core::solution::{Adopted, Leaving};
 
@@ -35,7 +35,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Why the curve cannot start from a solution.
-    pub(super) fn not_started(&self, cause: EvaluationError) -> TraceError {
+    pub(super) fn not_started(&self, cause: Failure) -> TraceError {
         TraceError::Start {
             branch: self.name.clone(),
             place: "the point to restart from".into(),

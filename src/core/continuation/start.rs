@@ -7,7 +7,7 @@ use super::stepper::{AT_START, Place, Stepper};
 use super::trace::Origin;
 use super::{Branch, Continuation, End, Kind, TraceError};
 use crate::core::bifurcation::branches_at;
-use crate::core::condition::{At, EvaluationError};
+use crate::core::condition::{At, Failure};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, scaled_norm};
 use crate::core::solution::Leaving;
@@ -105,11 +105,7 @@ impl<'a> Continuation<'a> {
 
     /// The direction in which to leave a branch point: along the branch that one comes from, or along
     /// the other one. `None` if the start is no branch point.
-    fn leaving(
-        &mut self,
-        released: &[usize],
-        how: Leaving,
-    ) -> Result<Option<Vec<f64>>, EvaluationError> {
+    fn leaving(&mut self, released: &[usize], how: Leaving) -> Result<Option<Vec<f64>>, Failure> {
         let Origin { tangent, kind, switched, is_branch_point, .. } = &self.origin;
         if how == Leaving::Direction {
             return Ok(tangent.clone());
@@ -118,7 +114,7 @@ impl<'a> Continuation<'a> {
             && how == Leaving::Along
             && let Some(kind) = kind.filter(|kind| *kind != Kind::BP)
         {
-            return Err(EvaluationError::NotApplicable(format!(
+            return Err(Failure::NotApplicable(format!(
                 "the point to switch at is a {}, but branches cross at branch points (BP) only",
                 kind.meaning()
             )));
@@ -250,7 +246,7 @@ impl Stepper<'_> {
         unknowns: Vec<f64>,
         tangent: Vec<f64>,
         from_branch_point: bool,
-    ) -> Result<Place, EvaluationError> {
+    ) -> Result<Place, Failure> {
         self.equations.load(&unknowns);
         for condition in self.tested.iter_mut().flatten() {
             condition.start(self.equations.at(), &mut [])?;

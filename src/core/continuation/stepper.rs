@@ -3,7 +3,7 @@
 use super::event::{Event, MakeCondition, Test};
 use super::metric::Metric;
 use super::{Point, Settings};
-use crate::core::condition::{At, Condition, EvaluationError, Quantity};
+use crate::core::condition::{At, Condition, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
@@ -104,7 +104,7 @@ impl Stepper<'_> {
         row: &[f64],
         matrix_error: f64,
         stability: bool,
-    ) -> Result<Place, EvaluationError> {
+    ) -> Result<Place, Failure> {
         let mut tangent = vec![0.0; unknowns.len()];
         // Eigenvalues that are only counted need not be known well, but monitors come with the matrix.
         let mut tested = self.tested.iter().flatten();
@@ -155,11 +155,7 @@ impl Stepper<'_> {
     /// how fast each level's test function grows along the curve at the start.
     ///
     /// A curve that is born on a level misses it by as much as the discretisation errs.
-    pub fn forget_levels_at(
-        &mut self,
-        start: &mut Place,
-        born: bool,
-    ) -> Result<Vec<f64>, EvaluationError> {
+    pub fn forget_levels_at(&mut self, start: &mut Place, born: bool) -> Result<Vec<f64>, Failure> {
         let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
@@ -261,10 +257,7 @@ impl Stepper<'_> {
     }
 
     /// Parameters, monitors and stability at the point assembled last.
-    pub fn record(
-        &mut self,
-        stability: bool,
-    ) -> Result<(Point, Option<Stability>), EvaluationError> {
+    pub fn record(&mut self, stability: bool) -> Result<(Point, Option<Stability>), Failure> {
         let at = self.equations.at();
         let n = at.system.names().dimension();
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
@@ -295,7 +288,7 @@ impl Stepper<'_> {
         determinant: f64,
         stability: Option<Stability>,
         point: &Point,
-    ) -> Result<Vec<f64>, EvaluationError> {
+    ) -> Result<Vec<f64>, Failure> {
         let parameter = tangent[self.equations.parameters_at()];
         let own = self.equations.dimension();
         let stability = stability.unwrap_or_default();

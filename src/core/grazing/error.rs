@@ -1,6 +1,6 @@
 //! Why there is no local map, or none that can be trusted.
 
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::flow::{FlowError, SettingsError};
 use crate::core::jet::JetError;
 use crate::core::kind::Kind;
@@ -10,7 +10,7 @@ use crate::core::kind::Kind;
 pub enum GrazingError {
     /// No branch is born at the orbit.
     #[error(transparent)]
-    NotBorn(#[from] EvaluationError),
+    NotBorn(#[from] Failure),
     /// The order or the number of variables is too high.
     #[error(transparent)]
     Jet(#[from] JetError),

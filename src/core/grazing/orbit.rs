@@ -6,7 +6,7 @@ use crate::core::bvp::{
     Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh,
     Monitor, Return, Shooting, Watched,
 };
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
 use std::sync::Arc;
 
@@ -244,11 +244,11 @@ impl BoundaryProblem for LocalOrbit {
         self.impacts.iter().map(word).collect::<Vec<_>>().join(" ")
     }
 
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
         let impact = |word: &str| match word {
             "impact" => Ok(true),
             "pass" => Ok(false),
-            _ => Err(EvaluationError::NotApplicable(format!(
+            _ => Err(Failure::NotApplicable(format!(
                 "`{word}` in the itinerary `{words}` is neither `impact` nor `pass`"
             ))),
         };
@@ -261,7 +261,7 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
+    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
         let passes = self.points(starts, q).enumerate().filter(|(_, (_, impact, _))| !impact);
         let distances = passes.map(|(k, (_, _, distance))| (distance.abs(), k));
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));

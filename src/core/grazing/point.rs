@@ -5,7 +5,7 @@ use super::map::{MapSettings, positions};
 use super::maps::Source;
 use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::field::Forcing;
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
@@ -169,7 +169,7 @@ impl GrazingPoint {
         };
         let matrix: Vec<f64> = (0..(n + 1) * (n + 1)).map(entry).collect();
         let mut lu = BorderedLu::default();
-        lu.factor(&matrix, Border::NONE).map_err(EvaluationError::from)?;
+        lu.factor(&matrix, Border::NONE).map_err(Failure::from)?;
         lu.solve(&mut change);
         let before = unit_of_phase(system, &self.p);
         self.p[parameters[0]] += change[n];

@@ -15,7 +15,7 @@
 
 use super::error::GrazingError;
 use super::map::LocalMap;
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::jet::Polynomial;
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::zero::{Border, Spectrum};
@@ -72,7 +72,7 @@ fn solved(
     let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
     let mut x: Vec<f64> = (0..n).map(right).collect();
     let mut lu = BorderedLu::default();
-    lu.factor(&matrix, Border::NONE).map_err(EvaluationError::from)?;
+    lu.factor(&matrix, Border::NONE).map_err(Failure::from)?;
     lu.solve(&mut x);
     Ok(x)
 }

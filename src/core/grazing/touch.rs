@@ -3,7 +3,7 @@
 use super::error::GrazingError;
 use super::point::GrazingPoint;
 use crate::core::bvp::{BoundarySystem, Equations, Method, Residual};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::hybrid::{guard_scale, rate, time_scale};
 use crate::core::orbit::{HybridOrbit, Leg};
@@ -46,7 +46,7 @@ impl Orbit<'_> {
         let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
         Flow::<f64>::default()
             .advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
-            .map_err(|cause| EvaluationError::LeftDomain(LeftDomain::from(cause)))?;
+            .map_err(|cause| Failure::LeftDomain(LeftDomain::from(cause)))?;
         Ok(x)
     }
 
@@ -86,7 +86,7 @@ impl Orbit<'_> {
         let point = born.ending(last)?.ok_or_else(|| {
             let reason =
                 "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
-            EvaluationError::NotApplicable(reason.into())
+            Failure::NotApplicable(reason.into())
         })?;
         Ok(point)
     }
@@ -143,11 +143,11 @@ impl GrazingPoint {
         let problem: &dyn Any = &**orbits.problem();
         let problem = problem.downcast_ref::<HybridOrbit>().cloned().ok_or_else(|| {
             let reason = "the solutions are no orbits of a hybrid system";
-            EvaluationError::NotApplicable(reason.into())
+            Failure::NotApplicable(reason.into())
         })?;
         let (x, mut starts) = ([state, parameters].concat(), Vec::new());
         for leg in 0..problem.itinerary().legs.len() {
-            starts.extend(orbits.states(&x, leg, 0.0).map_err(EvaluationError::LeftDomain)?);
+            starts.extend(orbits.states(&x, leg, 0.0).map_err(Failure::LeftDomain)?);
         }
         let extras = &state[state.len() - problem.extras().len()..];
         GrazingPoint::of(&problem, &starts, &[parameters, extras].concat())

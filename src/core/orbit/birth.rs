@@ -7,7 +7,7 @@
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{
     Cycle, GuardNumber, HybridEquations, MeasureNumber, guard_scale, rate, time_scale,
@@ -61,11 +61,11 @@ impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
     ///
     /// # Errors
-    /// [`EvaluationError`] if the cycle holds a series of infinitely many events, which is no itinerary.
+    /// [`Failure`] if the cycle holds a series of infinitely many events, which is no itinerary.
     pub fn of_cycle(
         system: impl HybridEquations + 'static,
         cycle: &Cycle,
-    ) -> Result<Birth<Self>, EvaluationError> {
+    ) -> Result<Birth<Self>, Failure> {
         HybridOrbit::of_shared_cycle(Arc::new(system), cycle)
     }
 
@@ -76,11 +76,11 @@ impl HybridOrbit {
     pub fn of_shared_cycle(
         system: Arc<dyn HybridEquations>,
         cycle: &Cycle,
-    ) -> Result<Birth<Self>, EvaluationError> {
+    ) -> Result<Birth<Self>, Failure> {
         if cycle.legs.iter().any(|leg| leg.accumulation) {
             let reason =
                 "the simulated motion chatters completely: infinitely many events are no itinerary";
-            return Err(EvaluationError::NotApplicable(reason.into()));
+            return Err(Failure::NotApplicable(reason.into()));
         }
         let legs = cycle.legs.iter().map(|leg| Leg { mode: leg.mode, exit: leg.exit }).collect();
         let itinerary = Itinerary { legs, periods: cycle.periods };
@@ -97,11 +97,7 @@ impl HybridOrbit {
     }
 
     /// The orbits that are born where this one touches a guard.
-    pub(in crate::core) fn born(
-        &self,
-        starts: &[f64],
-        q: &[f64],
-    ) -> Result<Birth<Self>, EvaluationError> {
+    pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
         let touch = self.touch(starts, q)?;
         let following = self.following(&touch, q)?;
         let legs = self.itinerary().legs.as_slice();
@@ -144,7 +140,7 @@ impl HybridOrbit {
     }
 
     /// Where the orbit comes nearest to a guard that it does not pass.
-    fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, EvaluationError> {
+    fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, Failure> {
         let mut nearest: Option<Touch> = None;
         for leg in 0..self.itinerary().legs.len() {
             let (mode, p) = (self.itinerary().legs[leg].mode, self.split(q).0);
@@ -163,17 +159,12 @@ impl HybridOrbit {
         }
         nearest.ok_or_else(|| {
             let reason = "the orbit comes near to no guard: a branch is born where one touches (G)";
-            EvaluationError::NotApplicable(reason.into())
+            Failure::NotApplicable(reason.into())
         })
     }
 
     /// The local minimum of a guard on a leg that is nearest to zero, with the state there.
-    fn dip(
-        &self,
-        watch: &OnLeg,
-        start: &[f64],
-        q: &[f64],
-    ) -> Result<Option<Touch>, EvaluationError> {
+    fn dip(&self, watch: &OnLeg, start: &[f64], q: &[f64]) -> Result<Option<Touch>, Failure> {
         let (mut x, leg) = (start.to_vec(), watch.leg);
         let (mut extrema, mut found) = (Extrema::default(), None::<(f64, f64)>);
         let field = Residual::<f64>::on_segment(self, leg, q);
@@ -199,7 +190,7 @@ impl HybridOrbit {
     /// The legs that follow a touch at once, with the states at which they begin, until motion goes on in
     /// the mode that was touched. Which events come next is decided at a small approach speed; the states are
     /// those of the touch itself.
-    fn following(&self, touch: &Touch, q: &[f64]) -> Result<Vec<(Leg, Vec<f64>)>, EvaluationError> {
+    fn following(&self, touch: &Touch, q: &[f64]) -> Result<Vec<(Leg, Vec<f64>)>, Failure> {
         let (system, mode) = (self.system(), self.itinerary().legs[touch.leg].mode);
         let p = &q[..self.parameters().len()];
         let t = self.time(touch.leg, q) + touch.since;
@@ -219,7 +210,7 @@ impl HybridOrbit {
             }
             let soonest = self.soonest(next, t, &near, p);
             let Some((time, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
-                return Err(EvaluationError::NotApplicable(format!(
+                return Err(Failure::NotApplicable(format!(
                     "after the touch, motion does not come back to mode `{}` at once: start the branch from \
                      a simulated cycle (`orbit::from_cycle`)",
                     self.mode_name(mode)

@@ -6,7 +6,7 @@ use crate::core::bvp::{
     Birth, EndFunctions, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown,
     Watched, Watches,
 };
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, MeasureNumber};
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
 use crate::core::watch::Observable;
@@ -151,9 +151,9 @@ impl Equations for HybridOrbit {
         }
     }
 
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
+    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
         let itinerary = Itinerary::read(words, &*self.system)
-            .map_err(|cause| EvaluationError::NotApplicable(cause.to_string()))?;
+            .map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
         Ok(Arc::new(self.like(itinerary)))
     }
 
@@ -162,7 +162,7 @@ impl Equations for HybridOrbit {
         (!self.smooth()).then(|| doubled() as Arc<dyn Equations>)
     }
 
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
+    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
         match self.guards.is_empty() {
             true => Ok(None),
             false => Ok(Some(self.born(starts, q)?.erased())),

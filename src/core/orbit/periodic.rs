@@ -2,7 +2,7 @@
 
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Mesh, Method, Shooting};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::field::VectorField;
 use crate::core::hybrid::{Cycle, HybridEquations};
 
@@ -100,7 +100,7 @@ pub fn by_shooting<F: VectorField + 'static>(
 /// ```
 ///
 /// # Errors
-/// [`EvaluationError`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
+/// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
 /// domain of its field.
 pub fn from_cycle<M: Method + Clone + 'static>(
     system: impl HybridEquations + 'static,
@@ -108,7 +108,7 @@ pub fn from_cycle<M: Method + Clone + 'static>(
     p: &[f64],
     method: M,
     intervals: usize,
-) -> Result<(BoundarySystem<M>, Vec<f64>), EvaluationError> {
+) -> Result<(BoundarySystem<M>, Vec<f64>), Failure> {
     HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
 }
 

@@ -7,7 +7,7 @@ use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Method};
 use crate::core::chunk::Chunk;
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Refinement, Singular, Slot,
@@ -269,7 +269,7 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
         self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
     }
 
-    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         self.take_over(solution)
     }
 

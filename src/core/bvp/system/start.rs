@@ -5,7 +5,7 @@ use crate::core::bvp::{
     Birth, BoundaryError, Collocation, Equations, IntoEquations, Mesh, Number, Shooting,
 };
 use crate::core::chunk::{CHUNK, Chunk, seeded};
-use crate::core::condition::EvaluationError;
+use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::scalar_field::FieldIn;
@@ -17,11 +17,11 @@ use std::sync::Arc;
 /// A mesh is redistributed after this many accepted points.
 const ADAPT_EVERY: usize = 3;
 
-fn not_applicable(reason: impl Into<String>) -> EvaluationError {
-    EvaluationError::NotApplicable(reason.into())
+fn not_applicable(reason: impl Into<String>) -> Failure {
+    Failure::NotApplicable(reason.into())
 }
 
-impl From<BoundaryError> for EvaluationError {
+impl From<BoundaryError> for Failure {
     fn from(error: BoundaryError) -> Self {
         not_applicable(error.to_string())
     }
@@ -30,7 +30,7 @@ impl From<BoundaryError> for EvaluationError {
 impl<M: Method + Clone + 'static> BoundarySystem<M> {
     /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses accuracy. A
     /// solution of another method is carried over to this mesh.
-    pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+    pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         let states = self.equations.layout.states;
         if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
         {
@@ -76,7 +76,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     }
 
     /// Solutions that go through the same as a saved one.
-    fn go_along(&mut self, solution: &Solution) -> Result<(), EvaluationError> {
+    fn go_along(&mut self, solution: &Solution) -> Result<(), Failure> {
         if solution.itinerary.is_empty() || solution.itinerary == self.problem().itinerary() {
             return Ok(());
         }
@@ -85,7 +85,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     }
 
     /// Another problem, on as many intervals a segment as the first one has now.
-    fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), EvaluationError> {
+    fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), Failure> {
         let intervals = self.meshes()[0].intervals();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         *self = BoundarySystem::new(problem, self.equations.method.clone(), meshes)?;
@@ -97,7 +97,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         &mut self,
         solution: &mut Solution,
         problem: Arc<dyn Equations>,
-    ) -> Result<(), EvaluationError> {
+    ) -> Result<(), Failure> {
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(solution, &meshes)?;
         let segments = self.equations.layout.segments.iter().zip(&meshes);
@@ -117,7 +117,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     }
 
     /// The solutions that are born where one touches a surface, beginning with the one that touches.
-    fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, EvaluationError> {
+    fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, Failure> {
         let layout = &self.equations.layout;
         let starts: Vec<f64> = layout.ends[..layout.states].iter().map(|&k| z[k]).collect();
         let q = [p, &z[layout.values()..]].concat();
@@ -135,13 +135,8 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     /// The unknowns `z` of trajectories that flow from the states where segments begin.
     ///
     /// # Errors
-    /// [`EvaluationError`] where a trajectory leaves the domain of its field.
-    pub fn flowed(
-        &self,
-        starts: &[f64],
-        extras: &[f64],
-        p: &[f64],
-    ) -> Result<Vec<f64>, EvaluationError> {
+    /// [`Failure`] where a trajectory leaves the domain of its field.
+    pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
         let (problem, q) = (self.problem(), [p, extras].concat());
         let mut flow = Flow::<f64>::default();
         let mut at = (usize::MAX, 0.0, Vec::new());
@@ -167,7 +162,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     }
 
     /// How many nodes an interval has, beyond its first, in a saved solution.
-    fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, EvaluationError> {
+    fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, Failure> {
         let layout = &self.equations.layout;
         let fits = |degree: &usize| {
             let values = layout
@@ -199,7 +194,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         solution: &Solution,
         degree: usize,
         meshes: Vec<Mesh>,
-    ) -> Result<Vec<f64>, EvaluationError> {
+    ) -> Result<Vec<f64>, Failure> {
         let problem = self.problem().clone();
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         if degree == 1 {
@@ -216,7 +211,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         &self,
         mut from: BoundarySystem<N>,
         x: &[f64],
-    ) -> Result<Vec<f64>, EvaluationError> {
+    ) -> Result<Vec<f64>, Failure> {
         let layout = &from.equations.layout;
         let extras = &x[layout.values()..layout.dimension];
         let mut outcome = Ok(());
@@ -252,7 +247,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
 
     /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`:
     /// `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period `2π/ω`.
-    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
+    fn born_at_hopf(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         let problem = self.problem().clone();
         let n = self.equations.layout.states;
         let mut q = solution.parameters.clone();
@@ -300,13 +295,13 @@ impl<P: IntoEquations> Birth<P> {
     /// integrated from the states where segments begin.
     ///
     /// # Errors
-    /// [`EvaluationError`] if there is no interval, or where a trajectory leaves the domain of its field.
+    /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
     pub fn discretised<M: Method + Clone + 'static>(
         self,
         p: &[f64],
         method: M,
         intervals: usize,
-    ) -> Result<(BoundarySystem<M>, Vec<f64>), EvaluationError> {
+    ) -> Result<(BoundarySystem<M>, Vec<f64>), Failure> {
         let Birth { problem, starts, extras } = self.erased();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         let system = BoundarySystem::new(problem, method, meshes)?;
@@ -319,7 +314,7 @@ impl<P: IntoEquations> Birth<P> {
 const MOST_NODES: usize = 7;
 
 /// The meshes of all segments, each of which begins with 0.
-fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, EvaluationError> {
+fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {
         match meshes.last_mut() {
@@ -353,7 +348,7 @@ fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, L
 const NEAR_THE_AXIS: f64 = 1e-4;
 
 /// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary) parts.
-fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), EvaluationError> {
+fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), Failure> {
     let matrix = faer::MatRef::from_column_major_slice(jacobian, n, n);
     let decomposition = matrix
         .eigen()
