@@ -1,11 +1,12 @@
 //! What a long step passes unseen: pairs of events, at which a test function has the same sign at both ends of the
-//! step; and the way over to another branch, where two come near each other without crossing.
+//! step; the start, where a curve is closed; and the way over to another branch, where two come near each other without
+//! crossing.
 
 use super::event::Test;
 use super::stepper::{Before, Place, Step, Stepper};
 use crate::core::extended::Closing;
 use crate::core::newton::{NewtonError, scaled_norm};
-use crate::core::vector::{advanced, along};
+use crate::core::vector::{advanced, along, difference, dot};
 
 /// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry that their meshes do not have miss a
 /// branch point by as much.
@@ -46,6 +47,25 @@ impl Stepper<'_> {
         self.equations.solve(&mut miss);
         let gap = 2.0 * (scaled_norm(&miss, &self.weights) * length).sqrt();
         if gap > CROSSING { Err(NewtonError::Beside { gap }) } else { Ok(()) }
+    }
+
+    /// How far along a step it passes through the start, in the start's direction: a Newton correction
+    /// at the start's own distance along the step decides.
+    pub fn passes(&mut self, start: &Place, from: &Place, step: &Step) -> Option<f64> {
+        let row = self.covector(&from.tangent);
+        let offset = difference(&start.unknowns, &from.unknowns);
+        let (along, alignment) = (dot(&row, &offset), dot(&row, &start.tangent));
+        let distance = scaled_norm(&offset, &self.weights);
+        if !(0.0..=step.length).contains(&along) || distance > 1.5 * step.length || alignment < 0.0
+        {
+            return None;
+        }
+        let whole = difference(&step.place.unknowns, &from.unknowns);
+        let mut unknowns = advanced(&from.unknowns, along / step.length, &whole);
+        let closing = Closing { row: &row, base: &from.unknowns, length: along };
+        self.correct(&mut unknowns, closing).ok()?;
+        let miss = scaled_norm(&difference(&unknowns, &start.unknowns), &self.weights);
+        (miss < 1e3 * self.settings.tolerance.max(1e-12)).then_some(along)
     }
 
     /// A shorter step, to a place between `from` and the end of `step` where some test function has

@@ -6,10 +6,7 @@ use super::locate::Located;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
 use super::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
-use crate::core::extended::Closing;
-use crate::core::newton::scaled_norm;
 use crate::core::solution::Solution;
-use crate::core::vector::{advanced, difference, dot};
 
 /// A trace under way.
 pub(super) struct Tracer<'a> {
@@ -326,7 +323,7 @@ impl Tracer<'_> {
         points: usize,
     ) -> Option<Ending> {
         if points >= 2
-            && let Some(along) = self.passes(start, from, step)
+            && let Some(along) = self.stepper.passes(start, from, step)
         {
             found.retain(|located| located.along <= along + AT_START);
             return Some((End::Closed { points: points + 1 }, None));
@@ -342,26 +339,6 @@ impl Tracer<'_> {
         }
         let event = at.special.event.clone();
         Some((end.unwrap_or(End::Event { event }), Some(at)))
-    }
-
-    /// How far along a step it passes through the start, in the start's direction: a Newton correction
-    /// at the start's own distance along the step decides.
-    fn passes(&mut self, start: &Place, from: &Place, step: &Step) -> Option<f64> {
-        let stepper = &mut self.stepper;
-        let row = stepper.covector(&from.tangent);
-        let offset = difference(&start.unknowns, &from.unknowns);
-        let (along, alignment) = (dot(&row, &offset), dot(&row, &start.tangent));
-        let distance = scaled_norm(&offset, &stepper.weights);
-        if !(0.0..=step.length).contains(&along) || distance > 1.5 * step.length || alignment < 0.0
-        {
-            return None;
-        }
-        let whole = difference(&step.place.unknowns, &from.unknowns);
-        let mut unknowns = advanced(&from.unknowns, along / step.length, &whole);
-        let closing = Closing { row: &row, base: &from.unknowns, length: along };
-        stepper.correct(&mut unknowns, closing).ok()?;
-        let miss = scaled_norm(&difference(&unknowns, &start.unknowns), &stepper.weights);
-        (miss < 1e3 * stepper.settings.tolerance.max(1e-12)).then_some(along)
     }
 
     fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
