@@ -90,7 +90,7 @@ impl<'a> Continuation<'a> {
         if how != Leaving::Along {
             stepper.forget_stability_at(&mut start);
         }
-        let slopes = stepper.forget_levels_at(&mut start, self.origin.is_birth)?;
+        let slopes = stepper.forget_levels_at(&mut start, self.origin.is_birth);
         if !from_branch_point {
             stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
         }

@@ -155,7 +155,7 @@ impl Stepper<'_> {
     /// how fast each level's test function grows along the curve at the start.
     ///
     /// A curve that is born on a level misses it by as much as the discretisation errs.
-    pub fn forget_levels_at(&mut self, start: &mut Place, born: bool) -> Result<Vec<f64>, Failure> {
+    pub fn forget_levels_at(&mut self, start: &mut Place, born: bool) -> Vec<f64> {
         let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
@@ -166,7 +166,7 @@ impl Stepper<'_> {
                 start.tests[i] = 0.0;
             }
         }
-        Ok(slopes)
+        slopes
     }
 
     /// How fast a parameter or a monitor grows along the curve.
