@@ -9,6 +9,7 @@ use super::zero::{
 };
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use std::sync::Arc;
 
 /// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
 struct Work<T> {
@@ -49,7 +50,7 @@ impl<T: Scalar> Work<T> {
 /// assert_eq!(slope, [10.0]);
 /// ```
 pub struct Dense<P> {
-    problem: P,
+    problem: Arc<P>,
     names: Names,
     jacobian: Vec<f64>,
     /// Where `jacobian` was assembled last; empty where that failed.
@@ -69,6 +70,11 @@ pub struct Dense<P> {
 impl<P: ZeroProblem> Dense<P> {
     /// The system of a problem.
     pub fn new(problem: P) -> Self {
+        Dense::shared(Arc::new(problem))
+    }
+
+    /// The system of a problem that is shared.
+    pub fn shared(problem: Arc<P>) -> Self {
         let names = problem.names();
         let n = names.dimension();
         Dense {
@@ -130,7 +136,7 @@ impl<P: ZeroProblem> System for Dense<P> {
 
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
         self.check_domain(x)?;
-        r.copy_from_slice(self.plain.evaluate(&self.problem, |i| x[i]));
+        r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i]));
         finite(
             r,
             |i| format!("component {i} of the residual"),
@@ -146,7 +152,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         self.check_domain(x)?;
         let n = self.names.dimension();
         for start in (0..n).step_by(CHUNK) {
-            let r = self.chunk.evaluate(&self.problem, |i| seeded(x[i], i, start));
+            let r = self.chunk.evaluate(&*self.problem, |i| seeded(x[i], i, start));
             for (i, r) in r.iter().enumerate() {
                 for (j, part) in (start..n).zip(r.eps) {
                     self.jacobian[j * n + i] = part;
@@ -183,17 +189,17 @@ impl<P: ZeroProblem> System for Dense<P> {
     }
 
     fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        let r = self.first.evaluate(&self.problem, |i| Dual64::new(x[i], d[i]));
+        let r = self.first.evaluate(&*self.problem, |i| Dual64::new(x[i], d[i]));
         out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
     }
 
     fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        let r = self.second.evaluate(&self.problem, |i| HyperDual64::new(x[i], d[i], e[i], 0.0));
+        let r = self.second.evaluate(&*self.problem, |i| HyperDual64::new(x[i], d[i], e[i], 0.0));
         out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2);
     }
 
     fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        let r = self.third.evaluate(&self.problem, |i| {
+        let r = self.third.evaluate(&*self.problem, |i| {
             HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0)
         });
         out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
@@ -203,7 +209,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         for start in (0..x.len()).step_by(CHUNK) {
             let r = self
                 .nested
-                .evaluate(&self.problem, |i| Dual::new(seeded(x[i], i, start), Chunk::from(v[i])));
+                .evaluate(&*self.problem, |i| Dual::new(seeded(x[i], i, start), Chunk::from(v[i])));
             weighted(r.iter().map(|r| &r.eps), w, &mut out[start..]);
         }
     }
@@ -217,7 +223,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         out: &mut [f64],
     ) {
         for start in (0..x.len()).step_by(CHUNK) {
-            let r = self.nested_twice.evaluate(&self.problem, |i| {
+            let r = self.nested_twice.evaluate(&*self.problem, |i| {
                 Dual2::new(seeded(x[i], i, start), Chunk::from(v[i]), Chunk::from(0.0))
             });
             weighted(r.iter().map(|r| &r.v2), w, &mut out[start..]);

@@ -3,6 +3,7 @@
 use super::measure::Measure;
 use super::scalar::Scalar;
 use super::zero::{LeftDomain, Names, ZeroProblem};
+use std::sync::Arc;
 
 /// Whether time itself enters a vector field or a hybrid system.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +97,45 @@ pub trait VectorField: Send + Sync {
     /// [`LeftDomain`] with the quantity, its value and the domain.
     fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
         Ok(())
+    }
+}
+
+/// A field that is shared.
+impl<F: VectorField> VectorField for Arc<F> {
+    fn names(&self) -> Names {
+        (**self).names()
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        (**self).defaults()
+    }
+
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        (**self).field(t, x, p, f);
+    }
+
+    fn forcing(&self) -> Forcing {
+        (**self).forcing()
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        (**self).period(p)
+    }
+
+    fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {
+        (**self).monitor(monitor, t, x, p)
+    }
+
+    fn measures(&self) -> Vec<(String, Measure)> {
+        (**self).measures()
+    }
+
+    fn scales(&self, p: &[f64]) -> Vec<f64> {
+        (**self).scales(p)
+    }
+
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        (**self).domain(x, p)
     }
 }
 

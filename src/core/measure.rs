@@ -38,6 +38,16 @@ impl Measure {
     /// The name of [`Penetration`](Self::Penetration), which every hybrid system has.
     pub const PENETRATION: &str = "penetration";
 
+    /// The names of the scalars that it is taken of.
+    pub(in crate::core) fn scalars(&self) -> Vec<&str> {
+        match self {
+            Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => vec![name],
+            Measure::Rising { through, value } => vec![through, value],
+            Measure::Integral(_, names) => names.iter().map(String::as_str).collect(),
+            Measure::Penetration | Measure::Cycle(_) => Vec::new(),
+        }
+    }
+
     /// The mean of a scalar over time.
     pub fn mean(scalar: impl Into<String>) -> Self {
         Measure::Integral(Integral::Mean, vec![scalar.into()])

@@ -132,6 +132,20 @@ impl UnknownName {
     }
 }
 
+/// The position of a name among those that exist.
+///
+/// # Errors
+/// [`UnknownName`] if it is not among them.
+pub fn position<S: AsRef<str>>(
+    what: &str,
+    name: &str,
+    known: impl IntoIterator<Item = S> + Clone,
+) -> Result<usize, UnknownName> {
+    let found = known.clone().into_iter().position(|known| known.as_ref() == name);
+    let names = || known.into_iter().map(|known| known.as_ref().to_string());
+    found.ok_or_else(|| UnknownName::new(what, name, names()))
+}
+
 /// The candidate nearest to a mistyped name: the one with the fewest insertions, deletions,
 /// replacements and swaps of neighbours (in either case), if they are at most a third of the name's
 /// letters. One is always forgiven.

@@ -1,56 +1,55 @@
 //! The problems and scenes of this library.
 
-use super::catalogue::Catalogue;
+use super::catalogue::{Catalogue, NamedScene};
 use super::discretisation::ProblemSettings;
+use super::error::{ProblemError, SceneError};
 use super::kinds::with_defaults;
-use super::problem::Model;
+use super::problem::{Configured, Model, Parameters};
 use super::slot::{Slots, slots};
-use super::{ProblemError, SceneError};
 use crate::core::zero::System;
 use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
 use crate::problems::plate::PlateSettings;
 
-/// Adds the problems of this library.
-pub(super) fn problems(catalogue: Catalogue) -> Catalogue {
-    catalogue
-        .model("Plate", Plate)
-        .hybrid("Mita", Actuator)
-        .field("Block", Block)
-        .hybrid("ImpactOscillator", ImpactOscillator)
-        .field("Lure", Lure)
-        .field("Isothermal", Isothermal)
-        .boundary("Bratu", Bratu)
+impl Catalogue {
+    /// The problems and scenes of this library.
+    pub fn built_in() -> Self {
+        let problems = Catalogue::empty()
+            .model::<_, PlateSettings>("Plate", Plate)
+            .hybrid("Mita", Actuator)
+            .field("Block", Block)
+            .hybrid("ImpactOscillator", ImpactOscillator)
+            .field("Lure", Lure)
+            .field("Isothermal", Isothermal)
+            .boundary("Bratu", Bratu);
+        BUILT_IN.iter().fold(problems, |catalogue, scene| {
+            let (name, text) = (scene.name.into(), scene.text.into());
+            catalogue.listed(NamedScene { name, text, summary: Some(scene.summary.into()) })
+        })
+    }
 }
 
 /// An electrically actuated microplate.
+#[derive(Clone)]
 struct Plate;
 
-impl Model for Plate {
-    type Settings = PlateSettings;
-    const KIND: &'static str = "a plate, whose equations are static";
-
-    fn parameters(&self, plate: &PlateSettings) -> Vec<(String, Option<f64>)> {
-        let names = plate.units.names().iter().map(|name| name.to_string());
-        with_defaults(names.collect(), plate.units.defaults())
+impl Model for Configured<Plate, PlateSettings> {
+    fn kind(&self) -> &'static str {
+        "a plate, whose equations are static"
     }
 
-    fn ladder(
-        &self,
-        plate: &PlateSettings,
-        p: &[f64],
-        reach: &[f64],
-    ) -> Result<Vec<PlateSettings>, SceneError> {
-        Ok(plate.ladder(p, reach).map_err(ProblemError::new)?)
+    fn parameters(&self) -> Parameters {
+        let units = self.settings.units;
+        let names = units.names().iter().map(|name| name.to_string());
+        with_defaults(names.collect(), units.defaults())
     }
 
-    fn system(
-        &self,
-        plate: &PlateSettings,
-        p: &[f64],
-        reach: &[f64],
-    ) -> Result<Box<dyn System>, SceneError> {
-        Ok(plate.system(p, reach).map_err(ProblemError::new)?)
+    fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
+        Ok(self.on(self.settings.ladder(p, reach).map_err(ProblemError::new)?))
+    }
+
+    fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        Ok(self.settings.system(p, reach).map_err(ProblemError::new)?)
     }
 }
 

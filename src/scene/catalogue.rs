@@ -1,14 +1,15 @@
 //! The problems and scenes that the command line knows by name.
 
-use super::builtin::BUILT_IN;
-use super::kinds::{Boundary, Field, Hybrid, Zero};
-use super::problem::{Model, Problem};
+use super::discretisation::{BoundarySettings, FieldSettings, HybridOrbitSettings, ZeroSettings};
+use super::error::SceneError;
+use super::kinds::{Boundary, Hybrid};
+use super::problem::{Configured, Model, Problem};
 use super::slot::options;
-use super::{Scene, SceneError};
-use crate::core::bvp::BoundaryProblem;
+use super::statement::Scene;
+use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::field::VectorField;
 use crate::core::hybrid::HybridSystem;
-use crate::core::names::UnknownName;
+use crate::core::names;
 use crate::core::zero::ZeroProblem;
 use ron::error::{Position, SpannedError};
 use ron::value::RawValue;
@@ -26,7 +27,6 @@ use std::sync::Arc;
 /// use tangency::prelude::*;
 /// use tangency::scene::execute;
 /// /// `r' = (μ − r²) r`, a rotation with the angular velocity 1: orbits of radius √μ from the Hopf point μ = 0.
-/// #[derive(Clone)]
 /// struct NormalForm;
 /// impl VectorField for NormalForm {
 ///     fn names(&self) -> Names {
@@ -62,7 +62,7 @@ pub struct NamedScene {
     pub name: String,
     /// Its text, as RON.
     pub text: String,
-    summary: Option<String>,
+    pub(super) summary: Option<String>,
 }
 
 impl Catalogue {
@@ -71,45 +71,27 @@ impl Catalogue {
         Catalogue::default()
     }
 
-    /// The problems and scenes of this library.
-    pub fn built_in() -> Self {
-        let catalogue = super::builtin::problems(Catalogue::empty());
-        BUILT_IN.iter().fold(catalogue, |catalogue, scene| {
-            let (name, text) = (scene.name.into(), scene.text.into());
-            catalogue.listed(NamedScene { name, text, summary: Some(scene.summary.into()) })
-        })
-    }
-
     /// Adds a zero problem.
-    pub fn zero<P>(self, name: &'static str, problem: P) -> Self
-    where
-        P: ZeroProblem + Clone + 'static,
-    {
-        self.model(name, Zero(problem))
+    pub fn zero(self, name: &'static str, problem: impl ZeroProblem + 'static) -> Self {
+        self.model::<_, ZeroSettings>(name, Arc::new(problem))
     }
 
-    /// Adds a smooth vector field: its equilibria and its periodic orbits.
-    pub fn field<F>(self, name: &'static str, field: F) -> Self
-    where
-        F: VectorField + Clone + 'static,
-    {
-        self.model(name, Field(field))
+    /// Adds a smooth vector field: its equilibria, its periodic orbits, simulations and sweeps.
+    pub fn field(self, name: &'static str, field: impl VectorField + 'static) -> Self {
+        self.model::<_, FieldSettings>(name, Arc::new(field))
     }
 
     /// Adds a boundary-value problem.
-    pub fn boundary<P>(self, name: &'static str, problem: P) -> Self
-    where
-        P: BoundaryProblem + 'static,
-    {
-        self.model(name, Boundary::of(problem))
+    pub fn boundary(self, name: &'static str, problem: impl BoundaryProblem + 'static) -> Self {
+        let defaults = problem.defaults();
+        let problem: Boundary = (problem.into_equations(), defaults);
+        self.model::<_, BoundarySettings>(name, problem)
     }
 
     /// Adds a hybrid system: its periodic orbits, simulations, sweeps, and local maps at its grazings.
-    pub fn hybrid<H>(self, name: &'static str, system: H) -> Self
-    where
-        H: HybridSystem + 'static,
-    {
-        self.model(name, Hybrid(Arc::new(system)))
+    pub fn hybrid(self, name: &'static str, system: impl HybridSystem + 'static) -> Self {
+        let system: Hybrid = Arc::new(system);
+        self.model::<_, HybridOrbitSettings>(name, system)
     }
 
     /// Adds a scene. Lists show its title.
@@ -117,14 +99,17 @@ impl Catalogue {
         self.listed(NamedScene { name: name.into(), text: text.into(), summary: None })
     }
 
-    /// Adds a model of any kind.
-    pub(super) fn model<M: Model>(mut self, name: &'static str, model: M) -> Self {
+    /// Adds a problem of any kind, with default settings.
+    pub(super) fn model<P, S: Default>(mut self, name: &'static str, problem: P) -> Self
+    where
+        Configured<P, S>: Model + 'static,
+    {
         self.problems.retain(|problem| problem.name() != name);
-        self.problems.push(Problem::new(name, model));
+        self.problems.push(Problem::new(name, problem));
         self
     }
 
-    fn listed(mut self, scene: NamedScene) -> Self {
+    pub(super) fn listed(mut self, scene: NamedScene) -> Self {
         self.scenes.retain(|known| known.name != scene.name);
         self.scenes.push(scene);
         self
@@ -174,10 +159,8 @@ impl Catalogue {
         let Name(name) = Name::deserialize(&mut reader)
             .map_err(|error| syntax(reader.span_error(error), position(&text[..begin])))?;
         let settings = reader.remainder();
-        let problem =
-            self.problems.iter().find(|problem| problem.name() == name).ok_or_else(|| {
-                UnknownName::new("problem", name, self.problems.iter().map(Problem::name))
-            })?;
+        let known = self.problems.iter().map(Problem::name);
+        let problem = &self.problems[names::position("problem", &name, known)?];
         let begin = begin + stated.len() - settings.len();
         problem.read(settings).map_err(|error| syntax(error, position(&text[..begin])))
     }

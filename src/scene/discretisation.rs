@@ -1,6 +1,6 @@
 //! How the solutions of a field, a boundary-value problem or a hybrid system are discretised.
 
-use super::SceneError;
+use super::error::SceneError;
 use super::slot::{Slots, slots};
 use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::Failure;
@@ -300,5 +300,5 @@ fn started<M: Method + Clone + 'static>(
 
 /// A simulated motion from which no branch can start.
 pub(super) fn no_start(cause: Failure) -> SceneError {
-    SceneError::Value { name: "start".into(), value: "Simulated".into(), reason: cause.to_string() }
+    SceneError::value("start", "Simulated", cause.to_string())
 }

@@ -35,10 +35,8 @@ impl PartialEq for ProblemError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Capability {
-    /// Simulated histories, and starts from simulations.
+    /// Simulated histories, starts from simulations, and sweeps.
     Simulation,
-    /// Sweeps of motions.
-    Sweep,
     /// Local maps at grazings.
     LocalMap,
 }
@@ -47,7 +45,6 @@ impl fmt::Display for Capability {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Capability::Simulation => "only vector fields and hybrid systems are simulated",
-            Capability::Sweep => "sweeps follow the motions of hybrid systems only",
             Capability::LocalMap => "only hybrid systems graze and have local maps",
         })
     }
@@ -204,4 +201,22 @@ pub enum SceneError {
         #[source]
         cause: Box<TraceError>,
     },
+}
+
+impl SceneError {
+    pub(super) fn value(
+        name: impl Into<String>,
+        value: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> Self {
+        SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
+    }
+
+    pub(super) fn invalid(
+        place: impl Into<String>,
+        found: impl Into<String>,
+        rule: impl Into<String>,
+    ) -> Self {
+        SceneError::Invalid { place: place.into(), found: found.into(), rule: rule.into() }
+    }
 }

@@ -7,8 +7,11 @@
 //! below the accuracy, of those from a first guess downwards; or upwards, where the guess does not
 //! suffice.
 
-use super::execute::{Outcome, SceneObserver, StartPoint, reach, traced};
-use super::{Problem, Run, Scene, SceneError};
+use super::error::SceneError;
+use super::plan::{StartPoint, reach};
+use super::problem::Problem;
+use super::statement::{Run, Scene};
+use super::trace::{Outcome, SceneObserver, traced};
 use crate::core::continuation::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint};
 use crate::core::ladder::error_of_first;
 use crate::output::{Chosen, Document};
@@ -207,37 +210,36 @@ impl Scene {
 const DECIDES: &str = "is what decides it: leave one of both out";
 
 fn refused(found: String, rule: &str) -> Result<(), SceneError> {
-    Err(SceneError::Invalid { place: "`accuracy`".into(), found, rule: rule.into() })
+    Err(SceneError::invalid("`accuracy`", found, rule))
+}
+
+/// The end of a branch at a special point.
+fn end_at<'a>(branch: &'a Branch, special: &SpecialPoint) -> Option<&'a End> {
+    branch.ends.iter().find(|end| end.to_string() == special.event)
 }
 
 /// Whether discretisations must agree on a special point. An end may be anywhere unless it is at a
 /// bound, at a grazing, or the start.
 fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
-    let fixed = |end: &End| {
-        let anywhere = matches!(
-            end,
-            End::Closed { .. }
-                | End::PointLimit { .. }
-                | End::StepTooSmall { .. }
-                | End::Interrupted
-        );
-        !anywhere && end.to_string() == special.event
+    let fixed = |end: &End| match end {
+        End::ParameterBound { .. } | End::MonitorBound { .. } => true,
+        End::Grazing { .. } | End::Event { .. } | End::Start => true,
+        _ => false,
     };
-    special.kind != Kind::EP || branch.ends.iter().any(fixed)
+    special.kind != Kind::EP || end_at(branch, special).is_some_and(fixed)
 }
 
 /// The columns that the accuracy concerns at a special point: the released parameters and the ones
 /// that the setting `settle` names, but for the one whose level defines the point. The start is where
 /// it was put.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
-    if special.event == End::Start.to_string() {
-        return Vec::new();
-    }
-    let given = special.event.split(" = ").next();
-    let bound = special.event.split(" reached its bound ").next();
+    let given = match end_at(branch, special) {
+        Some(End::Start) => return Vec::new(),
+        Some(End::ParameterBound { name, .. } | End::MonitorBound { name, .. }) => Some(&**name),
+        _ => special.event.split(" = ").next(),
+    };
     let names = branch.released.iter().chain(&branch.settings.settle);
-    let found = names.filter(|name| ![given, bound].contains(&Some(name.as_str())));
-    found.filter_map(|name| branch.column(name)).collect()
+    names.filter(|name| given != Some(name)).filter_map(|name| branch.column(name)).collect()
 }
 
 /// What an error is relative to: the value itself, and where it passes zero a hundredth of the largest on the branch. Below

@@ -1,7 +1,6 @@
 //! Runs that follow fixed and periodic points of a local map near a grazing.
 
 use super::discretisation::{Discretisation, Discretised};
-use super::{Run, Scene, SceneError, Start};
 use crate::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
 use crate::core::condition::Failure;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
@@ -10,7 +9,6 @@ use crate::core::grazing::{
     ExpansionCurve, GrazingError, GrazingPoint, LocalMap, LocalOrbit, MapSettings,
 };
 use crate::core::hybrid::{HybridEquations, guard_scale};
-use crate::core::names::UnknownName;
 use crate::core::orbit::{HybridOrbit, Itinerary};
 use crate::core::solution::Solution;
 use crate::core::zero::System;
@@ -34,83 +32,6 @@ pub struct Local {
     pub nth: usize,
     /// The parameters in which the map is expanded. All others are those of the grazing.
     pub parameters: Vec<String>,
-}
-
-impl Run {
-    /// Whether both are about the same motions: those of the flow, or those of one local map.
-    pub(super) fn is_akin_to(&self, other: &Run) -> bool {
-        let map = |run: &Run| {
-            let local = run.local.clone()?;
-            let order = run.set.iter().find(|(name, _)| name == "order").cloned();
-            Some((local.run, local.kind, local.nth, local.parameters, order))
-        };
-        map(self) == map(other)
-    }
-}
-
-impl Local {
-    /// Refuses a map that is none, for what has a name, sets parameters, and goes over others.
-    pub(super) fn check_map<'a>(
-        &self,
-        place: &str,
-        earlier: &[Run],
-        mut parameters: impl Iterator<Item = &'a String>,
-    ) -> Result<(), SceneError> {
-        let invalid = |found: &str, rule: String| SceneError::Invalid {
-            place: format!("{place}, local"),
-            found: found.into(),
-            rule,
-        };
-        let Some(at) = earlier.iter().find(|earlier| earlier.name == self.run) else {
-            let names = earlier.iter().map(|run| run.name.as_str());
-            return Err(UnknownName::new("earlier run", self.run.clone(), names).into());
-        };
-        if at.local.is_some() {
-            let rule = "must be a run of the flow, at whose grazing there is a map";
-            return Err(invalid(&format!("`{}`", self.run), rule.into()));
-        }
-        if self.parameters.is_empty() {
-            return Err(invalid(
-                "without parameters",
-                "must name the parameters of the map".into(),
-            ));
-        }
-        match parameters.find(|name| !self.parameters.contains(name)) {
-            Some(name) => {
-                let rule =
-                    format!("must be a parameter of the map: {}", self.parameters.join(", "));
-                Err(invalid(&format!("`{name}`"), rule))
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Refuses what a run that follows a local map cannot be.
-    pub(super) fn check(
-        &self,
-        scene: &Scene,
-        run: &Run,
-        earlier: &[Run],
-    ) -> Result<(), SceneError> {
-        let held = run.set.iter().map(|(name, _)| name).filter(|name| scene.value(name).is_some());
-        let along = run.along.iter().map(|range| &range.name);
-        self.check_map(&format!("run `{}`", run.name), earlier, held.chain(along))?;
-        if run.expanded.is_some() && (run.along.len(), self.parameters.len()) != (1, 2) {
-            return Err(SceneError::Invalid {
-                place: format!("run `{}`, expanded", run.name),
-                found: format!("a map in {}", self.parameters.join(", ")),
-                rule: "must release one of the two parameters of a map: the other one is given by the series".into(),
-            });
-        }
-        if matches!(run.start, Start::Simulated(_)) {
-            return Err(SceneError::Invalid {
-                place: format!("run `{}`, start", run.name),
-                found: "a simulation".into(),
-                rule: "must be `Guess` or `From` where points of a local map are followed; sweeps iterate it".into(),
-            });
-        }
-        Ok(())
-    }
 }
 
 impl Local {

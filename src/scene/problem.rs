@@ -1,14 +1,13 @@
 //! The problem of a scene: an entry of a catalogue, with its settings.
 
 use super::discretisation::{ProblemSettings, Started};
-use super::simulate::{Simulation, settled, simulate};
+use super::error::{Capability, SceneError};
+use super::local::Local;
 use super::slot::{self, Slots, options, written};
-use super::{Capability, Local, SceneError, Simulated};
-use crate::core::attractor::{StroboscopicError, StroboscopicMap};
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
-use crate::core::hybrid::{HybridEquations, HybridState};
+use crate::core::hybrid::HybridEquations;
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
 use ron::error::SpannedError;
@@ -17,133 +16,96 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
 
-/// What a kind of problem answers for scenes, given its settings. Capabilities that a kind does not have are typed errors.
-pub(super) trait Model: Send + Sync + 'static {
-    /// The settings of such problems.
-    type Settings: ProblemSettings;
+/// Names of parameters, and their defaults; `None` where there is no default.
+pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
+/// What a problem with its settings answers for scenes: what a catalogue and a scene hold. Capabilities that a kind of
+/// problem does not have are typed errors.
+pub(super) trait Model: Adjustable {
     /// What kind of problem it is, in words.
-    const KIND: &'static str;
+    fn kind(&self) -> &'static str;
 
-    /// Names of the parameters, and their defaults; `None` where there is no default.
-    fn parameters(&self, settings: &Self::Settings) -> Vec<(String, Option<f64>)>;
+    fn parameters(&self) -> Parameters;
 
-    /// Settings of growing accuracy and cost, for parameters that begin at `p` and go as far as `reach`; none if the problem
-    /// has no discretisation.
-    fn ladder(
-        &self,
-        _settings: &Self::Settings,
-        _p: &[f64],
-        _reach: &[f64],
-    ) -> Result<Vec<Self::Settings>, SceneError> {
+    /// The same with settings of growing accuracy and cost, for parameters that begin at `p` and go as far as `reach`;
+    /// none if the problem has no discretisation.
+    fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
         Ok(Vec::new())
     }
 
     /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes from there.
-    fn system(
-        &self,
-        settings: &Self::Settings,
-        p: &[f64],
-        reach: &[f64],
-    ) -> Result<Box<dyn System>, SceneError>;
+    fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
 
-    /// The motion that is simulated.
+    /// The motion that is simulated and swept.
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
-        Err(Self::lacks(Capability::Simulation))
+        Err(self.lacks(Capability::Simulation))
     }
 
     /// The system of the orbits like a simulated one, and that orbit.
-    fn started(
-        &self,
-        _settings: &Self::Settings,
-        _simulated: Birth<HybridOrbit>,
-        _p: &[f64],
-    ) -> Result<Started, SceneError> {
-        Err(Self::lacks(Capability::Simulation))
+    fn started(&self, _simulated: Birth<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
+        Err(self.lacks(Capability::Simulation))
     }
 
     /// The local map at a grazing, for a run or a sweep.
     fn local_map(
         &self,
-        _settings: &Self::Settings,
         _run: &str,
         _local: &Local,
         _at: (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, SceneError> {
-        Err(Self::lacks(Capability::LocalMap))
-    }
-
-    /// The motions that sweeps follow.
-    fn swept(&self) -> Result<&dyn Swept, SceneError> {
-        Err(Self::lacks(Capability::Sweep))
+        Err(self.lacks(Capability::LocalMap))
     }
 
     /// The error of a capability that problems of this kind do not have.
-    fn lacks(capability: Capability) -> SceneError {
-        SceneError::Unsupported { capability, kind: Self::KIND }
+    fn lacks(&self, capability: Capability) -> SceneError {
+        SceneError::Unsupported { capability, kind: self.kind() }
     }
 }
 
-/// Motions that sweeps sample once a forcing period.
-pub(super) trait Swept: Sync {
-    /// The motion with these measures, followed with this tolerance.
-    fn strobed(
-        &self,
-        measures: &[String],
-        tolerance: f64,
-    ) -> Result<Box<dyn StroboscopicMap + '_>, StroboscopicError>;
-}
-
-/// A model with settings, erased: what a catalogue and a scene hold.
-pub(super) trait Entry: Send + Sync {
-    fn boxed(&self) -> Box<dyn Entry>;
-    fn with_defaults(&self) -> Box<dyn Entry>;
-    fn read(&self, settings: &str) -> Result<Box<dyn Entry>, SpannedError>;
+/// What all models do with their settings.
+pub(super) trait Adjustable: Send + Sync {
+    fn boxed(&self) -> Box<dyn Model>;
+    fn with_defaults(&self) -> Box<dyn Model>;
+    fn read(&self, settings: &str) -> Result<Box<dyn Model>, SpannedError>;
     fn written(&self) -> String;
     fn slots(&mut self) -> Slots<'_>;
     fn check(&self) -> Result<(), SettingError>;
-    fn parameters(&self) -> Vec<(String, Option<f64>)>;
-    fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Box<dyn Entry>>, SceneError>;
-    fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
-    fn history(
-        &self,
-        run: &str,
-        simulated: &Simulated,
-        p: &[f64],
-        start: Option<HybridState<f64>>,
-    ) -> Result<Simulation, SceneError>;
-    fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError>;
-    fn local_map(
-        &self,
-        run: &str,
-        local: &Local,
-        at: (&Branch, &SpecialPoint),
-    ) -> Result<LocalMap, SceneError>;
-    fn swept(&self) -> Result<&dyn Swept, SceneError>;
 }
 
-/// A model with its settings.
-struct Configured<M: Model> {
-    model: Arc<M>,
-    settings: M::Settings,
+/// A problem with its settings.
+#[derive(Clone)]
+pub(super) struct Configured<P, S> {
+    pub problem: P,
+    pub settings: S,
 }
 
-impl<M: Model> Configured<M> {
-    fn with(&self, settings: M::Settings) -> Box<dyn Entry> {
-        Box::new(Configured { model: self.model.clone(), settings })
+impl<P: Clone, S> Configured<P, S>
+where
+    Self: Model + 'static,
+{
+    /// The same problem with each of some settings.
+    pub fn on(&self, settings: Vec<S>) -> Vec<Box<dyn Model>> {
+        settings.into_iter().map(|settings| self.with(settings)).collect()
+    }
+
+    fn with(&self, settings: S) -> Box<dyn Model> {
+        Box::new(Configured { problem: self.problem.clone(), settings })
     }
 }
 
-impl<M: Model> Entry for Configured<M> {
-    fn boxed(&self) -> Box<dyn Entry> {
-        self.with(self.settings.clone())
+impl<P: Clone + Send + Sync + 'static, S: ProblemSettings> Adjustable for Configured<P, S>
+where
+    Self: Model,
+{
+    fn boxed(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
     }
 
-    fn with_defaults(&self) -> Box<dyn Entry> {
-        self.with(M::Settings::default())
+    fn with_defaults(&self) -> Box<dyn Model> {
+        self.with(S::default())
     }
 
-    fn read(&self, settings: &str) -> Result<Box<dyn Entry>, SpannedError> {
+    fn read(&self, settings: &str) -> Result<Box<dyn Model>, SpannedError> {
         Ok(self.with(options().from_str(settings)?))
     }
 
@@ -158,60 +120,21 @@ impl<M: Model> Entry for Configured<M> {
     fn check(&self) -> Result<(), SettingError> {
         self.settings.check()
     }
-
-    fn parameters(&self) -> Vec<(String, Option<f64>)> {
-        self.model.parameters(&self.settings)
-    }
-
-    fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Box<dyn Entry>>, SceneError> {
-        let ladder = self.model.ladder(&self.settings, p, reach)?;
-        Ok(ladder.into_iter().map(|settings| self.with(settings)).collect())
-    }
-
-    fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
-        self.model.system(&self.settings, p, reach)
-    }
-
-    fn history(
-        &self,
-        run: &str,
-        simulated: &Simulated,
-        p: &[f64],
-        start: Option<HybridState<f64>>,
-    ) -> Result<Simulation, SceneError> {
-        simulate(&*self.model.motion()?, run, simulated, p, start)
-    }
-
-    fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
-        let cycle = settled(self.model.motion()?, run, simulated, p)?;
-        self.model.started(&self.settings, cycle, p)
-    }
-
-    fn local_map(
-        &self,
-        run: &str,
-        local: &Local,
-        at: (&Branch, &SpecialPoint),
-    ) -> Result<LocalMap, SceneError> {
-        self.model.local_map(&self.settings, run, local, at)
-    }
-
-    fn swept(&self) -> Result<&dyn Swept, SceneError> {
-        self.model.swept()
-    }
 }
 
 /// A problem of a [`Catalogue`](super::Catalogue) with its settings.
 pub struct Problem {
     name: &'static str,
-    entry: Box<dyn Entry>,
+    model: Box<dyn Model>,
 }
 
 impl Problem {
-    /// A model with its default settings.
-    pub(super) fn new<M: Model>(name: &'static str, model: M) -> Self {
-        let (model, settings) = (Arc::new(model), M::Settings::default());
-        Problem { name, entry: Box::new(Configured { model, settings }) }
+    /// A problem with its default settings.
+    pub(super) fn new<P, S: Default>(name: &'static str, problem: P) -> Self
+    where
+        Configured<P, S>: Model + 'static,
+    {
+        Problem { name, model: Box::new(Configured { problem, settings: S::default() }) }
     }
 
     /// Its name in the catalogue.
@@ -220,75 +143,79 @@ impl Problem {
     }
 
     /// Names of the parameters and their default values; `None` where the problem states no default.
-    pub fn parameters(&self) -> Vec<(String, Option<f64>)> {
-        self.entry.parameters()
+    pub fn parameters(&self) -> Parameters {
+        self.model.parameters()
     }
 
     /// Names of the settings, and their values as text.
     pub fn settings(&self) -> Vec<(&'static str, String)> {
-        let mut entry = self.entry.boxed();
-        entry.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
+        let mut model = self.model.boxed();
+        model.slots().into_iter().map(|(name, slot)| (name, slot.written())).collect()
     }
 
     /// Names of everything that can be set.
     pub fn names(&self) -> Vec<String> {
         let settings = self.settings().into_iter().map(|(name, _)| name.to_string());
-        self.parameters().into_iter().map(|(name, _)| name).chain(settings).collect()
+        self.parameter_names().into_iter().chain(settings).collect()
     }
 
-    /// What it answers.
-    pub(super) fn entry(&self) -> &dyn Entry {
-        &*self.entry
+    /// The names of the parameters.
+    pub(super) fn parameter_names(&self) -> Vec<String> {
+        self.parameters().into_iter().map(|(name, _)| name).collect()
     }
 
-    fn with(&self, entry: Box<dyn Entry>) -> Problem {
-        Problem { name: self.name, entry }
+    pub(super) fn model(&self) -> &dyn Model {
+        &*self.model
+    }
+
+    fn with(&self, model: Box<dyn Model>) -> Problem {
+        Problem { name: self.name, model }
     }
 
     /// The same problem with settings read from RON.
     pub(super) fn read(&self, settings: &str) -> Result<Problem, SpannedError> {
-        Ok(self.with(self.entry.read(settings)?))
+        Ok(self.with(self.model.read(settings)?))
     }
 
     /// The same problem with default settings.
     pub(super) fn with_defaults(&self) -> Problem {
-        self.with(self.entry.with_defaults())
+        self.with(self.model.with_defaults())
     }
 
     /// Sets one setting by name; false if there is none of this name.
     pub(super) fn set(&mut self, name: &str, value: &str) -> Result<bool, SceneError> {
-        slot::assign(self.entry.slots(), name, value)
+        slot::assign(self.model.slots(), name, value)
     }
 
     /// The same problem by discretisations of growing accuracy and cost; none if it has no discretisation.
     pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
-        let ladder = self.entry.ladder(p, reach)?;
-        Ok(ladder.into_iter().map(|entry| self.with(entry)).collect())
+        let ladder = self.model.ladder(p, reach)?;
+        Ok(ladder.into_iter().map(|model| self.with(model)).collect())
     }
 }
 
 impl Clone for Problem {
     fn clone(&self) -> Self {
-        self.with(self.entry.boxed())
+        self.with(self.model.boxed())
     }
 }
 
 /// Problems are equal if they have the same name and the same settings.
 impl PartialEq for Problem {
     fn eq(&self, other: &Self) -> bool {
-        self.name == other.name && self.entry.written() == other.entry.written()
+        self.name == other.name && self.model.written() == other.model.written()
     }
 }
 
 impl fmt::Debug for Problem {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}{}", self.name, self.entry.written())
+        write!(f, "{}{}", self.name, self.model.written())
     }
 }
 
 impl Serialize for Problem {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let written = self.entry.written();
+        let written = self.model.written();
         let settings = RawValue::from_ron(&written).map_err(serde::ser::Error::custom)?;
         serializer.serialize_newtype_variant("Problem", 0, self.name, settings)
     }

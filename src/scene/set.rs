@@ -1,7 +1,9 @@
-//! Changing a scene by name, reading it, and checking it.
+//! Reading a scene, and changing it by name.
 
+use super::catalogue::Catalogue;
+use super::error::SceneError;
 use super::slot::{Plain, Slots, Usual, assign, read, slots};
-use super::{Catalogue, Grid, Run, Scene, SceneError, Simulated, Start, Sweep};
+use super::statement::{Grid, Run, Scene, Sweep};
 use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
 use crate::core::names::UnknownName;
@@ -105,12 +107,11 @@ impl Scene {
     /// # Errors
     /// [`SceneError::MissingParameters`] if the problem states no defaults for some that the scene does not give.
     pub fn values(&self) -> Result<Vec<f64>, SceneError> {
-        let names: Vec<String> =
-            self.problem.parameters().into_iter().map(|(name, _)| name).collect();
-        let missing = names.iter().filter(|name| self.value(name).is_none());
-        let missing: Vec<String> = missing.cloned().collect();
+        let names = self.problem.parameter_names();
+        let (given, missing): (Vec<String>, Vec<String>) =
+            names.into_iter().partition(|name| self.value(name).is_some());
         match missing.is_empty() {
-            true => Ok(names.iter().filter_map(|name| self.value(name)).collect()),
+            true => Ok(given.iter().filter_map(|name| self.value(name)).collect()),
             false => Err(SceneError::MissingParameters { problem: self.problem.name(), missing }),
         }
     }
@@ -132,13 +133,9 @@ impl Scene {
     /// Changes one value, or nothing at all.
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         let mut changed = self.clone();
-        let out_of_range = |error: SettingError| SceneError::Value {
-            name: name.into(),
-            value: value.into(),
-            reason: error.to_string(),
-        };
+        let out_of_range = |error: SettingError| SceneError::value(name, value, error.to_string());
         if changed.problem.set(name, value)? {
-            changed.problem.entry().check().map_err(out_of_range)?;
+            changed.problem.model().check().map_err(out_of_range)?;
             changed.check_parameters()?;
         } else if assign(continuation_slots(&mut changed.settings), name, value)? {
             changed.settings.check().map_err(out_of_range)?;
@@ -167,11 +164,8 @@ impl Scene {
         self.require_parameter(name, true)?;
         let number: f64 = read(name, value)?;
         if !number.is_finite() {
-            return Err(SceneError::Value {
-                name: name.into(),
-                value: value.into(),
-                reason: "a parameter must be a finite number".into(),
-            });
+            let reason = "a parameter must be a finite number";
+            return Err(SceneError::value(name, value, reason));
         }
         match self.parameters.iter_mut().find(|(key, _)| key == name) {
             Some((_, slot)) => *slot = number,
@@ -181,9 +175,12 @@ impl Scene {
     }
 
     /// Refuses a name that is no parameter of the problem.
-    fn require_parameter(&self, name: &str, with_settings: bool) -> Result<(), SceneError> {
-        let mut known: Vec<String> =
-            self.problem.parameters().into_iter().map(|(name, _)| name).collect();
+    pub(super) fn require_parameter(
+        &self,
+        name: &str,
+        with_settings: bool,
+    ) -> Result<(), SceneError> {
+        let mut known = self.problem.parameter_names();
         if known.iter().any(|known| known == name) {
             return Ok(());
         }
@@ -200,124 +197,6 @@ impl Scene {
         Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
-    fn check_parameters(&self) -> Result<(), SceneError> {
-        self.parameters.iter().try_for_each(|(name, _)| self.require_parameter(name, false))
-    }
-
-    pub(super) fn check(&self) -> Result<(), SceneError> {
-        if self.runs.is_empty() && self.sweeps.is_empty() {
-            return Err(SceneError::Invalid {
-                place: "the list of runs".into(),
-                found: "empty".into(),
-                rule: "a scene must hold one run, or one sweep, or more".into(),
-            });
-        }
-        self.check_parameters()?;
-        self.values()?;
-        unique("parameter", self.parameters.iter().map(|(name, _)| name.as_str()))?;
-        unique("run", self.runs.iter().map(|run| run.name.as_str()))?;
-        unique("sweep", self.sweeps.iter().map(|sweep| sweep.name.as_str()))?;
-        for (name, value) in &self.parameters {
-            finite(&format!("parameter `{name}`"), *value)?;
-        }
-        let sound = self.problem.entry().check().and_then(|()| self.settings.check());
-        sound.map_err(|error| SceneError::Invalid {
-            place: format!("the setting `{}`", error.name),
-            found: error.value.to_string(),
-            rule: format!("must be {}", error.range),
-        })?;
-        for (index, run) in self.runs.iter().enumerate() {
-            self.check_run(run, &self.runs[..index])?;
-        }
-        self.sweeps.iter().try_for_each(|sweep| self.check_sweep(sweep))?;
-        self.check_accuracy()
-    }
-
-    fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {
-        let Some(local) = &sweep.local else { return Ok(()) };
-        let over = sweep.over.iter().map(|grid| &grid.name);
-        let names = sweep.set.iter().map(|(name, _)| name).chain(over);
-        let parameters = names.filter(|name| self.value(name).is_some());
-        local.check_map(&format!("sweep `{}`", sweep.name), &self.runs, parameters)
-    }
-
-    fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
-        let scene = self.as_seen_by(run)?;
-        for range in run.along.iter().chain(&run.bounds) {
-            let place = format!("run `{}`, range of `{}`", run.name, range.name);
-            for end in [range.low, range.high].into_iter().flatten() {
-                finite(&place, end)?;
-            }
-        }
-        run.along.iter().try_for_each(|range| scene.require_parameter(&range.name, false))?;
-        unique("range", run.along.iter().map(|range| range.name.as_str()))?;
-        unique("setting of a run", run.set.iter().map(|(name, _)| name.as_str()))?;
-        for (name, value) in run.marks.iter().chain(&run.grazings).chain(&run.hold_level) {
-            finite(&format!("run `{}`, mark of `{name}`", run.name), *value)?;
-        }
-        let simulated = match &run.start {
-            Start::Simulated(simulated) => {
-                self.check_simulated(run, simulated, earlier)?;
-                true
-            }
-            _ => false,
-        };
-        if run.along.is_empty() && !simulated {
-            return Err(SceneError::Invalid {
-                place: format!("run `{}`, along", run.name),
-                found: "empty".into(),
-                rule: "a branch releases one parameter or more".into(),
-            });
-        }
-        if let Start::Guess(values) = &run.start {
-            unique("unknown", values.iter().map(|(name, _)| name.as_str()))?;
-            for (name, value) in values {
-                finite(&format!("run `{}`, start of `{name}`", run.name), *value)?;
-            }
-        }
-        match &run.local {
-            Some(local) => local.check(self, run, earlier)?,
-            None => no_map(run)?,
-        }
-        let Start::From { run: from, .. } = &run.start else { return Ok(()) };
-        let Some(from) = earlier.iter().find(|run| run.name == *from) else {
-            let names = earlier.iter().map(|run| run.name.as_str());
-            return Err(UnknownName::new("earlier run", from.clone(), names).into());
-        };
-        if run.is_akin_to(from) {
-            return Ok(());
-        }
-        Err(SceneError::Invalid {
-            place: format!("run `{}`, start", run.name),
-            found: format!("`{}`", from.name),
-            rule: "must follow the flow, or the same local map, as this one does".into(),
-        })
-    }
-
-    fn check_simulated(
-        &self,
-        run: &Run,
-        simulated: &Simulated,
-        earlier: &[Run],
-    ) -> Result<(), SceneError> {
-        let place = |what: &str| format!("run `{}`, {what}", run.name);
-        for (name, value) in &simulated.state {
-            finite(&place(&format!("start of `{name}`")), *value)?;
-        }
-        let times = [("transient", simulated.transient), ("duration", simulated.duration)];
-        let bad = |time: &f64| !(time.is_finite() && *time >= 0.0);
-        if let Some((what, time)) = times.into_iter().find(|(_, time)| bad(time)) {
-            let rule = "must be a finite number, and not less than 0".into();
-            return Err(SceneError::Invalid { place: place(what), found: time.to_string(), rule });
-        }
-        let Some(after) = &simulated.after else { return Ok(()) };
-        if !earlier.iter().any(|run| run.name == *after) {
-            let names = earlier.iter().map(|run| run.name.as_str());
-            return Err(UnknownName::new("earlier run", after.clone(), names).into());
-        }
-        Ok(())
-    }
-
     /// What made the branches, for a document: every parameter and setting by name.
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
@@ -329,44 +208,4 @@ impl Scene {
         record.extend(values);
         record
     }
-}
-
-fn finite(place: &str, value: f64) -> Result<(), SceneError> {
-    match value.is_finite() {
-        true => Ok(()),
-        false => Err(SceneError::Invalid {
-            place: place.into(),
-            found: value.to_string(),
-            rule: "must be a finite number; leave an end of a range out to leave it open".into(),
-        }),
-    }
-}
-
-fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), SceneError> {
-    let mut seen: Vec<&str> = Vec::new();
-    for name in names {
-        if seen.contains(&name) {
-            return Err(SceneError::Invalid {
-                place: format!("the {what} `{name}`"),
-                found: "given twice".into(),
-                rule: "may be given once only".into(),
-            });
-        }
-        seen.push(name);
-    }
-    Ok(())
-}
-
-/// Refuses what belongs to points of a local map in a run without one.
-fn no_map(run: &Run) -> Result<(), SceneError> {
-    let found = match (run.impacts.is_empty(), run.expanded) {
-        (true, None) => return Ok(()),
-        (false, _) => format!("impacts: {:?}", run.impacts),
-        (_, Some(kind)) => format!("expanded: {kind}"),
-    };
-    Err(SceneError::Invalid {
-        place: format!("run `{}`", run.name),
-        found,
-        rule: "must state the local map that it is about, `local`; orbits of the flow have an `itinerary`".into(),
-    })
 }

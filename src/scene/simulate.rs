@@ -2,17 +2,39 @@
 //! settled yet.
 
 use super::discretisation::no_start;
-use super::{SceneError, Simulated};
+use super::error::SceneError;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
     CycleSearch, CycleSearchError, History, HybridEquations, HybridFlow, HybridSettings,
     HybridState, Mode, Piece,
 };
-use crate::core::names::UnknownName;
+use crate::core::names::position;
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::Profile;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// A simulation of a vector field, or of a hybrid system from its first mode. Times are in periods of the forcing, or in units of
+/// time where there is none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Simulated {
+    /// The states at its beginning by name, where they are not zero.
+    pub state: Vec<(String, f64)>,
+    /// The simulated run in whose last state it begins instead.
+    pub after: Option<String>,
+    /// How long it runs before it is looked at.
+    pub transient: f64,
+    /// How long the history lasts.
+    pub duration: f64,
+}
+
+impl Default for Simulated {
+    fn default() -> Self {
+        Simulated { state: Vec::new(), after: None, transient: 200.0, duration: 1.0 }
+    }
+}
 
 /// A simulated history as a branch of one point, and the state in which it ends.
 pub(super) struct Simulation {
@@ -94,10 +116,7 @@ pub(super) fn at_rest(
 ) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
     for (name, value) in given {
-        let known = || mode.states.iter().map(String::as_str);
-        let position = known().position(|known| known == name);
-        let unknown = || UnknownName::new("state", name.clone(), known());
-        x[position.ok_or_else(unknown)?] = *value;
+        x[position("state", name, &mode.states)?] = *value;
     }
     Ok(HybridState { mode: 0, time: 0.0, x })
 }

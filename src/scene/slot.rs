@@ -1,6 +1,6 @@
 //! Settings by name: places in a structure that can be written and read as text.
 
-use super::SceneError;
+use super::error::SceneError;
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
@@ -103,11 +103,8 @@ pub(super) fn options() -> ron::Options {
 
 /// Reads a value as RON would.
 pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Result<T, SceneError> {
-    options().from_str(value).map_err(|error| SceneError::Value {
-        name: name.into(),
-        value: value.into(),
-        reason: error.code.to_string(),
-    })
+    let read = options().from_str(value);
+    read.map_err(|error| SceneError::value(name, value, error.code.to_string()))
 }
 
 pub(super) fn written<T: Serialize>(value: &T) -> String {

@@ -1,110 +1,20 @@
 //! Sweeps of a scene: what motions settle on, over parameters and starts.
 
-use super::execute::map_of;
-use super::problem::Swept;
+use super::error::SceneError;
 use super::simulate::at_rest;
-use super::{Local, Scene, SceneError};
-use crate::core::attractor::{
-    AttractorSearch, CrisisSearch, Layout, StroboscopicError, StroboscopicMap,
-};
+use super::statement::{Grid, Scene, Sweep};
+use super::trace::map_of;
+use crate::core::attractor::{Layout, PeriodMap, StroboscopicError, StroboscopicMap};
+use crate::core::field::Forcing;
+use crate::core::flow;
 use crate::core::grazing::{Iterated, LocalMap};
-use crate::core::hybrid::Mode;
-use crate::core::names::UnknownName;
-use crate::core::sweep::{self, Axis, Found, Make, Order, Part, Plan, Quantity};
+use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
+use crate::core::names::{UnknownName, position};
+use crate::core::sweep::{self, Axis, Found, Make, Part, Plan, Quantity};
 use crate::output::{SweepTable, Sweeps};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-
-/// One sweep.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sweep {
-    /// Its name.
-    pub name: String,
-    /// What differs from the scene, as `--set` would: parameters by name.
-    #[serde(default)]
-    pub set: Vec<(String, String)>,
-    /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the
-    /// grazing.
-    #[serde(default)]
-    pub local: Option<Local>,
-    /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
-    pub over: Vec<Grid>,
-    /// Where runs begin.
-    #[serde(default)]
-    pub order: Order,
-    /// In how many strands, each from its start, the axis is divided where runs follow each other: they are done
-    /// at the same time.
-    #[serde(default = "one")]
-    pub strands: usize,
-    /// The states in which motion begins by name, where they are not zero: each makes a sweep of its own. By default
-    /// one, at rest.
-    #[serde(default)]
-    pub starts: Vec<Vec<(String, f64)>>,
-    /// How runs are followed.
-    #[serde(default)]
-    pub search: AttractorSearch,
-    /// Where each run seeks the crisis in which its attractor is lost.
-    #[serde(default)]
-    pub crisis: Option<SoughtCrisis>,
-    /// What is measured in every period recorded, by the names of the problem's monitors.
-    #[serde(default)]
-    pub measures: Vec<String>,
-    /// The tolerance of the flow, absolute and relative.
-    #[serde(default = "flow_error")]
-    pub flow_error: f64,
-}
-
-fn one() -> usize {
-    1
-}
-
-fn flow_error() -> f64 {
-    1e-10
-}
-
-/// Equally spaced values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Grid {
-    /// The parameter or state.
-    pub name: String,
-    /// The first value.
-    pub low: f64,
-    /// The last value.
-    pub high: f64,
-    /// How many.
-    pub count: usize,
-}
-
-/// Where a crisis is sought ([`CrisisSearch`]).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SoughtCrisis {
-    /// The parameter that goes on.
-    pub name: String,
-    /// From where on.
-    pub from: f64,
-    /// Where to.
-    pub to: f64,
-    /// In how many steps.
-    #[serde(default = "one")]
-    pub steps: usize,
-    /// How long the interval may be in which the crisis is.
-    pub tolerance: f64,
-}
-
-impl SoughtCrisis {
-    fn among(&self, parameters: &[(String, Option<f64>)]) -> Result<CrisisSearch, UnknownName> {
-        let &SoughtCrisis { ref name, from, to, steps, tolerance } = self;
-        let parameter = parameters.iter().position(|(known, _)| known == name);
-        let known = parameters.iter().map(|(name, _)| name.as_str());
-        let parameter =
-            parameter.ok_or_else(|| UnknownName::new("parameter", name.as_str(), known))?;
-        Ok(CrisisSearch { parameter, between: [from, to], steps, tolerance })
-    }
-}
+use std::sync::Arc;
 
 /// Sees the runs of sweeps.
 pub trait SweepWatch {
@@ -126,16 +36,13 @@ impl Scene {
     }
 
     fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
-        let parameters = self.problem.parameters();
-        let states = &mode.states;
-        let axis = |grid: &Grid| {
-            let parameter = parameters.iter().position(|(name, _)| *name == grid.name);
-            let state = || states.iter().position(|name| *name == grid.name).map(Quantity::State);
-            let quantity = parameter.map(Quantity::Parameter).or_else(state);
-            let known = parameters.iter().map(|(name, _)| name).chain(states).map(String::as_str);
-            let quantity = quantity
-                .ok_or_else(|| UnknownName::new("parameter or state", &*grid.name, known))?;
-            let &Grid { low, high, count, .. } = grid;
+        let parameters = self.problem.parameter_names();
+        let axis = |&Grid { ref name, low, high, count }: &Grid| {
+            let known = parameters.iter().chain(&mode.states);
+            let quantity = match position("parameter or state", name, known)? {
+                state if state >= parameters.len() => Quantity::State(state - parameters.len()),
+                parameter => Quantity::Parameter(parameter),
+            };
             Ok::<Axis, UnknownName>(Axis { quantity, low, high, count })
         };
         let axes = sweep.over.iter().map(axis).collect::<Result<_, _>>()?;
@@ -205,12 +112,16 @@ pub fn sweep(
 /// What a sweep looks at once in every period: the problem's motion, or a local map.
 fn strobed<'a>(
     sweep: &Sweep,
-    seen: &'a Scene,
-    motions: &'a dyn Swept,
+    seen: &Scene,
+    motion: &'a dyn HybridEquations,
     map: Option<&LocalMap>,
 ) -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> {
-    let Some(map) = map else { return motions.strobed(&sweep.measures, sweep.flow_error) };
-    let names: Vec<String> = seen.problem.parameters().into_iter().map(|(name, _)| name).collect();
+    let Some(map) = map else {
+        let flow = flow::Settings::new(flow::Scheme::DormandPrince8, sweep.flow_error);
+        let settings = HybridSettings { flow, ..HybridSettings::default() };
+        return Ok(Box::new(PeriodMap::of(motion, settings, &sweep.measures)?));
+    };
+    let names = seen.problem.parameter_names();
     let iterated = Iterated::of(map.clone(), &names, &sweep.measures);
     Ok(Box::new(iterated.map_err(|cause| StroboscopicError::Map(cause.to_string()))?))
 }
@@ -220,6 +131,7 @@ struct Prepared<'a> {
     sweep: &'a Sweep,
     /// The scene as the sweep sees it.
     seen: Scene,
+    motion: Arc<dyn HybridEquations>,
     /// The local map, if that is iterated.
     map: Option<LocalMap>,
     layout: Layout,
@@ -229,12 +141,15 @@ struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     fn of(scene: &Scene, sweep: &'a Sweep) -> Result<Self, SceneError> {
         let seen = scene.with(&sweep.set)?;
-        let motions = seen.problem.entry().swept()?;
+        let motion = seen.problem.model().motion()?;
         let map = sweep.local.as_ref().map(|local| map_of(scene, &seen, &sweep.name, local));
         let map = map.transpose()?;
-        let layout = strobed(sweep, &seen, motions, map.as_ref())?.layout().clone();
+        if map.is_none() && motion.forcing() == Forcing::None {
+            return Err(StroboscopicError::NoPeriod.into());
+        }
+        let layout = strobed(sweep, &seen, &*motion, map.as_ref())?.layout().clone();
         let plan = seen.plan(sweep, &layout.modes[0])?;
-        Ok(Prepared { sweep, seen, map, layout, plan })
+        Ok(Prepared { sweep, seen, motion, map, layout, plan })
     }
 
     /// The sweep, of which nothing is done.
@@ -252,13 +167,12 @@ impl<'a> Prepared<'a> {
         index: usize,
         watch: &mut dyn SweepWatch,
     ) -> Result<ControlFlow<()>, SceneError> {
-        let Prepared { sweep, seen, map, layout, plan } = self;
+        let Prepared { sweep, seen, motion, map, layout, plan } = self;
         let (table, modes) = (&all.sweeps[index], &layout.modes);
         watch.begin(table);
         let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
         let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();
-        let motions = seen.problem.entry().swept()?;
-        let make: &Make = &|| strobed(sweep, seen, motions, map.as_ref());
+        let make: &Make = &|| strobed(sweep, seen, &**motion, map.as_ref());
         let mut outcome = ControlFlow::Continue(());
         let done = |run: usize| ends.get(&run).cloned();
         sweep::execute(plan, part, &seen.values()?, make, &done, &mut |found: Found| {

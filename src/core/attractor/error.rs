@@ -1,6 +1,7 @@
 //! Why a motion cannot be followed period by period.
 
 use crate::core::hybrid::HybridError;
+use crate::core::names::UnknownName;
 
 /// Why a motion cannot be followed period by period.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,14 +15,9 @@ pub enum StroboscopicError {
          `period`), or search for returns to a guard (`CycleSearch`)"
     )]
     NoPeriod,
-    /// The names of measures that the system does not have.
-    #[error("the system measures no `{name}`; it measures: {known}")]
-    NoMeasure {
-        /// What is asked for.
-        name: String,
-        /// What there is.
-        known: String,
-    },
+    /// A measure that the system does not have, or a scalar of one.
+    #[error(transparent)]
+    NoMeasure(#[from] UnknownName),
     /// No attractor is lost.
     #[error(
         "there is no crisis in {steps} steps from {from} to {to}: motion must be on no cycle at one of them, and on a cycle, or \

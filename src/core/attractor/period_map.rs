@@ -7,9 +7,10 @@ use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{
     Event, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
-    HybridState, HybridStatistics, Member,
+    HybridState, HybridStatistics, Member, check_measures,
 };
 use crate::core::measure::Measure;
+use crate::core::names::position;
 use crate::core::scalar_field::FieldIn;
 use num_dual::Dual64;
 use std::ops::ControlFlow;
@@ -51,21 +52,19 @@ impl<'a> PeriodMap<'a> {
     /// [`penetration`](Measure::Penetration).
     ///
     /// # Errors
-    /// [`StroboscopicError::NoMeasure`] if the system has no such measure, [`StroboscopicError::Hybrid`] if a setting has
+    /// [`StroboscopicError::NoMeasure`] if the system has no such measure or a measure no such scalar, [`StroboscopicError::Hybrid`] if a setting has
     /// no meaning.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
         measures: &[String],
     ) -> Result<Self, StroboscopicError> {
+        check_measures(system)?;
         let mut known = system.measures();
         known.push((Measure::PENETRATION.into(), Measure::Penetration));
         let measure = |name: &String| {
-            let found = known.iter().find(|(known, _)| known == name);
-            found.map(|(_, measure)| measure.clone()).ok_or_else(|| StroboscopicError::NoMeasure {
-                name: name.clone(),
-                known: known.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", "),
-            })
+            let names = known.iter().map(|(known, _)| known);
+            position("measure", name, names).map(|k| known[k].1.clone())
         };
         let (mut events, mut numbers) = (Vec::<String>::new(), Vec::new());
         for guard in system.guards() {

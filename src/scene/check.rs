@@ -1,0 +1,207 @@
+//! What a scene must satisfy beyond its form.
+
+use super::error::SceneError;
+use super::local::Local;
+use super::simulate::Simulated;
+use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::hybrid::check_measures;
+use crate::core::measure::Measure;
+use crate::core::names::{UnknownName, position};
+use std::collections::HashSet;
+
+impl Scene {
+    pub(super) fn check(&self) -> Result<(), SceneError> {
+        if self.runs.is_empty() && self.sweeps.is_empty() {
+            let rule = "a scene must hold one run, or one sweep, or more";
+            return Err(SceneError::invalid("the list of runs", "empty", rule));
+        }
+        self.check_parameters()?;
+        self.values()?;
+        unique("parameter", self.parameters.iter().map(|(name, _)| name))?;
+        unique("run", self.runs.iter().map(|run| &run.name))?;
+        unique("sweep", self.sweeps.iter().map(|sweep| &sweep.name))?;
+        for (name, value) in &self.parameters {
+            finite(&format!("parameter `{name}`"), *value)?;
+        }
+        let sound = self.problem.model().check().and_then(|()| self.settings.check());
+        sound.map_err(|error| {
+            let (place, rule) =
+                (format!("the setting `{}`", error.name), format!("must be {}", error.range));
+            SceneError::invalid(place, error.value.to_string(), rule)
+        })?;
+        if let Ok(motion) = self.problem.model().motion() {
+            check_measures(&*motion)?;
+        }
+        for (index, run) in self.runs.iter().enumerate() {
+            self.check_run(run, &self.runs[..index])?;
+        }
+        self.sweeps.iter().try_for_each(|sweep| self.check_sweep(sweep))?;
+        self.check_accuracy()
+    }
+
+    pub(super) fn check_parameters(&self) -> Result<(), SceneError> {
+        self.parameters.iter().try_for_each(|(name, _)| self.require_parameter(name, false))
+    }
+
+    fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {
+        let Some(local) = &sweep.local else {
+            let known = self.problem.model().motion()?.measures().into_iter();
+            let known: Vec<String> =
+                known.map(|(name, _)| name).chain([Measure::PENETRATION.into()]).collect();
+            return Ok(sweep
+                .measures
+                .iter()
+                .try_for_each(|name| position("measure", name, &known).map(|_| ()))?);
+        };
+        let over = sweep.over.iter().map(|grid| &grid.name);
+        let names = sweep.set.iter().map(|(name, _)| name).chain(over);
+        let parameters = names.filter(|name| self.value(name).is_some());
+        check_map(local, &format!("sweep `{}`", sweep.name), &self.runs, parameters)
+    }
+
+    fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
+        let scene = self.as_seen_by(run)?;
+        let place = |what: &str| format!("run `{}`, {what}", run.name);
+        for range in run.along.iter().chain(&run.bounds) {
+            for end in [range.low, range.high].into_iter().flatten() {
+                finite(&place(&format!("range of `{}`", range.name)), end)?;
+            }
+        }
+        run.along.iter().try_for_each(|range| scene.require_parameter(&range.name, false))?;
+        unique("range", run.along.iter().map(|range| &range.name))?;
+        unique("setting of a run", run.set.iter().map(|(name, _)| name))?;
+        for (name, value) in run.marks.iter().chain(&run.grazings).chain(&run.hold_level) {
+            finite(&place(&format!("mark of `{name}`")), *value)?;
+        }
+        if let Start::Simulated(simulated) = &run.start {
+            check_simulated(simulated, &place, earlier)?;
+        } else if run.along.is_empty() {
+            let rule = "a branch releases one parameter or more";
+            return Err(SceneError::invalid(place("along"), "empty", rule));
+        }
+        if let Start::Guess(values) = &run.start {
+            unique("unknown", values.iter().map(|(name, _)| name))?;
+            for (name, value) in values {
+                finite(&place(&format!("start of `{name}`")), *value)?;
+            }
+        }
+        match &run.local {
+            Some(local) => self.check_local(local, run, earlier)?,
+            None => no_map(run)?,
+        }
+        let Start::From { run: from, .. } = &run.start else { return Ok(()) };
+        if run.is_akin_to(named(earlier, from)?) {
+            return Ok(());
+        }
+        let rule = "must follow the flow, or the same local map, as this one does";
+        Err(SceneError::invalid(place("start"), format!("`{from}`"), rule))
+    }
+
+    /// Refuses what a run that follows a local map cannot be.
+    fn check_local(&self, local: &Local, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
+        let place = format!("run `{}`", run.name);
+        let held = run.set.iter().map(|(name, _)| name).filter(|name| self.value(name).is_some());
+        let along = run.along.iter().map(|range| &range.name);
+        check_map(local, &place, earlier, held.chain(along))?;
+        if run.expanded.is_some() && (run.along.len(), local.parameters.len()) != (1, 2) {
+            let found = format!("a map in {}", local.parameters.join(", "));
+            let rule = "must release one of the two parameters of a map: the other one is given by the series";
+            return Err(SceneError::invalid(place + ", expanded", found, rule));
+        }
+        if matches!(run.start, Start::Simulated(_)) {
+            let rule = "must be `Guess` or `From` where points of a local map are followed; sweeps iterate it";
+            return Err(SceneError::invalid(place + ", start", "a simulation", rule));
+        }
+        Ok(())
+    }
+}
+
+impl Run {
+    /// Whether both are about the same motions: those of the flow, or those of one local map.
+    pub(super) fn is_akin_to(&self, other: &Run) -> bool {
+        let map = |run: &Run| {
+            let order = run.set.iter().find(|(name, _)| name == "order").cloned();
+            Some((run.local.clone()?, order))
+        };
+        map(self) == map(other)
+    }
+}
+
+/// The earlier run of a name.
+fn named<'a>(earlier: &'a [Run], name: &str) -> Result<&'a Run, UnknownName> {
+    let names = earlier.iter().map(|run| &run.name);
+    Ok(&earlier[position("earlier run", name, names)?])
+}
+
+fn check_simulated(
+    simulated: &Simulated,
+    place: &dyn Fn(&str) -> String,
+    earlier: &[Run],
+) -> Result<(), SceneError> {
+    for (name, value) in &simulated.state {
+        finite(&place(&format!("start of `{name}`")), *value)?;
+    }
+    let times = [("transient", simulated.transient), ("duration", simulated.duration)];
+    let bad = |time: &f64| !(time.is_finite() && *time >= 0.0);
+    if let Some((what, time)) = times.into_iter().find(|(_, time)| bad(time)) {
+        let rule = "must be a finite number, and not less than 0";
+        return Err(SceneError::invalid(place(what), time.to_string(), rule));
+    }
+    let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();
+    Ok(after.map(|_| ())?)
+}
+
+/// Refuses a map that is none, for what has a name, sets parameters, and goes over others.
+fn check_map<'a>(
+    local: &Local,
+    place: &str,
+    earlier: &[Run],
+    mut parameters: impl Iterator<Item = &'a String>,
+) -> Result<(), SceneError> {
+    let place = format!("{place}, local");
+    if named(earlier, &local.run)?.local.is_some() {
+        let rule = "must be a run of the flow, at whose grazing there is a map";
+        return Err(SceneError::invalid(place, format!("`{}`", local.run), rule));
+    }
+    if local.parameters.is_empty() {
+        let rule = "must name the parameters of the map";
+        return Err(SceneError::invalid(place, "without parameters", rule));
+    }
+    match parameters.find(|name| !local.parameters.contains(name)) {
+        Some(name) => {
+            let rule = format!("must be a parameter of the map: {}", local.parameters.join(", "));
+            Err(SceneError::invalid(place, format!("`{name}`"), rule))
+        }
+        None => Ok(()),
+    }
+}
+
+fn finite(place: &str, value: f64) -> Result<(), SceneError> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    let rule = "must be a finite number; leave an end of a range out to leave it open";
+    Err(SceneError::invalid(place, value.to_string(), rule))
+}
+
+fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(), SceneError> {
+    let mut seen = HashSet::new();
+    match names.into_iter().find(|name| !seen.insert(*name)) {
+        Some(name) => {
+            let place = format!("the {what} `{name}`");
+            Err(SceneError::invalid(place, "given twice", "may be given once only"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses what belongs to points of a local map in a run without one.
+fn no_map(run: &Run) -> Result<(), SceneError> {
+    let found = match (run.impacts.is_empty(), run.expanded) {
+        (true, None) => return Ok(()),
+        (false, _) => format!("impacts: {:?}", run.impacts),
+        (_, Some(kind)) => format!("expanded: {kind}"),
+    };
+    let rule = "must state the local map that it is about, `local`; orbits of the flow have an `itinerary`";
+    Err(SceneError::invalid(format!("run `{}`", run.name), found, rule))
+}

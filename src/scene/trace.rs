@@ -1,0 +1,279 @@
+//! Tracing the runs of a scene, one after the other.
+
+use super::error::SceneError;
+use super::join::{Joined, join};
+use super::local::{Local, points_of, series_of};
+use super::plan::{Planned, StartPoint, leading, plan};
+use super::simulate::{Simulated, Simulation, settled, simulate};
+use super::statement::{Run, Scene, Start, Way};
+use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
+use crate::core::grazing::LocalMap;
+use crate::core::hybrid::HybridState;
+use crate::core::names::position;
+use crate::core::zero::{Group, System};
+use crate::output::Document;
+
+/// Sees the runs of a scene.
+pub trait SceneObserver: Observer {
+    /// A run begins.
+    fn run(&mut self, _run: &Run, _number: usize, _of: usize) {}
+}
+
+impl SceneObserver for () {}
+
+/// What came of a scene: all branches that were traced, and the error that stopped it, if one did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The branches that are shown.
+    pub document: Document,
+    /// Why the scene stopped before its last run.
+    pub error: Option<SceneError>,
+}
+
+/// Traces a scene's runs with the discretisation that it states.
+pub(super) fn traced(
+    scene: &Scene,
+    start: Option<&StartPoint>,
+    observer: &mut dyn SceneObserver,
+) -> Outcome {
+    let mut document = Document::new(scene.title.clone(), Vec::new());
+    document.plot = scene.plot.clone();
+    document.settings = scene.record();
+    let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
+    document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
+    let mut done: Vec<Branch> = Vec::new();
+    let mut last = LastStates::new();
+    let mut error = None;
+    let plan = plan(scene, start);
+    for (index, Planned { run, start, .. }) in plan.iter().enumerate() {
+        observer.run(run, index, plan.len());
+        let akin = scene.runs.iter().filter(|other| other.is_akin_to(run));
+        let akin: Vec<&str> = akin.map(|other| other.name.as_str()).collect();
+        // Branches of other motions do not meet this one.
+        let alike: Vec<&Branch> =
+            done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
+        let outcome = match (&run.start, run.along.is_empty()) {
+            (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut last),
+            _ => {
+                let mut joined = Joined { done: &alike, observer: &mut *observer };
+                trace(scene, run, *start, &done, &mut joined)
+            }
+        };
+        match outcome {
+            Ok(mut branch) => {
+                let mut special = std::mem::take(&mut branch.special);
+                special.iter_mut().for_each(|special| join(&branch, special, &alike));
+                branch.special = special;
+                let interrupted = branch.ends.contains(&End::Interrupted);
+                done.push(branch);
+                if interrupted {
+                    break;
+                }
+            }
+            Err(cause) => {
+                error = Some(cause);
+                break;
+            }
+        }
+    }
+    let shown = |branch: &Branch| {
+        plan.iter().any(|planned| planned.shown && planned.run.name == branch.name)
+    };
+    document.branches = done.into_iter().filter(shown).collect();
+    Outcome { document, error }
+}
+
+/// The states in which simulated runs ended, by the run's name.
+type LastStates = Vec<(String, HybridState<f64>)>;
+
+/// A simulated history as a branch of one point.
+fn history(
+    scene: &Scene,
+    run: &Run,
+    simulated: &Simulated,
+    last: &mut LastStates,
+) -> Result<Branch, SceneError> {
+    let seen = scene.as_seen_by(run)?;
+    let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
+    let start = simulated.after.as_ref().and_then(before);
+    let motion = seen.problem.model().motion()?;
+    let Simulation { branch, end } =
+        simulate(&*motion, &run.name, simulated, &seen.values()?, start)?;
+    last.push((run.name.clone(), end));
+    Ok(branch)
+}
+
+fn trace(
+    scene: &Scene,
+    run: &Run,
+    start: Option<&StartPoint>,
+    done: &[Branch],
+    observer: &mut dyn Observer,
+) -> Result<Branch, SceneError> {
+    let seen = scene.as_seen_by(run)?;
+    let settled = match (start, &run.start) {
+        (None, Start::Simulated(simulated)) => {
+            let (model, p) = (seen.problem.model(), seen.values()?);
+            Some(model.started(settled(model.motion()?, &run.name, simulated, &p)?, &p)?)
+        }
+        _ => None,
+    };
+    let (mut system, guess) = match (settled, start, &run.start) {
+        (Some(settled), ..) => settled,
+        (None, None, Start::Guess(values)) => {
+            let system = system_of(scene, &seen, run, done)?;
+            let guess = guess(&*system, values)?;
+            (system, guess)
+        }
+        _ => {
+            let system = system_of(scene, &seen, run, done)?;
+            let rest = vec![0.0; system.names().dimension()];
+            (system, rest)
+        }
+    };
+    let known = system.names().parameters.clone();
+    let mut curve = Continuation::of(&mut *system)
+        .named(&run.name)
+        .settings(seen.settings.clone())
+        .from(&guess);
+    for ((name, _), value) in seen.problem.parameters().iter().zip(seen.values()?) {
+        // A local map has but a few of them.
+        if known.contains(name) {
+            curve = curve.at(name, value);
+        }
+    }
+    curve = match (start, &run.start) {
+        (Some(start), _) => start.begin(curve, scene, run),
+        (None, Start::Rest | Start::Guess(_) | Start::Simulated(_)) => curve,
+        (None, Start::From { run: from, kind, nth, switch }) => {
+            let (branch, special) = point_of(&run.name, done, from, *kind, *nth)?;
+            let curve = begin_from(curve.restart(branch, special.label), &seen, run);
+            if *switch { curve.switch() } else { curve }
+        }
+    };
+    let failed = |cause| SceneError::Trace { run: run.name.clone(), cause: Box::new(cause) };
+    conditions(curve, run).trace_with(observer).map_err(failed)
+}
+
+/// The system of a run: the problem's own, or that of the points of a local map.
+fn system_of(
+    scene: &Scene,
+    seen: &Scene,
+    run: &Run,
+    done: &[Branch],
+) -> Result<Box<dyn System>, SceneError> {
+    let Some(local @ Local { run: from, kind, nth, .. }) = &run.local else {
+        return seen.system(scene);
+    };
+    let at = point_of(&run.name, done, from, *kind, *nth)?;
+    let map = seen.problem.model().local_map(&run.name, local, at)?;
+    let system = match run.expanded {
+        None => points_of(map, &run.impacts),
+        Some(kind) => series_of(&map, kind, &run.along[0].name),
+    };
+    system.map_err(|cause| SceneError::Local { run: run.name.clone(), cause: Box::new(cause) })
+}
+
+/// The local map that a sweep iterates, after the runs that find its grazing.
+pub(super) fn map_of(
+    scene: &Scene,
+    seen: &Scene,
+    sweep: &str,
+    local: &Local,
+) -> Result<LocalMap, SceneError> {
+    let mut names = Vec::new();
+    leading(scene, &local.run, &mut names);
+    let mut done = Vec::new();
+    for run in scene.runs.iter().filter(|run| names.contains(&run.name.as_str())) {
+        done.push(trace(scene, run, None, &done, &mut ())?);
+    }
+    let at = point_of(sweep, &done, &local.run, local.kind, local.nth)?;
+    seen.problem.model().local_map(sweep, local, at)
+}
+
+impl StartPoint {
+    /// Starts at this point, with the scene's own parameters where they do not vary.
+    fn begin<'a>(&self, curve: Continuation<'a>, scene: &Scene, run: &Run) -> Continuation<'a> {
+        let varies = |name: &str| run.along.iter().any(|range| range.name == *name);
+        let own = scene.parameters.iter().filter(|(name, _)| !varies(name));
+        own.fold(curve.restart(&self.branch, self.label), |curve, (name, value)| {
+            curve.at(name, *value)
+        })
+    }
+}
+
+/// What a run sets by itself holds at the point it starts from, too.
+fn begin_from<'a>(curve: Continuation<'a>, seen: &Scene, run: &Run) -> Continuation<'a> {
+    let number = |(name, value): &'_ (String, String)| {
+        let value = value.parse::<f64>().ok()?;
+        seen.value(name).map(|_| (name.clone(), value))
+    };
+    run.set.iter().filter_map(number).fold(curve, |curve, (name, value)| curve.at(&name, value))
+}
+
+/// What a run releases, bounds, marks and holds, and the way it takes.
+fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
+    for range in &run.along {
+        curve = curve.along(&range.name, range.interval());
+    }
+    for range in &run.bounds {
+        curve = curve.bound(&range.name, range.interval());
+    }
+    for (name, level) in &run.marks {
+        curve = curve.mark(name, *level);
+    }
+    for (name, level) in &run.grazings {
+        curve = curve.graze(name, *level);
+    }
+    if run.beyond_grazings {
+        curve = curve.beyond_grazings();
+    }
+    if let Some(kind) = run.hold {
+        curve = curve.hold(kind);
+    }
+    if let Some((name, level)) = &run.hold_level {
+        curve = curve.hold_level(name, *level);
+    }
+    match run.direction {
+        Way::Both => curve,
+        Way::Forward => curve.forward(),
+        Way::Backward => curve.backward(),
+    }
+}
+
+/// The unknowns of a guess: the same value all over a group.
+fn guess(system: &dyn System, values: &[(String, f64)]) -> Result<Vec<f64>, SceneError> {
+    let groups = &system.names().unknowns;
+    for (name, _) in values {
+        position("unknown", name, groups.iter().map(|group| &group.name))?;
+    }
+    let value = |group: &Group| values.iter().find(|(name, _)| *name == group.name);
+    let all = |group: &Group| vec![value(group).map_or(0.0, |(_, value)| *value); group.length];
+    Ok(groups.iter().flat_map(all).collect())
+}
+
+/// The special point of an earlier run that a run starts from.
+fn point_of<'a>(
+    run: &str,
+    done: &'a [Branch],
+    from: &str,
+    kind: Kind,
+    nth: usize,
+) -> Result<(&'a Branch, &'a SpecialPoint), SceneError> {
+    let branch = done.iter().find(|branch| branch.name == from);
+    let found: Vec<&SpecialPoint> =
+        branch.map(|branch| branch.of_kind(kind).collect()).unwrap_or_default();
+    match (branch, found.get(nth)) {
+        (Some(branch), Some(special)) => Ok((branch, special)),
+        _ => Err(SceneError::NoSuchPoint {
+            run: run.into(),
+            from: from.into(),
+            kind: kind.to_string(),
+            nth,
+            found: found.len(),
+            ends: branch
+                .map(|branch| format!("it ended: {}; {}", branch.ends[0], branch.ends[1]))
+                .unwrap_or_default(),
+        }),
+    }
+}
