@@ -1,7 +1,8 @@
 //! What a document must satisfy beyond its form.
 
-use super::document::{Document, FORMAT};
+use super::document::Document;
 use super::error::{FormatError, Invalid};
+use super::format::FORMAT;
 use crate::core::continuation::{Branch, End, SpecialPoint};
 use std::collections::HashSet;
 
@@ -66,28 +67,18 @@ fn special(
     })?;
     values(place, branch, &point.parameters, &point.monitors)?;
     finite(&format!("{place}, error"), point.error)?;
-    for bracket in point.bracket {
-        finite(&format!("{place}, bracket"), bracket)?;
-    }
+    point.bracket.iter().try_for_each(|end| finite(&format!("{place}, bracket"), *end))?;
     length(&format!("{place}, state"), point.state.len(), dimension, "the unknowns")?;
-    for (index, &value) in point.state.iter().enumerate() {
-        finite(&format!("{place}, state, component {index}"), value)?;
-    }
+    all_finite(&format!("{place}, state, component"), &point.state)?;
     let directions = dimension + branch.released.len();
     let names = "the unknowns and released parameters";
     length(&format!("{place}, tangent"), point.tangent.len(), directions, names)?;
-    for (index, &value) in point.tangent.iter().enumerate() {
-        finite(&format!("{place}, tangent, component {index}"), value)?;
-    }
-    for (index, &value) in point.mesh.iter().enumerate() {
-        finite(&format!("{place}, mesh, point {index}"), value)?;
-    }
-    for profile in &point.profiles {
-        for (index, value) in profile.points.iter().flatten().enumerate() {
-            finite(&format!("{place}, profile `{}`, number {index}", profile.name), *value)?;
-        }
-    }
-    Ok(())
+    all_finite(&format!("{place}, tangent, component"), &point.tangent)?;
+    all_finite(&format!("{place}, mesh, point"), &point.mesh)?;
+    point.profiles.iter().try_for_each(|profile| {
+        let place = format!("{place}, profile `{}`, number", profile.name);
+        all_finite(&place, profile.points.as_flattened())
+    })
 }
 
 fn values(
@@ -100,10 +91,9 @@ fn values(
         [("parameters", &branch.parameters, parameters), ("monitors", &branch.monitors, monitors)];
     for (what, names, values) in lists {
         length(&format!("{place}, {what}"), values.len(), names.len(), "the names")?;
-        for (name, &value) in names.iter().zip(values) {
-            if !value.is_finite() {
-                finite(&format!("{place}, column `{name}`"), value)?;
-            }
+        if let Some((name, value)) = names.iter().zip(values).find(|(_, value)| !value.is_finite())
+        {
+            finite(&format!("{place}, column `{name}`"), *value)?;
         }
     }
     Ok(())
@@ -115,12 +105,7 @@ fn end(place: &str, end: &End) -> Result<(), Invalid> {
             finite(&format!("{place}, ends, value"), *value)
         }
         End::StepTooSmall { step, .. } => finite(&format!("{place}, ends, step"), *step),
-        End::Closed { .. }
-        | End::Grazing { .. }
-        | End::PointLimit { .. }
-        | End::Event { .. }
-        | End::Interrupted
-        | End::Start => Ok(()),
+        _ => Ok(()),
     }
 }
 
@@ -144,6 +129,13 @@ fn length(place: &str, found: usize, expected: usize, of: &str) -> Result<(), In
 
 fn finite(place: &str, value: f64) -> Result<(), Invalid> {
     require(value.is_finite(), place, value, || "must be a finite number".into())
+}
+
+fn all_finite(place: &str, values: &[f64]) -> Result<(), Invalid> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => finite(&format!("{place} {index}"), values[index]),
+        None => Ok(()),
+    }
 }
 
 fn require(

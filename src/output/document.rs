@@ -1,18 +1,11 @@
-//! Documents: branches, what made them and how they are drawn, as RON.
+//! Documents: branches, what made them and how they are drawn.
 
-use super::check;
 use super::chosen::Chosen;
-use super::error::{FileError, FormatError, UnknownPoint};
-use super::write::write_atomically;
+use super::error::UnknownPoint;
+use super::format::FORMAT;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
-use crate::core::names::UnknownName;
-use ron::extensions::Extensions;
-use ron::ser::PrettyConfig;
+use crate::core::names::{UnknownName, position};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
-
-/// The tag by which a document is known, with the version of its format.
-pub const FORMAT: &str = "tangency/1";
 
 /// Branches with what made them and how they are drawn by default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -179,9 +172,8 @@ impl Document {
     /// # Errors
     /// [`UnknownName`] with the names of the branches that exist.
     pub fn branch(&self, name: &str) -> Result<&Branch, UnknownName> {
-        self.branches.iter().find(|branch| branch.name == name).ok_or_else(|| {
-            UnknownName::new("branch", name, self.branches.iter().map(|branch| &*branch.name))
-        })
+        let names = self.branches.iter().map(|branch| &branch.name);
+        Ok(&self.branches[position("branch", name, names)?])
     }
 
     /// The special point with a label, on a named branch or on the only branch that has it.
@@ -227,118 +219,4 @@ impl Document {
             }),
         }
     }
-
-    /// The document as RON, one line a point, every number with all its digits.
-    ///
-    /// # Errors
-    /// [`FormatError::Invalid`] if the text could not be read back: a number that is not finite, a
-    /// list of the wrong length, a name twice.
-    pub fn to_ron(&self) -> Result<String, FormatError> {
-        check::document(self)?;
-        let pretty = PrettyConfig::new()
-            .depth_limit(4)
-            .indentor("  ")
-            // Written into the text, so that any reader of RON understands it.
-            .extensions(Extensions::IMPLICIT_SOME);
-        let mut text = ron::ser::to_string_pretty(self, pretty)
-            .map_err(|error| FormatError::Unwritable(error.to_string()))?;
-        text.push('\n');
-        Ok(text)
-    }
-
-    /// Reads a document from its RON.
-    ///
-    /// # Errors
-    /// [`FormatError`] with line and column, or with branch, point and column of a value that makes
-    /// no sense.
-    ///
-    /// ```
-    /// use tangency::output::Document;
-    /// let error = Document::parse("(width: 3.0)").unwrap_err().to_string();
-    /// assert!(error.starts_with("not a tangency document (line 1, column "), "{error}");
-    /// ```
-    pub fn parse(text: &str) -> Result<Self, FormatError> {
-        let document: Document = options().from_str(text).map_err(|error| explain(text, &error))?;
-        check::document(&document)?;
-        Ok(document)
-    }
-
-    /// Saves the document, whole or not at all.
-    ///
-    /// # Errors
-    /// [`FileError::Write`] if the file cannot be written, [`FileError::Format`] if it could not be
-    /// read back.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
-        let path = path.as_ref();
-        let text =
-            self.to_ron().map_err(|source| FileError::Format { path: path.into(), source })?;
-        write_atomically(path, &text)
-    }
-
-    /// Loads a document.
-    ///
-    /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it is no document.
-    ///
-    /// ```
-    /// use tangency::output::{Document, example_branch};
-    /// let folder = tempfile::tempdir()?;
-    /// let path = folder.path().join("plate.ron");
-    /// let document = Document::new("plate", vec![example_branch()]);
-    /// document.save(&path)?;
-    /// assert_eq!(Document::load(&path)?, document);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| FileError::Read { path: path.into(), source })?;
-        Document::parse(&text).map_err(|source| FileError::Format { path: path.into(), source })
-    }
-}
-
-fn options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
-}
-
-/// Says whether a text that could not be read is foreign, of another version, cut short or mistaken.
-fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
-    let (line, column) = (error.span.start.line, error.span.start.col);
-    let reason = error.code.to_string();
-    match tag(text) {
-        None => FormatError::Foreign { line, column, reason },
-        Some(tag) if tag != FORMAT => FormatError::Version { found: tag.into() },
-        Some(_) if reaches_the_end(text, &error.span) => FormatError::Truncated { line, column },
-        Some(_) => FormatError::Syntax { line, column, found: found(text, &error.span), reason },
-    }
-}
-
-/// The tag of a text that may be mistaken elsewhere.
-fn tag(text: &str) -> Option<&str> {
-    let start = text.find("\"tangency/")? + 1;
-    text[start..].split('"').next()
-}
-
-fn reaches_the_end(text: &str, span: &ron::error::Span) -> bool {
-    let text = text.trim_end();
-    let lines = text.lines().count().max(1);
-    let last = text.lines().last().unwrap_or_default().chars().count();
-    span.end.line > lines || (span.end.line == lines && span.end.col > last)
-}
-
-/// What stands where reading failed, to the end of the entry or the line: at most 40 letters.
-fn found(text: &str, span: &ron::error::Span) -> String {
-    let line = text.lines().nth(span.start.line.saturating_sub(1)).unwrap_or_default();
-    let same_line = span.start.line == span.end.line;
-    let known = if same_line { span.end.col.saturating_sub(span.start.col) } else { 0 };
-    let letters = line.chars().skip(span.start.col.saturating_sub(1)).take(40).enumerate();
-    let piece: String = letters
-        .take_while(|(index, letter)| match known {
-            // The reader stopped at the first letter of what it could not read.
-            0 | 1 => *index == 0 || !",)]}".contains(*letter),
-            _ => *index < known,
-        })
-        .map(|(_, letter)| letter)
-        .collect();
-    piece.trim().into()
 }

@@ -1,12 +1,13 @@
 //! What can go wrong on the way out and back in.
 
-use super::document::FORMAT;
+use super::format::FORMAT;
 use crate::core::continuation::Kind;
 use crate::core::names::UnknownName;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A file that cannot be read, understood or written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}; check the path and its permissions", path.display())]
@@ -34,8 +35,19 @@ pub enum FileError {
     },
 }
 
+impl FileError {
+    pub(crate) fn read(path: &Path, source: std::io::Error) -> Self {
+        FileError::Read { path: path.into(), source }
+    }
+
+    pub(super) fn format(path: &Path, source: FormatError) -> Self {
+        FileError::Format { path: path.into(), source }
+    }
+}
+
 /// A text that is no document, or a document that must not be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FormatError {
     /// The text carries no tag of this toolkit.
     #[error(
@@ -110,6 +122,7 @@ pub struct Invalid {
 
 /// A special point that was asked for and is not in a document, or not the only one.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum UnknownPoint {
     /// No branch has that name.
     #[error(transparent)]
@@ -137,6 +150,7 @@ pub enum UnknownPoint {
 
 /// A figure that cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FigureError {
     /// A branch has no such column.
     #[error("branch `{branch}`: {source}")]

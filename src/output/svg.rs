@@ -8,15 +8,13 @@ mod canvas;
 mod labels;
 mod legend;
 mod panel;
+mod pen;
 mod ticks;
 
 use super::error::FigureError;
 use super::figure::Figure;
 use canvas::Canvas;
-use panel::Panel;
-
-/// The width of a panel, in pixels.
-const WIDTH: f64 = 720.0;
+use panel::{Panel, WIDTH};
 
 /// Draws figures side by side: one in a row, up to four in two columns, more in three. Every panel
 /// is 720 pixels wide and as high as its legend needs.

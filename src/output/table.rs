@@ -92,40 +92,24 @@ fn quoted(name: &str) -> String {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// Which list of a point a column shows, its position there, its name.
-    columns: Vec<(List, usize, String)>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum List {
-    Parameters,
-    Monitors,
+    /// The columns of a point, and their names.
+    columns: Vec<(usize, String)>,
 }
 
 /// A number of 12 significant digits has at most 18 letters.
 const WIDTH: usize = 18;
 
 impl Screen {
-    /// The lines of a branch.
+    /// The lines of a branch, also of one that is still being traced.
     pub fn of(branch: &Branch) -> Self {
-        Screen::new(&branch.parameters, &branch.released, &branch.monitors)
-    }
-
-    /// The lines of a branch that is still being traced: the names of all its parameters, of those
-    /// that vary (others are left out), and of its monitors.
-    pub fn new(parameters: &[String], released: &[String], monitors: &[String]) -> Self {
-        let position = |name: &String| parameters.iter().position(|parameter| parameter == name);
-        let varying = released
-            .iter()
-            .filter_map(|name| Some((List::Parameters, position(name)?, name.clone())));
-        let monitors = monitors.iter().cloned().enumerate();
-        let monitors = monitors.map(|(index, name)| (List::Monitors, index, name));
-        Screen { columns: varying.chain(monitors).collect() }
+        let names = branch.released.iter().chain(&branch.monitors);
+        let column = |name: &String| Some((branch.column(name)?, name.clone()));
+        Screen { columns: names.filter_map(column).collect() }
     }
 
     /// The names above the columns.
     pub fn header(&self) -> String {
-        self.assemble([" label", "kind", "unstable"], |(_, _, name)| name.clone())
+        self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone())
     }
 
     /// The line of one special point; one that has not converged says so.
@@ -133,12 +117,8 @@ impl Screen {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable);
         let first = [&label, &point.kind.to_string(), &unstable];
-        let mut line = self.assemble(first.map(String::as_str), |(list, index, _)| {
-            let values = match list {
-                List::Parameters => &point.parameters,
-                List::Monitors => &point.monitors,
-            };
-            values.get(*index).map_or(String::new(), |value| significant(*value, 12))
+        let mut line = self.assemble(first.map(String::as_str), |(column, _)| {
+            point.value(*column).map_or(String::new(), |value| significant(value, 12))
         });
         if !point.converged {
             line.push_str(&format!("  not converged, error {:.1e}", point.error));
@@ -149,11 +129,11 @@ impl Screen {
     fn assemble(
         &self,
         [label, kind, unstable]: [&str; 3],
-        cell: impl Fn(&(List, usize, String)) -> String,
+        cell: impl Fn(&(usize, String)) -> String,
     ) -> String {
         let mut line = format!("{label}  {kind:<4}  {unstable:>8}");
         for column in &self.columns {
-            let width = column.2.chars().count().max(WIDTH);
+            let width = column.1.chars().count().max(WIDTH);
             line.push_str(&format!("  {:>width$}", cell(column)));
         }
         line

@@ -1,7 +1,7 @@
 //! The legend below a figure: names of curves, meanings of line styles, kinds of marks.
 
 use super::canvas::{Anchor, Canvas, INK, text_width};
-use super::panel::{colour, curve, mark, tint};
+use super::pen::{colour, curve, mark, tint};
 use crate::output::error::FigureError;
 use crate::output::figure::{Figure, Mark, Style, Symbol};
 use plotters::style::RGBColor;

@@ -1,53 +1,21 @@
 //! One figure: title, axes, curves, marks, and the legend below.
 
-use super::WIDTH;
 use super::canvas::{Anchor, Canvas, FAINT, INK, text_width};
 use super::labels::{place, sampled};
 use super::legend::Legend;
+use super::pen::{colour, curve, mark, tint};
 use super::ticks::Ticks;
 use crate::output::error::FigureError;
-use crate::output::figure::{Figure, Hue, Style, Symbol};
-use plotters::style::{RGBColor, WHITE};
+use crate::output::figure::{Figure, Style};
 
+/// The width of a panel, in pixels.
+pub(super) const WIDTH: f64 = 720.0;
 const TITLE: f64 = 16.0;
 const TEXT: f64 = 12.0;
 const NAME: f64 = 14.0;
 const PLOT_HEIGHT: f64 = 480.0;
 /// Room for the title, for the last tick's label, and for ticks and name of the horizontal axis.
 const MARGINS: [f64; 3] = [46.0, 34.0, 52.0];
-
-/// Colours of curves, told apart by colour-blind readers as well (after Okabe, Ito and Tol).
-/// They begin again after the last.
-const COLOURS: [RGBColor; 10] = [
-    RGBColor(0, 114, 178),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(136, 34, 85),
-    RGBColor(153, 153, 51),
-    RGBColor(51, 34, 136),
-    RGBColor(120, 120, 120),
-    RGBColor(17, 119, 51),
-];
-
-/// The colour of a curve, by its position among the names of a figure.
-pub(super) fn colour(index: usize) -> RGBColor {
-    COLOURS[index % COLOURS.len()]
-}
-
-/// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as well. The lightest
-/// shades begin again after the darkest.
-pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
-    let shades = match hue {
-        Hue::Green => [(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],
-        Hue::Blue => [(133, 180, 226), (66, 133, 196), (33, 91, 158), (8, 48, 107)],
-        Hue::Yellow => [(255, 237, 160), (254, 204, 92), (240, 160, 40), (196, 118, 10)],
-        Hue::Red => [(206, 60, 100), (158, 1, 66), (100, 0, 86), (50, 0, 30)],
-    };
-    let (r, g, b) = shades[shade % shades.len()];
-    RGBColor(r, g, b)
-}
 
 /// A figure laid out, with the origin in the upper left corner of the panel.
 pub(super) struct Panel<'a> {
@@ -185,59 +153,4 @@ impl<'a> Panel<'a> {
 /// The size of a text that must not be longer than the room it has.
 fn fitting(text: &str, size: f64, room: f64) -> f64 {
     size * (room / text_width(text, size).max(1.0)).min(1.0)
-}
-
-/// Draws a curve through points in pixels.
-pub(super) fn curve(
-    canvas: &Canvas,
-    style: Style,
-    points: &[[f64; 2]],
-    colour: RGBColor,
-) -> Result<(), FigureError> {
-    match style {
-        Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
-        Style::Dashed => canvas.dashed(points, colour, 2.0),
-        Style::Thin if points.len() > 1 => canvas.line(points, colour, 0.8),
-        Style::Thin | Style::Solid => Ok(()),
-        Style::Specks => canvas.specks(points, colour),
-        Style::Dots | Style::DottedLine => {
-            if style == Style::DottedLine {
-                canvas.line(points, colour, 1.5)?;
-            }
-            points.iter().try_for_each(|at| canvas.disc(*at, 3.5, colour, WHITE))
-        }
-    }
-}
-
-/// Draws a symbol at a point in pixels.
-pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Result<(), FigureError> {
-    let red = RGBColor(213, 60, 0);
-    let polygon = |corners: usize, radii: [f64; 2], first: f64, fill| {
-        let corner = |i: usize| {
-            let angle = first + std::f64::consts::TAU * i as f64 / corners as f64;
-            let radius = radii[i % 2];
-            [at[0] + radius * angle.sin(), at[1] - radius * angle.cos()]
-        };
-        let corners: Vec<_> = (0..corners).map(corner).collect();
-        canvas.polygon(&corners, fill, if fill == WHITE { INK } else { WHITE })
-    };
-    let quarter = std::f64::consts::FRAC_PI_4;
-    match symbol {
-        Symbol::Disc => canvas.disc(at, 4.8, red, WHITE),
-        Symbol::Ring => canvas.disc(at, 3.6, WHITE, INK),
-        Symbol::Square => polygon(4, [6.2, 6.2], quarter, INK),
-        Symbol::Diamond => polygon(4, [6.6, 6.6], 0.0, RGBColor(0, 72, 140)),
-        Symbol::Star => polygon(10, [8.0, 3.4], 0.0, RGBColor(200, 140, 0)),
-        Symbol::Triangle => polygon(3, [6.8, 6.8], 0.0, RGBColor(0, 120, 85)),
-        Symbol::TriangleDown => polygon(3, [6.0, 6.0], 4.0 * quarter, WHITE),
-        Symbol::Pentagon => polygon(5, [6.2, 6.2], 0.0, RGBColor(120, 40, 140)),
-        Symbol::Hexagon => polygon(6, [6.2, 6.2], 0.0, RGBColor(120, 75, 40)),
-        Symbol::TriangleLeft => polygon(3, [6.8, 6.8], -2.0 * quarter, RGBColor(230, 110, 0)),
-        Symbol::Cross => {
-            let arm = |dy: f64| [[at[0] - 4.5, at[1] - dy], [at[0] + 4.5, at[1] + dy]];
-            canvas.line(&arm(4.5), INK, 2.2)?;
-            canvas.line(&arm(-4.5), INK, 2.2)
-        }
-        Symbol::Number => Ok(()),
-    }
 }
