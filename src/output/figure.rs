@@ -1,6 +1,7 @@
 //! Figures: what can be drawn, before it is drawn.
 
 use super::error::FigureError;
+use super::tile::Tile;
 
 /// Curves and marks in one pair of axes.
 ///
@@ -35,41 +36,6 @@ pub struct Figure {
     pub tiles: Vec<Tile>,
     /// What stands at 0, 1, 2, … of the vertical axis instead of numbers; empty for numbers.
     pub y_names: Vec<String>,
-}
-
-/// A coloured rectangle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tile {
-    /// Its middle, in the units of the axes.
-    pub at: [f64; 2],
-    /// Its width and height.
-    pub size: [f64; 2],
-    /// Its colour.
-    pub hue: Hue,
-    /// Its shade, counted from 0: of one hue, several can be told apart.
-    pub shade: usize,
-    /// What it means, in words, for the legend.
-    pub meaning: String,
-}
-
-/// A family of colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Hue {
-    /// Bluish green.
-    Green,
-    /// Blue.
-    Blue,
-    /// Yellow to orange.
-    Yellow,
-    /// Dark red to purple.
-    Red,
-}
-
-impl Tile {
-    /// Two opposite corners.
-    pub(super) fn corners(&self) -> [[f64; 2]; 2] {
-        [-0.5, 0.5].map(|part| [0, 1].map(|k| self.at[k] + part * self.size[k]))
-    }
 }
 
 /// A curve, or a piece of one.

@@ -30,6 +30,7 @@ mod robustness;
 mod svg;
 mod sweeps;
 mod table;
+mod tile;
 mod work_precision;
 mod write;
 
@@ -38,7 +39,7 @@ pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
 pub use example::example_branch;
-pub use figure::{Figure, Hue, Mark, Series, Style, Symbol, Tile};
+pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub use format::FORMAT;
 pub use number::significant;
 pub use panels::figures;
@@ -47,6 +48,7 @@ pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tr
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, merge};
 pub use table::{Screen, csv};
+pub use tile::{Hue, Tile};
 pub use work_precision::{
     Circumstances, Clock, Drawn, Line, Measured, Measurement, WORK_PRECISION, WorkPrecision,
 };

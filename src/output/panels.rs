@@ -4,9 +4,10 @@ use super::axis::{Scale, clip};
 use super::diagram::{diagram, panel};
 use super::document::{Against, Document, Enlargement};
 use super::error::FigureError;
-use super::figure::{Figure, Series, Style, Tile};
+use super::figure::{Figure, Series, Style};
 use super::profiles::profiles;
 use super::sweeps::{Sweeps, basins, scatter};
+use super::tile::Tile;
 use crate::core::names::UnknownName;
 
 /// The figures of some documents: the diagram, its enlargements and the further panels that the first document

@@ -1,7 +1,8 @@
 //! Robustness maps: outcomes of methods over two quantities, as data, as tables, and as a figure.
 
-use super::figure::{Figure, Hue, Tile};
+use super::figure::Figure;
 use super::report::Report;
+use super::tile::{Hue, Tile, spacing};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -171,29 +172,19 @@ impl RobustnessMap {
             figure.y_names = region.methods.iter().map(|tried| tried.name.clone()).collect();
         }
         let cells = || region.methods.iter().flat_map(|tried| &tried.cells);
-        let size = [spacing(cells().map(|cell| cell.x)), spacing(cells().map(|cell| cell.y))];
-        let mut tiles: Vec<(usize, Tile)> = Vec::new();
-        for cell in cells() {
-            let (hue, shade) = self.tint(cell.outcome);
-            // Neighbours in a row that end alike are one tile.
-            if let Some((outcome, tile)) = tiles.last_mut()
-                && *outcome == cell.outcome
-                && tile.at[1] == cell.y
-                && cell.x - (tile.at[0] + 0.5 * tile.size[0]) < 0.6 * size[0]
-                && cell.x > tile.at[0]
-            {
-                let left = tile.at[0] - 0.5 * tile.size[0];
-                tile.size[0] = cell.x + 0.5 * size[0] - left;
-                tile.at[0] = left + 0.5 * tile.size[0];
-                continue;
-            }
-            let Outcome { name, class } = &self.outcomes[cell.outcome];
-            let meaning = format!("{}: {name}", class.name());
-            tiles.push((cell.outcome, Tile { at: [cell.x, cell.y], size, hue, shade, meaning }));
-        }
+        let [x, y]: [Vec<f64>; 2] =
+            [cells().map(|cell| cell.x).collect(), cells().map(|cell| cell.y).collect()];
+        let size = [x, y].map(|values| spacing(values.into_iter()).unwrap_or(1.0));
         // The legend has the best first.
-        tiles.sort_by_key(|(outcome, _)| *outcome);
-        figure.tiles = tiles.into_iter().map(|(_, tile)| tile).collect();
+        for outcome in 0..self.outcomes.len() {
+            let (hue, shade) = self.tint(outcome);
+            let Outcome { name, class } = &self.outcomes[outcome];
+            let meaning = format!("{}: {name}", class.name());
+            for cell in cells().filter(|cell| cell.outcome == outcome) {
+                let (at, meaning) = ([cell.x, cell.y], meaning.clone());
+                Tile { at, size, hue, shade, meaning }.add_to(&mut figure.tiles, 0);
+            }
+        }
         figure
     }
 
@@ -251,9 +242,7 @@ impl Report for RobustnessMap {
             // Writing into a string does not fail.
             let _ = self.table(region, &mut text);
         }
-        let mut text = text.trim_end().to_string();
-        text.push('\n');
-        text
+        text.trim_end().to_string() + "\n"
     }
 
     fn summary(&self) -> String {
@@ -264,13 +253,4 @@ impl Report for RobustnessMap {
     fn to_ron(&self) -> Result<String, ron::Error> {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default().depth_limit(6))
     }
-}
-
-/// The least distance between different values; 1 if there is none.
-fn spacing(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 1e-9);
-    let least = gaps.fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least } else { 1.0 }
 }

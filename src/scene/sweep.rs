@@ -11,7 +11,7 @@ use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::{self, Axis, Found, Make, Part, Plan, Quantity};
-use crate::output::{SweepTable, Sweeps};
+use crate::output::{SWEEPS, SweepTable, Sweeps};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -94,6 +94,7 @@ pub fn sweep(
         Some(known) if known.scene == scene.in_words() => known,
         Some(_) => return Err(SceneError::OtherScene),
         None => Sweeps {
+            format: SWEEPS.into(),
             name: name.into(),
             title: scene.title.clone(),
             scene: scene.in_words(),

@@ -2,7 +2,8 @@
 
 use super::canvas::{Canvas, INK};
 use crate::output::error::FigureError;
-use crate::output::figure::{Hue, Style, Symbol};
+use crate::output::figure::{Style, Symbol};
+use crate::output::tile::Hue;
 use plotters::style::{RGBColor, WHITE};
 
 /// Colours of curves, told apart by colour-blind readers as well (after Okabe, Ito and Tol).

@@ -12,44 +12,14 @@
 //!
 //! In Python `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
 
-use super::table::{Row, SweepTable, Sweeps};
+use super::table::{Row, SWEEPS, SweepTable, Sweeps};
 use crate::output::error::{FileError, FormatError};
-use crate::output::{Plot, write_atomically};
+use crate::output::write_atomically;
 use npyz::{NpyFile, WriterBuilder};
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
-
-/// The tag by which a file of sweeps is known, with the version of its format.
-pub const SWEEPS: &str = "tangency-sweeps/1";
-
-/// What the columns mean.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct About {
-    format: String,
-    name: String,
-    title: String,
-    scene: String,
-    plot: Plot,
-    sweeps: Vec<Names>,
-}
-
-/// The names of one sweep, and the runs that failed.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Names {
-    name: String,
-    axes: Vec<String>,
-    events: Vec<String>,
-    total: usize,
-    runs: Vec<String>,
-    points: Vec<String>,
-    failures: Vec<(usize, String)>,
-}
 
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
@@ -60,11 +30,8 @@ impl Sweeps {
     /// [`FileError::Write`] if the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
         let path = path.as_ref();
-        let bytes = self.to_bytes().map_err(|source| FileError::Format {
-            path: path.into(),
-            source: FormatError::Unwritable(source),
-        })?;
-        write_atomically(path, bytes)
+        let bytes = self.to_bytes().map_err(FormatError::Unwritable);
+        write_atomically(path, bytes.map_err(|source| FileError::format(path, source))?)
     }
 
     /// Loads what is done.
@@ -73,18 +40,15 @@ impl Sweeps {
     /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it holds no sweeps.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let bytes =
-            std::fs::read(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        Sweeps::from_bytes(&bytes).map_err(|reason| FileError::Format {
-            path: path.into(),
-            source: FormatError::Archive { reason },
-        })
+        let bytes = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
+        Sweeps::from_bytes(&bytes)
+            .map_err(|reason| FileError::format(path, FormatError::Archive { reason }))
     }
 
     /// The file's content: the same bytes for the same sweeps.
     pub(super) fn to_bytes(&self) -> Result<Vec<u8>, String> {
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-        let about = ron::to_string(&self.about()).map_err(|error| error.to_string())?;
+        let about = ron::to_string(self).map_err(|error| error.to_string())?;
         write(&mut zip, "about", about.as_bytes().iter().copied())?;
         for sweep in &self.sweeps {
             let SweepTable { name, rows, run_columns, point_columns, .. } = sweep;
@@ -101,49 +65,17 @@ impl Sweeps {
         Ok(zip.finish().map_err(|error| error.to_string())?.into_inner())
     }
 
-    fn about(&self) -> About {
-        let names = |sweep: &SweepTable| Names {
-            name: sweep.name.clone(),
-            axes: sweep.axes.clone(),
-            events: sweep.events.clone(),
-            total: sweep.total,
-            runs: sweep.run_columns.clone(),
-            points: sweep.point_columns.clone(),
-            failures: sweep
-                .rows
-                .iter()
-                .filter_map(|(run, row)| Some((*run, row.failure.clone()?)))
-                .collect(),
-        };
-        About {
-            format: SWEEPS.into(),
-            name: self.name.clone(),
-            title: self.title.clone(),
-            scene: self.scene.clone(),
-            plot: self.plot.clone(),
-            sweeps: self.sweeps.iter().map(names).collect(),
-        }
-    }
-
     fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
         let text =
             String::from_utf8(read(&mut zip, "about")?).map_err(|error| error.to_string())?;
-        let about: About = ron::from_str(&text).map_err(|error| error.to_string())?;
-        if about.format != SWEEPS {
-            return Err(format!(
-                "its format is `{}`, but this program reads `{SWEEPS}`",
-                about.format
-            ));
+        let mut all: Sweeps = ron::from_str(&text).map_err(|error| error.to_string())?;
+        if all.format != SWEEPS {
+            let found = all.format;
+            return Err(format!("its format is `{found}`, but this program reads `{SWEEPS}`"));
         }
-        let sweeps = about.sweeps.into_iter().map(|names| sweep(&mut zip, names));
-        Ok(Sweeps {
-            name: about.name,
-            title: about.title,
-            scene: about.scene,
-            plot: about.plot,
-            sweeps: sweeps.collect::<Result<_, _>>()?,
-        })
+        all.sweeps.iter_mut().try_for_each(|sweep| fill(sweep, &mut zip))?;
+        Ok(all)
     }
 }
 
@@ -191,15 +123,19 @@ fn columns(
     }
 }
 
-fn sweep(zip: &mut Archive, names: Names) -> Result<SweepTable, String> {
-    let runs = columns(zip, &names.name, "runs", &names.runs)?;
-    let points = columns(zip, &names.name, "points", &names.points)?;
+/// Reads the rows of a sweep.
+fn fill(sweep: &mut SweepTable, zip: &mut Archive) -> Result<(), String> {
+    let SweepTable { name, run_columns, point_columns, rows, .. } = sweep;
+    let runs = columns(zip, name, "runs", run_columns)?;
+    let points = columns(zip, name, "points", point_columns)?;
     let of =
         |columns: &[Vec<f64>], k: usize| -> Vec<f64> { columns.iter().map(|c| c[k]).collect() };
-    let mut rows = BTreeMap::new();
+    let mut failures = std::mem::take(rows);
     for k in 0..runs.first().map_or(0, Vec::len) {
         let values = of(&runs, k);
-        rows.insert(values[0] as usize, Row { values, ..Row::default() });
+        let run = values[0] as usize;
+        let failure = failures.remove(&run).and_then(|row| row.failure);
+        rows.insert(run, Row { values, points: Vec::new(), failure });
     }
     for k in 0..points.first().map_or(0, Vec::len) {
         let point = of(&points, k);
@@ -208,18 +144,5 @@ fn sweep(zip: &mut Archive, names: Names) -> Result<SweepTable, String> {
             .points
             .extend(point);
     }
-    for (run, failure) in names.failures {
-        if let Some(row) = rows.get_mut(&run) {
-            row.failure = Some(failure);
-        }
-    }
-    Ok(SweepTable {
-        name: names.name,
-        axes: names.axes,
-        events: names.events,
-        total: names.total,
-        run_columns: names.runs,
-        point_columns: names.points,
-        rows,
-    })
+    Ok(())
 }

@@ -5,7 +5,6 @@ mod merge;
 mod scatter;
 mod table;
 
-pub use file::SWEEPS;
 pub use merge::{MergeError, merge};
 pub(super) use scatter::{basins, scatter};
-pub use table::{Row, SweepTable, Sweeps};
+pub use table::{Row, SWEEPS, SweepTable, Sweeps};

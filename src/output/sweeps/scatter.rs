@@ -1,7 +1,8 @@
 //! Sweeps as points of a figure.
 
 use super::table::{Row, SweepTable};
-use crate::output::figure::{Hue, Series, Style, Tile};
+use crate::output::figure::{Series, Style};
+use crate::output::tile::{Hue, Tile, spacing};
 
 /// Where the number of a column is found.
 enum Source {
@@ -21,17 +22,13 @@ impl SweepTable {
             let column = self.point_columns.iter().position(|known| known == state)?;
             return Some(Source::Event(column, (number + 1) as f64));
         }
-        let run = self.run_columns.iter().position(|known| known == name).map(Source::Run);
         let point = || self.point_columns.iter().position(|known| known == name);
-        run.or_else(|| point().map(Source::Period))
+        self.run_column(name).map(Source::Run).or_else(|| point().map(Source::Period))
     }
 
     /// What a run has settled on, in words.
     fn kind(&self, row: &Row) -> String {
-        let value = |name: &str| {
-            let column = self.run_columns.iter().position(|known| known == name);
-            column.map_or(f64::NAN, |k| row.values[k])
-        };
+        let value = |name: &str| self.run_column(name).map_or(f64::NAN, |k| row.values[k]);
         if row.failure.is_some() {
             return "failed".into();
         }
@@ -46,14 +43,6 @@ impl SweepTable {
             1.0 => format!("{events} in a period"),
             periods => format!("{events} in {periods} periods"),
         }
-    }
-
-    /// The smallest distance of two values in a column of runs; 0 if all are equal.
-    fn spacing(&self, column: usize) -> f64 {
-        let mut values: Vec<f64> = self.rows.values().map(|row| row.values[column]).collect();
-        values.sort_by(f64::total_cmp);
-        let distances = values.windows(2).map(|pair| pair[1] - pair[0]);
-        distances.filter(|distance| *distance > 0.0).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// The numbers of a run for two axes.
@@ -94,32 +83,26 @@ const HUES: [Hue; 4] = [Hue::Blue, Hue::Yellow, Hue::Green, Hue::Red];
 /// nothing if the sweep is over other columns.
 pub(in crate::output) fn basins(sweep: &SweepTable, x: &str, y: &str) -> Vec<Tile> {
     let grid = x != y && [x, y].iter().all(|name| sweep.axes.iter().any(|axis| axis == name));
-    let (Some(Source::Run(x)), Some(Source::Run(y))) = (sweep.source(x), sweep.source(y)) else {
+    let (true, Some(Source::Run(x)), Some(Source::Run(y))) =
+        (grid, sweep.source(x), sweep.source(y))
+    else {
         return Vec::new();
     };
-    let sizes = [x, y].map(|column| sweep.spacing(column));
-    if !grid || sizes.contains(&0.0) {
+    let values = |column: usize| sweep.rows.values().map(move |row| row.values[column]);
+    let [Some(width), Some(height)] = [spacing(values(x)), spacing(values(y))] else {
         return Vec::new();
-    }
+    };
     let mut kinds: Vec<String> = Vec::new();
     let mut tiles: Vec<Tile> = Vec::new();
     for row in sweep.rows.values() {
-        let (at, meaning) = ([row.values[x], row.values[y]], sweep.kind(row));
-        // One tile for neighbours of one kind in a column.
-        if let Some(Tile { at: before, size: [_, height], meaning: same, .. }) = tiles.last_mut()
-            && (*same == meaning && before[0] == at[0])
-            && (before[1] + 0.5 * (*height + sizes[1]) - at[1]).abs() < 1e-6 * sizes[1]
-        {
-            before[1] += 0.5 * sizes[1];
-            *height += sizes[1];
-            continue;
-        }
+        let meaning = sweep.kind(row);
         let number = kinds.iter().position(|kind| *kind == meaning).unwrap_or(kinds.len());
         if number == kinds.len() {
             kinds.push(meaning.clone());
         }
         let (hue, shade) = (HUES[number % HUES.len()], number / HUES.len());
-        tiles.push(Tile { at, size: sizes, hue, shade, meaning });
+        let (at, size) = ([row.values[x], row.values[y]], [width, height]);
+        Tile { at, size, hue, shade, meaning }.add_to(&mut tiles, 1);
     }
     tiles
 }

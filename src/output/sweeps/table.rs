@@ -4,11 +4,18 @@ use crate::core::attractor::{Attractor, EventRecord, Layout, Period};
 use crate::core::hybrid::{HybridState, Mode};
 use crate::core::sweep::Found;
 use crate::output::Plot;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// The tag by which a file of sweeps is known, with the version of its format.
+pub const SWEEPS: &str = "tangency-sweeps/1";
+
 /// The sweeps of a scene, as far as they are done.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sweeps {
+    /// Always [`SWEEPS`].
+    pub format: String,
     /// The name of the scene.
     pub name: String,
     /// The title, in words.
@@ -43,7 +50,10 @@ pub struct Row {
 /// A point is where a period begins (`event` 0), or an event: its number from 1 on, in the order of the columns of
 /// runs. It has the number of its `run`, that of its `period`, its `time` in it, all states by name, and, where a period
 /// begins, what was measured in it. What there is not is NaN.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Serialized are the names and what failed; numbers are in the columns of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SweepTable {
     /// The sweep's name.
     pub name: String,
@@ -54,11 +64,32 @@ pub struct SweepTable {
     /// How many runs there are when all are done.
     pub total: usize,
     /// The columns of runs.
+    #[serde(rename = "runs")]
     pub run_columns: Vec<String>,
     /// The columns of points.
+    #[serde(rename = "points")]
     pub point_columns: Vec<String>,
     /// The runs that are done, by number.
+    #[serde(rename = "failures", with = "failures")]
     pub rows: BTreeMap<usize, Row>,
+}
+
+/// Rows by their failures alone.
+mod failures {
+    use super::{BTreeMap, Row};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    type Rows = BTreeMap<usize, Row>;
+
+    pub fn serialize<S: Serializer>(rows: &Rows, serializer: S) -> Result<S::Ok, S::Error> {
+        let failed = rows.iter().filter_map(|(run, row)| Some((run, row.failure.as_ref()?)));
+        failed.collect::<Vec<_>>().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Rows, D::Error> {
+        let failed = Vec::<(usize, String)>::deserialize(deserializer)?.into_iter();
+        Ok(failed.map(|(run, why)| (run, Row { failure: Some(why), ..Row::default() })).collect())
+    }
 }
 
 /// The column with half the width of the interval in which a crisis is, behind that of its middle.
@@ -113,9 +144,14 @@ impl SweepTable {
         }
     }
 
+    /// The position of a column of runs.
+    pub(super) fn run_column(&self, name: &str) -> Option<usize> {
+        self.run_columns.iter().position(|known| known == name)
+    }
+
     /// The parameter in which each run seeks a crisis, if it does.
     pub fn crisis(&self) -> Option<&str> {
-        let error = self.run_columns.iter().position(|name| name == CRISIS_ERROR)?;
+        let error = self.run_column(CRISIS_ERROR)?;
         self.run_columns.get(error.checked_sub(1)?).map(String::as_str)
     }
 
@@ -161,7 +197,7 @@ impl SweepTable {
         let mut values = vec![found.run as f64, start as f64];
         values.extend_from_slice(&found.values);
         values.resize(self.run_columns.len(), f64::NAN);
-        if let Some(failed) = self.run_columns.iter().position(|name| name == "failed") {
+        if let Some(failed) = self.run_column("failed") {
             values[failed] = 1.0;
         }
         values
@@ -170,7 +206,7 @@ impl SweepTable {
     /// The state in which a run ended, if it is done; `None` inside if it failed. A start has this time.
     pub fn end(&self, run: usize, time: f64, modes: &[Mode]) -> Option<Option<HybridState<f64>>> {
         let row = self.rows.get(&run)?;
-        let first = self.run_columns.iter().position(|name| name == "end_mode")?;
+        let first = self.run_column("end_mode")?;
         if row.failure.is_some() {
             return Some(None);
         }

@@ -1,0 +1,61 @@
+//! Coloured rectangles of a figure.
+
+/// A coloured rectangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// Its middle, in the units of the axes.
+    pub at: [f64; 2],
+    /// Its width and height.
+    pub size: [f64; 2],
+    /// Its colour.
+    pub hue: Hue,
+    /// Its shade, counted from 0: of one hue, several can be told apart.
+    pub shade: usize,
+    /// What it means, in words, for the legend.
+    pub meaning: String,
+}
+
+/// A family of colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Hue {
+    /// Bluish green.
+    Green,
+    /// Blue.
+    Blue,
+    /// Yellow to orange.
+    Yellow,
+    /// Dark red to purple.
+    Red,
+}
+
+impl Tile {
+    /// Two opposite corners.
+    pub(super) fn corners(&self) -> [[f64; 2]; 2] {
+        [-0.5, 0.5].map(|part| [0, 1].map(|k| self.at[k] + part * self.size[k]))
+    }
+
+    /// Adds it to other tiles; neighbours along an axis that mean the same become one.
+    pub(super) fn add_to(self, tiles: &mut Vec<Tile>, axis: usize) {
+        if let Some(last) = tiles.last_mut() {
+            let step = self.size[axis];
+            let distance = self.at[axis] - last.at[axis] - 0.5 * (last.size[axis] + step);
+            if last.meaning == self.meaning
+                && last.at[1 - axis] == self.at[1 - axis]
+                && distance.abs() < 1e-6 * step
+            {
+                last.at[axis] += 0.5 * step;
+                last.size[axis] += step;
+                return;
+            }
+        }
+        tiles.push(self);
+    }
+}
+
+/// The smallest distance between different values; `None` if all are equal.
+pub(super) fn spacing(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    gaps.filter(|gap| *gap > 0.0).reduce(f64::min)
+}
