@@ -2,7 +2,6 @@
 
 use crate::core::names::UnknownName;
 use crate::output::{FigureError, FileError, MergeError, ReportError, UnknownPoint};
-use crate::robustness::RobustnessError;
 use crate::scene::SceneError;
 use crate::work_precision::WorkPrecisionError;
 use std::path::PathBuf;
@@ -71,9 +70,6 @@ pub enum CommandError {
     /// A work-precision diagram could not be measured.
     #[error(transparent)]
     WorkPrecision(#[from] WorkPrecisionError),
-    /// A robustness map could not be computed.
-    #[error(transparent)]
-    Robustness(#[from] RobustnessError),
     /// A work-precision diagram or robustness map could not be saved.
     #[error(transparent)]
     Report(#[from] ReportError),

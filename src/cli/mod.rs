@@ -1,19 +1,15 @@
 //! The command line: arguments, exit codes and messages; no mathematics.
 
 mod error;
+mod list;
 mod plot;
-mod points;
 mod report;
-mod robustness;
-mod scenes;
 mod sweep;
 mod trace;
 mod watch;
-mod work_precision;
 
 use crate::scene::Catalogue;
 use clap::{Parser, Subcommand};
-use error::CommandError;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -27,11 +23,11 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Scenes(scenes::Scenes),
-    WorkPrecision(work_precision::WorkPrecision),
-    Robustness(robustness::Robustness),
+    Scenes(list::Scenes),
+    WorkPrecision(report::WorkPrecision),
+    Robustness(report::Robustness),
     Trace(trace::Trace),
-    Points(points::Points),
+    Points(list::Points),
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
     Merge(sweep::Merge),

@@ -1,6 +1,6 @@
 //! `tangency plot FILE…`: the diagram of one or several documents.
 
-use super::CommandError;
+use super::error::CommandError;
 use crate::output::{Document, Sweeps, draw, figures, write_atomically};
 use clap::Args;
 use std::io::Write;

@@ -1,15 +1,17 @@
-//! The common part of commands that make reports: listing, choosing by name, saving, updating a page.
+//! `tangency work-precision NAME` and `tangency robustness NAME`: reports, listed, chosen by name, saved, and put into pages.
 
-use super::CommandError;
+use super::error::CommandError;
 use crate::core::names::UnknownName;
-use crate::output::{FileError, Report, write_atomically};
+use crate::output::{Entry, FileError, Report, write_atomically};
+use crate::robustness::{MAPS, map};
+use crate::work_precision::{DIAGRAMS, Effort, measure};
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
 
 /// The choice of reports, and the target folder.
 #[derive(Debug, Args)]
-pub struct Wanted {
+struct Wanted {
     /// The name, or `all`; without a name, the command lists all names
     #[arg(value_name = "NAME")]
     name: Option<String>,
@@ -21,50 +23,70 @@ pub struct Wanted {
     page: Option<PathBuf>,
 }
 
-/// The reports of a command: work-precision diagrams or robustness maps.
-pub struct Reports<'a, E> {
-    /// The command.
-    pub command: &'static str,
-    /// The noun in error messages.
-    pub kind: &'static str,
-    /// All reports.
-    pub entries: &'a [E],
-    /// The name, and one line about the contents.
-    pub title: fn(&E) -> (&'static str, &'static str),
+/// Measure error against CPU time of methods, as SVG, Markdown and RON
+#[derive(Debug, Args)]
+pub struct WorkPrecision {
+    #[command(flatten)]
+    wanted: Wanted,
+    /// Run every method once: same errors, rough times
+    #[arg(long)]
+    quick: bool,
 }
 
-impl<E> Reports<'_, E> {
-    /// Makes the chosen reports, saves them, and prints the tables; lists all names if none is given.
-    pub fn run<R: Report>(
+impl WorkPrecision {
+    /// Measures, saves, and prints the tables.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let effort = if self.quick { Effort::Quick } else { Effort::Full };
+        let names = ("work-precision", "work-precision diagram");
+        self.wanted.make(names, DIAGRAMS, out, |entry| Ok(measure(entry, effort)?))
+    }
+}
+
+/// Map where methods succeed, report failures, or are silently wrong, as SVG, Markdown and RON
+#[derive(Debug, Args)]
+pub struct Robustness {
+    #[command(flatten)]
+    wanted: Wanted,
+}
+
+impl Robustness {
+    /// Computes, saves, and prints the tables.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        self.wanted.make(("robustness", "robustness map"), MAPS, out, |entry| Ok(map(entry)))
+    }
+}
+
+impl Wanted {
+    /// Makes the chosen reports of a command, saves them, and prints the tables; lists all names if none is given.
+    fn make<M, R: Report>(
         &self,
-        wanted: &Wanted,
+        (command, kind): (&'static str, &str),
+        entries: &[Entry<M>],
         out: &mut impl Write,
-        make: impl Fn(&E) -> Result<R, CommandError>,
+        make: impl Fn(&Entry<M>) -> Result<R, CommandError>,
     ) -> Result<(), CommandError> {
-        let Some(name) = &wanted.name else {
-            for (name, shows) in self.entries.iter().map(self.title) {
+        let Some(name) = &self.name else {
+            for Entry { name, shows, .. } in entries {
                 writeln!(out, "{name:<16} {shows}")?;
             }
             return Ok(());
         };
-        let known = |entry: &E| (self.title)(entry).0;
-        let chosen: Vec<&E> =
-            self.entries.iter().filter(|entry| name == "all" || known(entry) == name).collect();
-        if chosen.is_empty() {
-            let known = self.entries.iter().map(known).chain(["all"]);
-            let name = UnknownName::new(self.kind, name.as_str(), known);
-            return Err(CommandError::UnknownReport { name, command: self.command });
+        let chosen = || entries.iter().filter(|entry| name == "all" || entry.name == name);
+        if chosen().next().is_none() {
+            let known = entries.iter().map(|entry| entry.name).chain(["all"]);
+            let name = UnknownName::new(kind, name.as_str(), known);
+            return Err(CommandError::UnknownReport { name, command });
         }
-        for entry in chosen {
+        for entry in chosen() {
             let report = make(entry)?;
-            report.save(&wanted.out)?;
+            report.save(&self.out)?;
             writeln!(out, "{}", report.summary())?;
-            if let Some(path) = &wanted.page {
-                let read = |source| FileError::Read { path: path.clone(), source };
-                let page = std::fs::read_to_string(path).map_err(read)?;
+            if let Some(path) = &self.page {
+                let page =
+                    std::fs::read_to_string(path).map_err(|cause| FileError::read(path, cause))?;
                 write_atomically(path, report.put_into(&page))?;
             }
-            writeln!(out, "{}", wanted.out.join(format!("{}.svg", report.name())).display())?;
+            writeln!(out, "{}", self.out.join(format!("{}.svg", report.name())).display())?;
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! `tangency sweep SCENE`, `tangency merge FILE…`: brute force, saved as it goes on.
 
-use super::CommandError;
+use super::error::CommandError;
 use super::trace::SceneAt;
 use super::watch::{Watch, interrupted};
 use crate::core::sweep::{Found, Part};

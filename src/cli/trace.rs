@@ -1,6 +1,6 @@
 //! `tangency trace SCENE`: traces a scene, saves its branches, draws them.
 
-use super::CommandError;
+use super::error::CommandError;
 use super::plot::same_file;
 use super::watch::Watch;
 use crate::core::flow::work;

@@ -1,6 +1,6 @@
 //! Watching a trace: lines of special points, a progress bar on a terminal, Ctrl-C.
 
-use super::CommandError;
+use super::error::CommandError;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::Screen;
 use crate::scene::{Run, SceneObserver};

@@ -43,7 +43,7 @@ pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub use format::FORMAT;
 pub use number::significant;
 pub use panels::figures;
-pub use report::{Report, ReportError};
+pub use report::{Entry, Report, ReportError};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, merge};

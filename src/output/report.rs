@@ -75,8 +75,19 @@ pub trait Report: Serialize + DeserializeOwned {
     }
 }
 
+/// A report by its name, and what makes it.
+#[derive(Clone, Copy)]
+pub struct Entry<M> {
+    /// The name.
+    pub name: &'static str,
+    /// One line about its contents.
+    pub shows: &'static str,
+    pub(crate) make: M,
+}
+
 /// Why a report could not be saved.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReportError {
     /// It cannot be written in RON.
     #[error(transparent)]

@@ -1,6 +1,5 @@
 //! A bouncing ball that comes to rest after infinitely many impacts in a finite time.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::hybrid::{
     Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
@@ -124,7 +123,7 @@ fn stepped(restitution: f64, part: f64) -> Found {
 }
 
 /// Four panels.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let (losses, ends) = (from_to(-2.0, 0.0, 17), from_to(0.275, 1.325, 15));
     let panel = |name: &str, naive, method: &dyn Fn(f64, f64) -> Found| {
         let (x, y) = ("log₁₀ of 1 − restitution", "end of the motion over the time to rest");
@@ -133,7 +132,7 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
     };
     let usual = HybridSettings::default();
     let one_by_one = HybridSettings { accumulation: 0.0, ..usual };
-    Ok(map(
+    map(
         "chatter",
         vec![
             panel("A mode is named for rest", false, &|e, end| followed(true, usual, e, end)),
@@ -143,5 +142,5 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
             }),
             panel("Steps of one length", true, &stepped),
         ],
-    ))
+    )
 }

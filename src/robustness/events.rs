@@ -1,6 +1,5 @@
 //! Two crossings that merge where a motion only touches a surface, and the touching itself.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::{End, Kind};
 use crate::core::flow::{Extrema, Flow, FlowError};
@@ -197,7 +196,7 @@ fn touching(part: f64) -> Found {
 }
 
 /// Two panels.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let heights = from_to(-14.0, -1.0, 40);
     let mut panel =
         Panel::new("Two crossings about a touch", "log₁₀ of the height beyond the level", "search");
@@ -219,5 +218,5 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
     )
     .row(("clear of the stop", false), &distances, |x| touching(10_f64.powf(x)))
     .row(("through the stop", false), &distances, |x| touching(-(10_f64.powf(x))));
-    Ok(map("events", vec![panel, from]))
+    map("events", vec![panel, from])
 }

@@ -1,6 +1,5 @@
 //! Newton's iteration about a fold: with the load held, without and with damping, and with the load free.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::{Continuation, Kind, SpecialPoint};
 use crate::core::dense::Dense;
@@ -121,13 +120,13 @@ fn from_rest(share: f64) -> Found {
 }
 
 /// Four panels.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let (loads, guesses) = (from_to(0.51, 1.31, 41), from_to(-0.95, 1.55, 26));
     let panel = |title: &str, naive, method: fn(f64, f64) -> Found| {
         let panel = Panel::new(title, "load over that of the fold", "guess of the deflection");
         panel.over((title, naive), [&loads, &guesses], method)
     };
-    Ok(map(
+    map(
         "newton",
         vec![
             panel("Newton's formula, load held", true, plain),
@@ -142,5 +141,5 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
                 },
             ),
         ],
-    ))
+    )
 }

@@ -1,6 +1,5 @@
 //! The functions of plates by powers and by recurrence, in numbers of 7 and of 16 digits.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::output::RobustnessMap;
 use crate::problems::plate::Support;
@@ -96,7 +95,7 @@ fn judged(order: usize, digits: f64, value: impl Fn(f64) -> f64) -> Found {
 }
 
 /// One panel.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let orders = from_to(5.0, 60.0, 56);
     let basis = Basis::transverse([Support::Clamped; 2], false, 56);
     // f_r" = P_{r−3}; the basis scales it by √(r − 5/2).
@@ -116,5 +115,5 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
         .row(("functions of plates", false), &orders, |r| {
             judged(r as usize, double, |xi| of_plates(r as usize, xi))
         });
-    Ok(map("polynomials", vec![panel]))
+    map("polynomials", vec![panel])
 }

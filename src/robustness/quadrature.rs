@@ -1,6 +1,5 @@
 //! The load `1/(1 − w)²` near contact: Gauss points, and what the model of a plate says.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings};
 use crate::core::quadrature::gauss_legendre;
@@ -40,7 +39,7 @@ fn judged(error: f64) -> Found {
 }
 
 /// From rest to a largest deflection, with marks on the way.
-fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Result<Branch, String> {
+fn traced(orders: [usize; 2], refinement: f64, gaps: &[f64]) -> Traced {
     let supports: Supports =
         "CCCC".parse().map_err(|e: crate::problems::plate::PlateError| e.to_string())?;
     let mut settings = RitzSettings::new(supports);
@@ -66,8 +65,15 @@ fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
     Some([point.value(branch.column("load")?)?, point.error])
 }
 
+/// A branch, or why there is none.
+type Traced = Result<Branch, String>;
+
 /// Where a branch has a mark, it is compared with that of a finer one; where it has none, its end says why.
-fn compared(branch: &Branch, finer: &Branch, gap: f64) -> Found {
+fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
+    let (branch, finer) = match (branch, finer) {
+        (Ok(branch), Ok(finer)) => (branch, finer),
+        (Err(cause), _) | (_, Err(cause)) => return Found::reported("no branch", cause),
+    };
     match (marked(branch, gap), marked(finer, gap)) {
         (Some([load, error]), Some([better, left])) => {
             let miss = (load - better).abs();
@@ -90,7 +96,7 @@ fn compared(branch: &Branch, finer: &Branch, gap: f64) -> Found {
 }
 
 /// Two panels.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let gaps = from_to(-3.0, -0.1, 30);
     let points: Vec<f64> = (1..=32).rev().map(|k| f64::from(2 * k)).collect();
     let exact: Vec<f64> = gaps.iter().map(|gap| load(1.0 - 10_f64.powf(*gap), MANY)).collect();
@@ -106,16 +112,14 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
     );
     let gaps = from_to(-1.9, -0.4, 6);
     let marks: Vec<f64> = gaps.iter().map(|gap| 10_f64.powf(*gap)).collect();
-    let reference =
-        |cause| RobustnessError::Reference { method: "the full model of a plate", cause };
-    let finer = traced([6, 8], 1e-5, &marks).map_err(reference)?;
+    let finer = traced([6, 8], 1e-5, &marks);
     let mut plates =
         Panel::new("Branches of a clamped plate", x, "functions across and in the plane");
     for [across, within] in [[2, 3], [3, 4]] {
-        let coarse = traced([across, within], 1e-3, &marks).map_err(reference)?;
+        let coarse = traced([across, within], 1e-3, &marks);
         let name = format!("{across} and {within}");
         plates =
             plates.row((&name, false), &gaps, |gap| compared(&coarse, &finer, 10_f64.powf(gap)));
     }
-    Ok(map("quadrature", vec![rules, plates]))
+    map("quadrature", vec![rules, plates])
 }

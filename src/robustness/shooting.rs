@@ -1,6 +1,5 @@
 //! Orbits of growing multipliers by shooting over segments and by collocation.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Method, Shooting};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
@@ -95,7 +94,7 @@ fn compared(branch: &Branch) -> Found {
 }
 
 /// One panel.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let multipliers = from_to(0.5, 20.0, 27);
     let mut panel = Panel::new("An orbit with the multipliers μ and 1/μ", "log₁₀ of μ", "method");
     for segments in [1, 2, 4, 8, 16] {
@@ -110,5 +109,5 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
         Ok(method) => judged(by_collocation(Saddle, 40, method), x),
         Err(cause) => Found::reported("no such method", cause),
     });
-    Ok(map("shooting", vec![panel]))
+    map("shooting", vec![panel])
 }

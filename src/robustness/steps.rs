@@ -1,6 +1,5 @@
 //! Steps along a sharp bend beside another branch: without control, of one length, and adapted.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::dense::Dense;
@@ -99,7 +98,7 @@ fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
 }
 
 /// Three panels.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let (bends, lengths) = (from_to(-9.0, 0.0, 28), from_to(-2.5, -0.25, 19));
     let panel = |name: &str, naive, method: fn(f64, f64) -> Found| {
         let y = "log₁₀ of the step (the largest, if adapted)";
@@ -117,12 +116,12 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
             traced(epsilon, Settings { initial_step: step, max_step: step, ..Settings::default() }),
         )
     };
-    Ok(map(
+    map(
         "steps",
         vec![
             panel("Steps of one length, without control", true, uncontrolled),
             panel("The core's steps of one length", false, fixed),
             panel("The core's adapted steps", false, adapted),
         ],
-    ))
+    )
 }

@@ -1,6 +1,5 @@
 //! Stiff fields: explicit methods and the implicit one.
 
-use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::flow::{Flow, FlowError, Scheme, Settings};
 use crate::output::RobustnessMap;
@@ -61,7 +60,7 @@ fn handed_over(rate: f64, tolerance: f64) -> Found {
 }
 
 /// Four panels.
-pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
+pub(super) fn draw() -> RobustnessMap {
     let (rates, tolerances) = (from_to(1.0, 8.0, 22), from_to(-12.0, -3.0, 10));
     let panel = |name: &str, method: &dyn Fn(f64, f64) -> Found| {
         let panel = Panel::new(name, "log₁₀ of the rate λ", "log₁₀ of the tolerance");
@@ -70,7 +69,7 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
         })
     };
     let by = |scheme| move |rate, tolerance| tried(scheme, rate, tolerance);
-    Ok(map(
+    map(
         "stiffness",
         vec![
             panel("Order 8", &by(Scheme::DormandPrince8)),
@@ -78,5 +77,5 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
             panel("Rodas5P", &by(Scheme::Rodas5P)),
             panel("Order 8, then Rodas5P", &handed_over),
         ],
-    ))
+    )
 }

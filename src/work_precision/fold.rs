@@ -4,8 +4,7 @@
 //! Along the curve of orbits the voltage is stationary at the fold. So its error is the square of that with which the
 //! state is found, and digits of the determinant that differences lose are lost in the state first.
 
-use super::derivatives::{By, IMPACTING};
-use super::differences::Differences;
+use super::differences::{By, Differences, IMPACTING};
 use super::orbit;
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan, WorkPrecisionError};

@@ -20,59 +20,51 @@ mod scenes;
 
 pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
 
-use crate::output::WorkPrecision;
+use crate::output::{Entry, WorkPrecision};
 
-/// A work-precision diagram by its name.
-#[derive(Clone, Copy)]
-pub struct Entry {
-    /// The name.
-    pub name: &'static str,
-    /// One line about its contents.
-    pub shows: &'static str,
-    plans: fn() -> Result<Vec<Plan>, WorkPrecisionError>,
-}
+type Plans = fn() -> Result<Vec<Plan>, WorkPrecisionError>;
 
 /// All work-precision diagrams.
-pub const DIAGRAMS: &[Entry] = &[
+pub const DIAGRAMS: &[Entry<Plans>] = &[
     Entry {
         name: "plate-models",
         shows: "pull-in load of a plate by models of few modes, sines and polynomials",
-        plans: plates::models,
+        make: plates::models,
     },
     Entry {
         name: "plate-orders",
         shows: "pull-in load of a plate by orders of deflection and in-plane displacement",
-        plans: plates::orders,
+        make: plates::orders,
     },
     Entry {
         name: "flow",
         shows: "integrators on the stick, an impacting period and a stiff field; derivatives",
-        plans: flow::plans,
+        make: flow::plans,
     },
     Entry {
         name: "orbit",
         shows: "a fold, a period doubling and a grazing by shooting and by collocation",
-        plans: orbit::plans,
+        make: orbit::plans,
     },
     Entry {
         name: "derivatives",
         shows: "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold",
-        plans: derivatives::plans,
+        make: derivatives::plans,
     },
     Entry {
         name: "events",
         shows: "a grazing by bisection, by the secant method, on a mesh, and by its defining system",
-        plans: events::plans,
+        make: events::plans,
     },
     Entry {
         name: "local-map",
         shows: "the local map near a grazing against the flow, by its order",
-        plans: local_map::plans,
+        make: local_map::plans,
     },
     Entry {
         name: "scaling",
         shows: "time against unknowns, intervals and segments, parameters, and threads",
-        plans: scaling::plans,
+        make: scaling::plans,
     },
 ];
 
@@ -90,8 +82,8 @@ pub const DIAGRAMS: &[Entry] = &[
 ///
 /// # Errors
 /// [`WorkPrecisionError`] if the statement of a plan is invalid or its reference fails.
-pub fn measure(entry: &Entry, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
-    let panels = (entry.plans)()?.into_iter().map(|plan| plan.measure(effort));
+pub fn measure(entry: &Entry<Plans>, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
+    let panels = (entry.make)()?.into_iter().map(|plan| plan.measure(effort));
     Ok(WorkPrecision {
         name: format!("work-precision-{}", entry.name),
         panels: panels.collect::<Result<_, _>>()?,

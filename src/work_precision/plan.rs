@@ -55,6 +55,7 @@ impl Method {
 
 /// Why a work-precision diagram could not be measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WorkPrecisionError {
     /// The method fails with whose result all others are compared.
     #[error("the reference fails, {method}, {setting}: {cause}")]

@@ -1,7 +1,6 @@
 //! How time grows with unknowns, intervals and segments, and parameters, and falls with threads.
 
-use super::derivatives::IMPACTING;
-use super::differences::Differences;
+use super::differences::{Differences, IMPACTING};
 use super::period::Period;
 use super::plan::{Answer, Method, Plan, WorkPrecisionError};
 use super::plates::{PLATE, PULL_IN};
