@@ -1,12 +1,10 @@
 //! `tangency sweep SCENE`, `tangency merge FILE…`: brute force, saved as it goes on.
 
 use super::error::CommandError;
-use super::trace::SceneAt;
+use super::trace::{SceneAt, picture};
 use super::watch::{Watch, interrupted};
 use crate::core::sweep::{Found, Part};
-use crate::output::{
-    Document, FileError, SweepTable, Sweeps, draw, figures, merge, write_atomically,
-};
+use crate::output::{Document, FileError, SweepTable, Sweeps, merge};
 use crate::scene::{Catalogue, Scene, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
@@ -91,7 +89,9 @@ impl Sweep {
         report(&sweeps, out)?;
         writeln!(out, "{}", path.display())?;
         if self.part.is_none() {
-            picture(&name, document.as_ref(), &sweeps, &path, out)?;
+            let document = document.as_ref().map(|document| (&*name, document));
+            let svg = picture(document, std::slice::from_ref(&sweeps), &path)?;
+            writeln!(out, "{}", svg.display())?;
         }
         keeper.failure.map_or(Ok(()), Err)?;
         if interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
@@ -130,8 +130,8 @@ impl Merge {
         let path = self.out.join(format!("{}.npz", whole.name));
         whole.save(&path)?;
         report(&whole, out)?;
-        writeln!(out, "{}", path.display())?;
-        picture(&whole.name, None, &whole, &path, out)
+        let svg = picture(None, std::slice::from_ref(&whole), &path)?;
+        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
     }
 }
 
@@ -146,21 +146,6 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         }
     }
     Ok(())
-}
-
-fn picture(
-    name: &str,
-    document: Option<&Document>,
-    sweeps: &Sweeps,
-    path: &Path,
-    out: &mut impl Write,
-) -> Result<(), CommandError> {
-    let documents: Vec<(&str, &Document)> =
-        document.map(|document| (name, document)).into_iter().collect();
-    let svg = path.with_extension("svg");
-    let figures = figures(&documents, std::slice::from_ref(sweeps), None, None)?;
-    write_atomically(&svg, draw(&figures)?)?;
-    Ok(writeln!(out, "{}", svg.display())?)
 }
 
 /// Saves what is done from time to time, and shows how much that is.

@@ -5,7 +5,7 @@ use super::plot::same_file;
 use super::watch::Watch;
 use crate::core::flow::work;
 use crate::core::names::UnknownName;
-use crate::output::{Document, FileError, draw, figures, write_atomically};
+use crate::output::{Document, FileError, Sweeps, draw, figures, write_atomically};
 use crate::scene::{Catalogue, Scene, SceneError, StartPoint, execute};
 use clap::Args;
 use std::io::Write;
@@ -28,8 +28,8 @@ pub struct SceneAt {
     /// The name of a scene (see `tangency scenes`), or the path of a RON file
     pub scene: String,
     /// Change a value of the scene; may be repeated
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    pub settings: Vec<Setting>,
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
+    pub settings: Vec<(String, String)>,
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
@@ -40,7 +40,7 @@ impl SceneAt {
     pub fn read(&self, catalogue: &Catalogue) -> Result<(String, Scene), CommandError> {
         let (name, text) = self.text(catalogue)?;
         let mut scene = catalogue.parse(&text).map_err(|cause| self.at_fault(cause))?;
-        for Setting { name, value } in &self.settings {
+        for (name, value) in &self.settings {
             scene.set(name, value).map_err(|cause| self.at_fault(cause))?;
         }
         self.refuse_folder()?;
@@ -64,8 +64,7 @@ impl SceneAt {
             let unknown = UnknownName::new("scene", &self.scene, names);
             return Err(CommandError::UnknownScene(unknown));
         }
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| FileError::Read { path: path.into(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|cause| FileError::read(path, cause))?;
         Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
     }
 
@@ -117,8 +116,7 @@ impl Trace {
         out: &mut impl Write,
     ) -> Result<(), CommandError> {
         document.save(path)?;
-        let svg = path.with_extension("svg");
-        write_atomically(&svg, &draw(&figures(&[(name, document)], &[], None, None)?)?)?;
+        let svg = picture(Some((name, document)), &[], path)?;
         for branch in &document.branches {
             writeln!(
                 out,
@@ -158,6 +156,17 @@ impl Trace {
     }
 }
 
+/// Draws what documents and sweeps say about their own drawing, beside their file.
+pub(super) fn picture(
+    document: Option<(&str, &Document)>,
+    sweeps: &[Sweeps],
+    path: &Path,
+) -> Result<PathBuf, CommandError> {
+    let svg = path.with_extension("svg");
+    write_atomically(&svg, draw(&figures(document.as_slice(), sweeps, None, None)?)?)?;
+    Ok(svg)
+}
+
 impl Start {
     fn point(&self) -> Result<StartPoint, CommandError> {
         let document = Document::load(&self.file)?;
@@ -168,13 +177,14 @@ impl Start {
     }
 }
 
-/// `NAME=VALUE`: what `--set` changes. The value may hold further equals signs.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Setting {
-    /// The name, without blanks around it.
-    pub name: String,
-    /// The value as text, without blanks around it.
-    pub value: String,
+/// `NAME=VALUE`, without blanks around name and value: what `--set` changes. The value may hold further equals signs.
+fn setting(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
+        Some((name, value)) if !name.is_empty() && !value.is_empty() => {
+            Ok((name.into(), value.into()))
+        }
+        _ => Err(format!("`{text}` is not of the form NAME=VALUE, for example load=0.1")),
+    }
 }
 
 /// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins. The colon is the last one, the slash
@@ -189,37 +199,10 @@ pub struct Start {
     pub label: usize,
 }
 
-/// An argument that cannot be understood.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ArgumentError {
-    /// `--set` without a name, an equals sign or a value.
-    #[error("`{0}` is not of the form NAME=VALUE, for example load=0.1")]
-    Setting(String),
-    /// `--start` without a file or a label.
-    #[error(
-        "`{0}` is not of the form FILE:LABEL or FILE:BRANCH/LABEL, for example pull-in.ron:3; \
-         labels are counted from 1"
-    )]
-    Start(String),
-}
-
-impl FromStr for Setting {
-    type Err = ArgumentError;
-
-    fn from_str(text: &str) -> Result<Self, ArgumentError> {
-        match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
-            Some((name, value)) if !name.is_empty() && !value.is_empty() => {
-                Ok(Setting { name: name.into(), value: value.into() })
-            }
-            _ => Err(ArgumentError::Setting(text.into())),
-        }
-    }
-}
-
 impl FromStr for Start {
-    type Err = ArgumentError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, ArgumentError> {
+    fn from_str(text: &str) -> Result<Self, String> {
         let parts = || {
             let (file, point) = text.rsplit_once(':')?;
             let (branch, label) = match point.rsplit_once('/') {
@@ -230,6 +213,11 @@ impl FromStr for Start {
             let named = !file.is_empty() && branch != Some("");
             named.then(|| Start { file: file.into(), branch: branch.map(String::from), label })
         };
-        parts().ok_or_else(|| ArgumentError::Start(text.into()))
+        parts().ok_or_else(|| {
+            format!(
+                "`{text}` is not of the form FILE:LABEL or FILE:BRANCH/LABEL, for example pull-in.ron:3; \
+                 labels are counted from 1"
+            )
+        })
     }
 }

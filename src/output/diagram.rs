@@ -75,11 +75,11 @@ fn drawn(
     let ranges = [x, y].map(|column| plot.range(column));
     clip(&mut figure, ranges);
     hide_starts(&mut figure);
-    let stability = branches.iter().flat_map(|(_, branch)| &branch.points);
-    if stability.into_iter().any(|point| point.unstable.is_some()) {
-        figure.styles = vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())];
+    let mut points = branches.iter().flat_map(|(_, branch)| &branch.points);
+    if points.clone().any(|point| point.unstable.is_some()) {
+        figure.styles = stability();
     }
-    if branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| !point.admissible) {
+    if points.any(|point| !point.admissible) {
         figure.styles.push((Style::Thin, "virtual, beyond a grazing".into()));
     }
     Ok(figure)
@@ -236,6 +236,11 @@ impl Pieces<'_> {
     fn style(&self) -> Style {
         self.series.last().map_or(Style::Solid, |last| last.style)
     }
+}
+
+/// What the styles of branches and profiles mean.
+pub(super) fn stability() -> Vec<(Style, String)> {
+    vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())]
 }
 
 /// The style of a point's surroundings.

@@ -1,9 +1,9 @@
 //! Figures of the profiles that special points carry: mode shapes, time histories, phase portraits.
 
-use super::diagram::style;
+use super::diagram::{stability, style};
 use super::document::Document;
 use super::error::{FigureError, UnknownPoint};
-use super::figure::{Figure, Series, Style};
+use super::figure::{Figure, Series};
 use super::number::significant;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use crate::core::names::UnknownName;
@@ -20,15 +20,7 @@ struct Shown<'a> {
     point: &'a SpecialPoint,
 }
 
-/// One figure for each kind of profile, of those that the first document names, or of all.
-///
-/// It shows the points that the first document names, or else these: of solutions on a mesh (orbits) the
-/// folds, period doublings, torus and branch points, grazings and user's points, up to eight, and where these
-/// make no more than five curves, the last end of each branch; of other solutions the user's points and, to
-/// compare, the first end.
-///
-/// # Errors
-/// [`FigureError::UnknownPoint`] and [`FigureError::UnknownProfile`] for names that do not exist.
+/// One figure for each kind of profile, as [`figures`](super::figures) says.
 pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, FigureError> {
     let Some((_, first)) = documents.first() else { return Ok(Vec::new()) };
     let plot = &first.plot;
@@ -51,10 +43,7 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     }
     let mut figures = chosen(figures, &plot.profiles)?;
     if shown.iter().any(|shown| shown.point.unstable.is_some()) {
-        for figure in &mut figures {
-            figure.styles =
-                vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())];
-        }
+        figures.iter_mut().for_each(|figure| figure.styles = stability());
     }
     Ok(figures)
 }

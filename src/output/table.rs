@@ -19,14 +19,9 @@ pub fn csv(branches: &[Branch]) -> String {
     let parameters = union(branches.iter().map(|branch| &branch.parameters));
     let monitors = union(branches.iter().map(|branch| &branch.monitors));
     let columns = parameters.iter().chain(&monitors).map(|name| quoted(name));
-    let mut table: String = ["branch", "label", "kind"]
-        .into_iter()
-        .map(String::from)
-        .chain(columns)
-        .chain(["error".into(), "unstable".into()])
-        .collect::<Vec<_>>()
-        .join(",");
-    table.push('\n');
+    let first = ["branch", "label", "kind"].map(String::from).into_iter();
+    let header = first.chain(columns).chain(["error".into(), "unstable".into()]);
+    let mut table = header.collect::<Vec<_>>().join(",") + "\n";
     for branch in branches {
         for point in &branch.special {
             let mut cells =

@@ -84,7 +84,7 @@ impl Clock {
 }
 
 /// Time and error of several methods on one problem.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
     /// The problem.
@@ -152,10 +152,7 @@ impl Default for WorkPrecision {
 impl Measured {
     /// A problem without measurements.
     pub fn of(title: impl Into<String>) -> Self {
-        let (error, work, reference, lines, recommended) = Default::default();
-        let (title, drawn, marked, clock) =
-            (title.into(), Drawn::default(), false, Clock::default());
-        Measured { title, error, work, reference, lines, drawn, marked, clock, recommended }
+        Measured { title: title.into(), ..Measured::default() }
     }
 
     /// All measurements with their methods.
@@ -234,13 +231,8 @@ impl Measured {
         if let Some((name, setting)) = &self.recommended
             && let Some(point) = self.point(name, setting)
         {
-            let meaning = "recommended".into();
-            figure.marks.push(Mark {
-                at: at(point),
-                label: setting.clone(),
-                meaning,
-                symbol: Symbol::Star,
-            });
+            let (at, label, meaning) = (at(point), setting.clone(), "recommended".into());
+            figure.marks.push(Mark { at, label, meaning, symbol: Symbol::Star });
         }
         figure
     }

@@ -13,9 +13,6 @@ use crate::core::names;
 use crate::core::zero::ZeroProblem;
 use ron::error::{Position, SpannedError};
 use ron::value::RawValue;
-use serde::Deserialize;
-use serde::de::{Deserializer, Visitor};
-use std::fmt;
 use std::sync::Arc;
 
 /// The problems that scenes can name, and scenes that can be traced by name.
@@ -144,48 +141,28 @@ impl Catalogue {
         let read: Scene<&RawValue> = options()
             .from_str(text)
             .map_err(|error| syntax(error, Position { line: 1, col: 1 }))?;
-        let problem = self.problem(read.problem.get_ron(), text)?;
+        let problem = self.problem(read.problem, text)?;
         let Scene { title, parameters, accuracy, settings, plot, runs, sweeps, .. } = read;
         let scene = Scene { title, problem, parameters, accuracy, settings, plot, runs, sweeps };
         scene.check()?;
         Ok(scene)
     }
 
-    /// The problem of a scene, whose statement is a part of the scene's text.
-    fn problem(&self, stated: &str, text: &str) -> Result<Problem, SceneError> {
-        let begin = stated.as_ptr() as usize - text.as_ptr() as usize;
-        let mut reader = ron::Deserializer::from_str(stated)
-            .map_err(|error| syntax(error, position(&text[..begin])))?;
-        let Name(name) = Name::deserialize(&mut reader)
-            .map_err(|error| syntax(reader.span_error(error), position(&text[..begin])))?;
-        let settings = reader.remainder();
-        let known = self.problems.iter().map(Problem::name);
-        let problem = &self.problems[names::position("problem", &name, known)?];
-        let begin = begin + stated.len() - settings.len();
-        problem.read(settings).map_err(|error| syntax(error, position(&text[..begin])))
-    }
-}
-
-/// The name of a problem: an identifier.
-struct Name(String);
-
-impl<'de> Deserialize<'de> for Name {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Identifier;
-
-        impl Visitor<'_> for Identifier {
-            type Value = Name;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("the name of a problem")
-            }
-
-            fn visit_str<E>(self, name: &str) -> Result<Name, E> {
-                Ok(Name(name.into()))
-            }
+    /// The problem of a scene, whose statement is a part of the scene's text: a name, and settings.
+    fn problem(&self, stated: &RawValue, text: &str) -> Result<Problem, SceneError> {
+        let stated = stated.trim().get_ron();
+        let end = stated.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(stated.len());
+        let (name, settings) = stated.split_at(end);
+        let begin = settings.as_ptr() as usize - text.as_ptr() as usize;
+        let begin = position(&text[..begin]);
+        if name.is_empty() {
+            let Position { line, col: column } = begin;
+            let reason = "expected the name of a problem".into();
+            return Err(SceneError::Syntax { line, column, reason });
         }
-
-        deserializer.deserialize_identifier(Identifier)
+        let known = self.problems.iter().map(Problem::name);
+        let problem = &self.problems[names::position("problem", name, known)?];
+        problem.read(settings).map_err(|error| syntax(error, begin))
     }
 }
 

@@ -1,6 +1,6 @@
 //! How the solutions of a field, a boundary-value problem or a hybrid system are discretised.
 
-use super::error::SceneError;
+use super::error::{ProblemError, SceneError};
 use super::slot::{Slots, slots};
 use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::Failure;
@@ -11,6 +11,7 @@ use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::error::Error;
 
 /// The settings of a problem: written and read as RON, and set by name.
 pub(super) trait ProblemSettings:
@@ -258,11 +259,11 @@ impl Discretisation {
         Ok(match self.method {
             Discretised::Collocation => {
                 let meshes = meshes(self.intervals);
-                Box::new(BoundarySystem::new(problem, self.collocation()?, meshes)?)
+                Box::new(built(BoundarySystem::new(problem, self.collocation()?, meshes))?)
             }
             Discretised::Shooting => {
                 let meshes = meshes(self.segments);
-                Box::new(BoundarySystem::new(problem, self.shooting()?, meshes)?)
+                Box::new(built(BoundarySystem::new(problem, self.shooting()?, meshes))?)
             }
         })
     }
@@ -280,12 +281,16 @@ impl Discretisation {
     }
 
     fn collocation(&self) -> Result<Collocation, SceneError> {
-        Ok(Collocation::new(self.degree)?)
+        built(Collocation::new(self.degree))
     }
 
     fn shooting(&self) -> Result<Shooting, SceneError> {
-        Ok(Shooting::new(self.scheme, self.flow_tolerance)?)
+        built(Shooting::new(self.scheme, self.flow_tolerance))
     }
+}
+
+fn built<S, E: Error + Send + Sync + 'static>(found: Result<S, E>) -> Result<S, SceneError> {
+    Ok(found.map_err(ProblemError::new)?)
 }
 
 /// A system, and unknowns to start from.

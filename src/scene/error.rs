@@ -1,9 +1,7 @@
 //! What can be wrong with a scene.
 
 use crate::core::attractor::StroboscopicError;
-use crate::core::bvp::{BoundaryError, PointsError};
 use crate::core::continuation::TraceError;
-use crate::core::flow::SettingsError as FlowSettingsError;
 use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{CycleSearchError, HybridError};
 use crate::core::names::UnknownName;
@@ -120,15 +118,6 @@ pub enum SceneError {
         /// The parameters.
         missing: Vec<String>,
     },
-    /// The number of Gauss points has no meaning.
-    #[error(transparent)]
-    Points(#[from] PointsError),
-    /// The flow has settings without a meaning.
-    #[error(transparent)]
-    Flow(#[from] FlowSettingsError),
-    /// The boundary-value problem cannot be discretised.
-    #[error(transparent)]
-    Boundary(#[from] BoundaryError),
     /// A sweep has no meaning.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -165,45 +154,37 @@ pub enum SceneError {
         /// Why that run ended.
         ends: String,
     },
-    /// There is no local map to follow.
+    /// A run failed.
     #[error("run `{run}`: {cause}")]
-    Local {
+    Run {
         /// The run.
         run: String,
         /// Why.
         #[source]
-        cause: Box<GrazingError>,
-    },
-    /// A simulation ended before its time.
-    #[error("run `{run}`: {cause}")]
-    Simulation {
-        /// The run.
-        run: String,
-        /// Why.
-        #[source]
-        cause: Box<HybridError>,
-    },
-    /// A simulation found no periodic motion to start from.
-    #[error("run `{run}`: {cause}")]
-    Unsettled {
-        /// The run.
-        run: String,
-        /// Why.
-        #[source]
-        cause: Box<CycleSearchError>,
-    },
-    /// A trace could not begin.
-    #[error("run `{run}`: {cause}")]
-    Trace {
-        /// The run.
-        run: String,
-        /// Why.
-        #[source]
-        cause: Box<TraceError>,
+        cause: Box<RunError>,
     },
 }
 
+/// Why a run, or a sweep of a local map, failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[error(transparent)]
+pub enum RunError {
+    /// There is no local map to follow.
+    Local(#[from] GrazingError),
+    /// A simulation ended before its time.
+    Simulation(#[from] HybridError),
+    /// A simulation found no periodic motion to start from.
+    Unsettled(#[from] CycleSearchError),
+    /// A trace could not begin.
+    Trace(#[from] TraceError),
+}
+
 impl SceneError {
+    pub(super) fn of_run(run: &str, cause: impl Into<RunError>) -> Self {
+        SceneError::Run { run: run.into(), cause: Box::new(cause.into()) }
+    }
+
     pub(super) fn value(
         name: impl Into<String>,
         value: impl Into<String>,

@@ -156,8 +156,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
         local: &Local,
         at: (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, SceneError> {
-        local
-            .map(&self.problem, self.settings.discretisation(), self.settings.order, at)
-            .map_err(|cause| SceneError::Local { run: run.into(), cause: Box::new(cause) })
+        let map = local.map(&self.problem, self.settings.discretisation(), self.settings.order, at);
+        map.map_err(|cause| SceneError::of_run(run, cause))
     }
 }

@@ -6,8 +6,8 @@ use super::error::SceneError;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
-    CycleSearch, CycleSearchError, History, HybridEquations, HybridFlow, HybridSettings,
-    HybridState, Mode, Piece,
+    CycleSearch, CycleSearchError, History, HybridEquations, HybridError, HybridFlow,
+    HybridSettings, HybridState, Mode, Piece,
 };
 use crate::core::names::position;
 use crate::core::orbit::HybridOrbit;
@@ -62,10 +62,7 @@ pub(super) fn simulate(
     p: &[f64],
     start: Option<HybridState<f64>>,
 ) -> Result<Simulation, SceneError> {
-    let failed = |cause: crate::core::hybrid::HybridError| SceneError::Simulation {
-        run: name.into(),
-        cause: Box::new(cause),
-    };
+    let failed = |cause: HybridError| SceneError::of_run(name, cause);
     let mut state = match start {
         Some(state) => state,
         None => initial(system, simulated)?,
@@ -90,8 +87,7 @@ pub(super) fn settled(
     simulated: &Simulated,
     p: &[f64],
 ) -> Result<Birth<HybridOrbit>, SceneError> {
-    let unsettled =
-        |cause: CycleSearchError| SceneError::Unsettled { run: run.into(), cause: Box::new(cause) };
+    let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let start = initial(&*system, simulated)?;
     let transient = simulated.transient * system.period(p);
     let search = CycleSearch { transient, ..CycleSearch::default() };

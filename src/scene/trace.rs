@@ -151,8 +151,8 @@ fn trace(
             if *switch { curve.switch() } else { curve }
         }
     };
-    let failed = |cause| SceneError::Trace { run: run.name.clone(), cause: Box::new(cause) };
-    conditions(curve, run).trace_with(observer).map_err(failed)
+    let traced = conditions(curve, run).trace_with(observer);
+    traced.map_err(|cause| SceneError::of_run(&run.name, cause))
 }
 
 /// The system of a run: the problem's own, or that of the points of a local map.
@@ -171,7 +171,7 @@ fn system_of(
         None => points_of(map, &run.impacts),
         Some(kind) => series_of(&map, kind, &run.along[0].name),
     };
-    system.map_err(|cause| SceneError::Local { run: run.name.clone(), cause: Box::new(cause) })
+    system.map_err(|cause| SceneError::of_run(&run.name, cause))
 }
 
 /// The local map that a sweep iterates, after the runs that find its grazing.
