@@ -3,22 +3,16 @@
 //! # The mathematics
 //!
 //! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. With all
-//! parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of `F(z, p) = 0` form a
-//! curve, a **branch**. It is followed by its arclength `s`, not by the parameter: from a point
-//! `x₀ = (z₀, p₀)` with tangent `t`, `F_x t = 0`, the next point solves
+//! parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of
 //!
 //! ```text
-//!     F(x) = 0,    ⟨t, x − x₀⟩ = Δs
+//!     F(z, p) = 0
 //! ```
 //!
-//! whose matrix, `F_z` bordered by one row and one column, is regular at folds too.
-//!
-//! A **monitor** is a scalar of the solution. A **condition** is what holds at a **special point**: that
-//! a monitor is at a level, or that a matrix is singular, as at folds, branch points and Hopf points. A branch
-//! with its condition determines the point: Newton's iteration finishes it, and what it would still change is
-//! its error. The condition alone, held while a second parameter is released, defines a curve of such points,
-//! traced like any other, with special points of its own (cusps, Bogdanov–Takens points). Conditions of the
-//! user's own work in the same way.
+//! form a curve, a **branch**. It is followed by its arclength, so that folds are points like others. A **monitor**
+//! is a scalar of the solution. A **condition** is what holds at a **special point**: that a monitor is at a level,
+//! or that a matrix is singular. A branch with its condition determines the point; the condition alone, held while a
+//! second parameter is released, is a curve of such points, traced like any other.
 //!
 //! A **boundary-value problem**, trajectories of vector fields with conditions at their ends, becomes a zero
 //! problem by collocation or by shooting. **Periodic orbits** are the case `x(1) = x(0)`; their multipliers

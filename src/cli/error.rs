@@ -17,16 +17,11 @@ pub enum CommandError {
     Figure(#[from] FigureError),
     /// The output would replace an input.
     #[error("{} is an input and is not overwritten; name another place with --out", path.display())]
-    OutputIsInput {
-        /// The file.
-        path: PathBuf,
-    },
+    OutputIsInput { path: PathBuf },
     /// The scene, or what was asked of it, is at fault.
     #[error("{place}: {cause}")]
     Scene {
-        /// The scene or its file.
         place: String,
-        /// What is wrong.
         #[source]
         cause: Box<SceneError>,
     },
@@ -36,9 +31,7 @@ pub enum CommandError {
     /// The point to start from does not exist.
     #[error("{}: {cause}", file.display())]
     Start {
-        /// The document.
         file: PathBuf,
-        /// What is missing.
         #[source]
         cause: UnknownPoint,
     },
@@ -46,27 +39,16 @@ pub enum CommandError {
     #[error(
         "`{scene}` has no branches to trace: `tangency sweep {scene}` does what it is made for"
     )]
-    NoRun {
-        /// The scene.
-        scene: String,
-    },
+    NoRun { scene: String },
     /// Nothing to sweep.
     #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
-    NoSweep {
-        /// The scene.
-        scene: String,
-    },
+    NoSweep { scene: String },
     /// Parts that do not make a whole.
     #[error(transparent)]
     Merge(#[from] MergeError),
     /// The name of a work-precision diagram or robustness map is unknown.
     #[error("{name}; `tangency {command}` lists all")]
-    UnknownReport {
-        /// The unknown name and the known ones.
-        name: UnknownName,
-        /// The command that lists all.
-        command: &'static str,
-    },
+    UnknownReport { name: UnknownName, command: &'static str },
     /// A work-precision diagram could not be measured.
     #[error(transparent)]
     WorkPrecision(#[from] WorkPrecisionError),

@@ -43,6 +43,8 @@ pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub use format::FORMAT;
 pub use number::significant;
 pub use panels::figures;
+#[cfg(feature = "cli")]
+pub(crate) use report::entries;
 pub use report::{Entry, Report, ReportError};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use svg::draw;

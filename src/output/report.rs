@@ -85,6 +85,15 @@ pub struct Entry<M> {
     pub(crate) make: M,
 }
 
+#[cfg(feature = "cli")]
+macro_rules! entries {
+    ($($name:literal: $shows:literal, $make:path;)*) => {
+        &[$($crate::output::Entry { name: $name, shows: $shows, make: $make }),*]
+    };
+}
+#[cfg(feature = "cli")]
+pub(crate) use entries;
+
 /// Why a report could not be saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -126,9 +126,9 @@ fn stepped(restitution: f64, part: f64) -> Found {
 pub(super) fn draw() -> RobustnessMap {
     let (losses, ends) = (from_to(-2.0, 0.0, 17), from_to(0.275, 1.325, 15));
     let panel = |name: &str, naive, method: &dyn Fn(f64, f64) -> Found| {
-        let (x, y) = ("log₁₀ of 1 − restitution", "end of the motion over the time to rest");
-        let panel = Panel::new(name, x, y);
-        panel.over((name, naive), [&losses, &ends], |x, y| method(1.0 - 10_f64.powf(x), y))
+        let labels = ["log₁₀ of 1 − restitution", "end of the motion over the time to rest"];
+        let method = |x: f64, y| method(1.0 - 10_f64.powf(x), y);
+        Panel::of((name, naive), labels, [&losses, &ends], method)
     };
     let usual = HybridSettings::default();
     let one_by_one = HybridSettings { accumulation: 0.0, ..usual };

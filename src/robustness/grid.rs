@@ -69,6 +69,16 @@ impl Panel {
         Panel { title: title.into(), labels: [x.into(), y.into()], attempts: Vec::new() }
     }
 
+    /// A panel of one method, which has its name.
+    pub fn of(
+        (name, naive): (&str, bool),
+        [x, y]: [&str; 2],
+        places: [&[f64]; 2],
+        method: impl FnMut(f64, f64) -> Found,
+    ) -> Self {
+        Panel::new(name, x, y).over((name, naive), places, method)
+    }
+
     /// Runs a method at every place.
     pub fn over(
         mut self,

@@ -14,50 +14,18 @@ mod shooting;
 mod steps;
 mod stiffness;
 
-use crate::output::{Entry, RobustnessMap};
+use crate::output::{Entry, RobustnessMap, entries};
 
 /// All robustness maps.
-pub const MAPS: &[Entry<fn() -> RobustnessMap>] = &[
-    Entry {
-        name: "newton",
-        shows: "Newton's iteration about a fold: guess against load",
-        make: newton::draw,
-    },
-    Entry {
-        name: "steps",
-        shows: "steps along a bend beside another branch: length against radius",
-        make: steps::draw,
-    },
-    Entry {
-        name: "shooting",
-        shows: "shooting over segments and collocation against the size of multipliers",
-        make: shooting::draw,
-    },
-    Entry {
-        name: "events",
-        shows: "searches for crossings against the distance from a touch, and the touch itself",
-        make: events::draw,
-    },
-    Entry {
-        name: "chatter",
-        shows: "infinitely many impacts in a finite time: restitution against the end of the motion",
-        make: chatter::draw,
-    },
-    Entry {
-        name: "polynomials",
-        shows: "polynomials of plates by powers and by recurrence: digits against order",
-        make: polynomials::draw,
-    },
-    Entry {
-        name: "quadrature",
-        shows: "Gauss points for the load of a plate near contact, and error estimates of the model there",
-        make: quadrature::draw,
-    },
-    Entry {
-        name: "stiffness",
-        shows: "explicit methods and the implicit one: tolerance against rate",
-        make: stiffness::draw,
-    },
+pub const MAPS: &[Entry<fn() -> RobustnessMap>] = entries![
+    "newton": "Newton's iteration about a fold: guess against load", newton::draw;
+    "steps": "steps along a bend beside another branch: length against radius", steps::draw;
+    "shooting": "shooting over segments and collocation against the size of multipliers", shooting::draw;
+    "events": "searches for crossings against the distance from a touch, and the touch itself", events::draw;
+    "chatter": "infinitely many impacts in a finite time: restitution against the end of the motion", chatter::draw;
+    "polynomials": "polynomials of plates by powers and by recurrence: digits against order", polynomials::draw;
+    "quadrature": "Gauss points for the load of a plate near contact, and error estimates of the model there", quadrature::draw;
+    "stiffness": "explicit methods and the implicit one: tolerance against rate", stiffness::draw;
 ];
 
 /// Computes a robustness map.

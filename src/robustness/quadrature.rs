@@ -105,11 +105,9 @@ pub(super) fn draw() -> RobustnessMap {
         (load(1.0 - 10_f64.powf(gap), points as usize) / exact[k] - 1.0).abs()
     };
     let x = "log₁₀ of the least gap left, 1 − w";
-    let rules = Panel::new("Gauss points for a load", x, "points in each direction").over(
-        ("Gauss points", true),
-        [&gaps, &points],
-        |gap, points| judged(error(gap, points)),
-    );
+    let rule = |gap, points| judged(error(gap, points));
+    let rules = Panel::new("Gauss points for a load", x, "points in each direction");
+    let rules = rules.over(("Gauss points", true), [&gaps, &points], rule);
     let gaps = from_to(-1.9, -0.4, 6);
     let marks: Vec<f64> = gaps.iter().map(|gap| 10_f64.powf(*gap)).collect();
     let finer = traced([6, 8], 1e-5, &marks);

@@ -101,20 +101,18 @@ fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
 pub(super) fn draw() -> RobustnessMap {
     let (bends, lengths) = (from_to(-9.0, 0.0, 28), from_to(-2.5, -0.25, 19));
     let panel = |name: &str, naive, method: fn(f64, f64) -> Found| {
-        let y = "log₁₀ of the step (the largest, if adapted)";
-        let panel = Panel::new(name, "log₁₀ of ε, the radius of the bend", y);
-        panel.over((name, naive), [&bends, &lengths], |x, y| method(10_f64.powf(x), 10_f64.powf(y)))
-    };
-    let fixed = |epsilon, step| {
-        let settings =
-            Settings { initial_step: step, min_step: step, max_step: step, ..Settings::default() };
-        judged(epsilon, traced(epsilon, settings))
+        let labels =
+            ["log₁₀ of ε, the radius of the bend", "log₁₀ of the step (the largest, if adapted)"];
+        let method = |x: f64, y: f64| method(10_f64.powf(x), 10_f64.powf(y));
+        Panel::of((name, naive), labels, [&bends, &lengths], method)
     };
     let adapted = |epsilon, step| {
-        judged(
-            epsilon,
-            traced(epsilon, Settings { initial_step: step, max_step: step, ..Settings::default() }),
-        )
+        let settings = Settings { initial_step: step, max_step: step, ..Settings::default() };
+        judged(epsilon, traced(epsilon, settings))
+    };
+    let fixed = |epsilon, step| {
+        let settings = Settings { initial_step: step, max_step: step, ..Settings::default() };
+        judged(epsilon, traced(epsilon, Settings { min_step: step, ..settings }))
     };
     map(
         "steps",

@@ -63,10 +63,9 @@ fn handed_over(rate: f64, tolerance: f64) -> Found {
 pub(super) fn draw() -> RobustnessMap {
     let (rates, tolerances) = (from_to(1.0, 8.0, 22), from_to(-12.0, -3.0, 10));
     let panel = |name: &str, method: &dyn Fn(f64, f64) -> Found| {
-        let panel = Panel::new(name, "log₁₀ of the rate λ", "log₁₀ of the tolerance");
-        panel.over((name, false), [&rates, &tolerances], |x, y| {
-            method(10_f64.powf(x), 10_f64.powf(y))
-        })
+        let labels = ["log₁₀ of the rate λ", "log₁₀ of the tolerance"];
+        let method = |x: f64, y: f64| method(10_f64.powf(x), 10_f64.powf(y));
+        Panel::of((name, false), labels, [&rates, &tolerances], method)
     };
     let by = |scheme| move |rate, tolerance| tried(scheme, rate, tolerance);
     map(

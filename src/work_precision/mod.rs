@@ -20,52 +20,20 @@ mod scenes;
 
 pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
 
-use crate::output::{Entry, WorkPrecision};
+use crate::output::{Entry, WorkPrecision, entries};
 
 type Plans = fn() -> Result<Vec<Plan>, WorkPrecisionError>;
 
 /// All work-precision diagrams.
-pub const DIAGRAMS: &[Entry<Plans>] = &[
-    Entry {
-        name: "plate-models",
-        shows: "pull-in load of a plate by models of few modes, sines and polynomials",
-        make: plates::models,
-    },
-    Entry {
-        name: "plate-orders",
-        shows: "pull-in load of a plate by orders of deflection and in-plane displacement",
-        make: plates::orders,
-    },
-    Entry {
-        name: "flow",
-        shows: "integrators on the stick, an impacting period and a stiff field; derivatives",
-        make: flow::plans,
-    },
-    Entry {
-        name: "orbit",
-        shows: "a fold, a period doubling and a grazing by shooting and by collocation",
-        make: orbit::plans,
-    },
-    Entry {
-        name: "derivatives",
-        shows: "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold",
-        make: derivatives::plans,
-    },
-    Entry {
-        name: "events",
-        shows: "a grazing by bisection, by the secant method, on a mesh, and by its defining system",
-        make: events::plans,
-    },
-    Entry {
-        name: "local-map",
-        shows: "the local map near a grazing against the flow, by its order",
-        make: local_map::plans,
-    },
-    Entry {
-        name: "scaling",
-        shows: "time against unknowns, intervals and segments, parameters, and threads",
-        make: scaling::plans,
-    },
+pub const DIAGRAMS: &[Entry<Plans>] = entries![
+    "plate-models": "pull-in load of a plate by models of few modes, sines and polynomials", plates::models;
+    "plate-orders": "pull-in load of a plate by orders of deflection and in-plane displacement", plates::orders;
+    "flow": "integrators on the stick, an impacting period and a stiff field; derivatives", flow::plans;
+    "orbit": "a fold, a period doubling and a grazing by shooting and by collocation", orbit::plans;
+    "derivatives": "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold", derivatives::plans;
+    "events": "a grazing by bisection, by the secant method, on a mesh, and by its defining system", events::plans;
+    "local-map": "the local map near a grazing against the flow, by its order", local_map::plans;
+    "scaling": "time against unknowns, intervals and segments, parameters, and threads", scaling::plans;
 ];
 
 /// Measures a work-precision diagram.

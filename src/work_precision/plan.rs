@@ -102,8 +102,9 @@ impl Plan {
     /// A problem with the method that gives the reference.
     pub fn of(title: &str, reference: Method) -> Self {
         let mut measured = Measured::of(title);
-        measured.reference =
-            format!("Errors are differences from {}{}.", reference.line, comma(&reference.setting));
+        let Method { line, setting, .. } = &reference;
+        let comma = if setting.is_empty() { "" } else { ", " };
+        measured.reference = format!("Errors are differences from {line}{comma}{setting}.");
         (measured.error, measured.work) = ("error".into(), "work".into());
         Plan { measured, reference, methods: Vec::new(), relative: false }
     }
@@ -182,10 +183,6 @@ impl Plan {
         }
         Ok(self.measured)
     }
-}
-
-fn comma(setting: &str) -> String {
-    if setting.is_empty() { String::new() } else { format!(", {setting}") }
 }
 
 /// The larger error; NaN is the worst.

@@ -9,7 +9,7 @@ use tangency::robustness::{MAPS, map};
 
 /// All maps.
 static NOW: LazyLock<Vec<RobustnessMap>> =
-    LazyLock::new(|| MAPS.iter().map(|entry| map(entry).unwrap()).collect());
+    LazyLock::new(|| MAPS.iter().map(|entry| map(entry)).collect());
 
 fn named(name: &str) -> &'static RobustnessMap {
     let name = format!("robustness-{name}");

@@ -275,9 +275,7 @@ fn bad_runs_of_maps_are_refused() {
     assert!(matches!(outcome.error, Some(SceneError::NoSuchPoint { .. })), "{:?}", outcome.error);
     let nowhere = scene("run: \"flow\", kind: EP, parameters: [\"voltage\"]", along);
     let outcome = execute(&Scene::parse(&nowhere).unwrap(), None, &mut ());
-    let Some(error @ SceneError::Local { .. }) = outcome.error else {
-        panic!("{:?}", outcome.error)
-    };
+    let Some(error @ SceneError::Run { .. }) = outcome.error else { panic!("{:?}", outcome.error) };
     assert!(error.to_string().contains("locate the grazing (G) first"), "{error}");
     let high = Scene::parse(&scene(at, along)).unwrap().set("order", "8").unwrap_err();
     assert!(high.to_string().contains("between 1 and 7"), "{high}");

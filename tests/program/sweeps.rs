@@ -3,13 +3,19 @@
 use crate::common::close;
 use crate::program::scenarios::{built_in, traced};
 use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 use tangency::core::continuation::Kind;
+use tangency::core::field::Forcing;
+use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::measure::Measure;
+use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Order, Part};
-use tangency::output::{MergeError, Sweeps, figures, merge};
-use tangency::scene::{BUILT_IN, Grid, Scene, sweep as swept};
+use tangency::output::{MergeError, Row, Sweeps, figures, merge};
+use tangency::scene::{BUILT_IN, Catalogue, Grid, Scene, SceneError, sweep as swept};
 
 fn tangency(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
@@ -149,7 +155,18 @@ fn bad_input_is_explained() {
     let smooth =
         SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
     std::fs::write(folder.path().join("smooth.ron"), smooth).unwrap();
-    fails(&["sweep", "smooth.ron"], "sweeps follow the motions of hybrid systems only");
+    fails(&["sweep", "smooth.ron"], "the system has no forcing");
+    let over = "over: [(name: \"load\", low: 0, high: 1, count: 2)]";
+    let fixed =
+        format!("Scene(title: \"t\", problem: Plate(), sweeps: [(name: \"loads\", {over})])");
+    std::fs::write(folder.path().join("static.ron"), fixed).unwrap();
+    fails(&["sweep", "static.ron"], "only vector fields and hybrid systems are simulated");
+    let measured = SCENE.replace("\"displacement_range\"]", "\"displacment_range\"]");
+    std::fs::write(folder.path().join("measured.ron"), measured).unwrap();
+    fails(
+        &["sweep", "measured.ron"],
+        "unknown measure `displacment_range`; did you mean `displacement_range`?",
+    );
     assert!(tangency(folder.path(), &["sweep", "chaos.ron"]).status.success());
     fails(&["sweep", "chaos.ron", "--set", "frequency=0.49"], "were made by another scene");
     std::fs::write(folder.path().join("broken.npz"), b"PK").unwrap();
@@ -258,5 +275,135 @@ fn built_in_sweeps_run_and_are_drawn() {
         assert!(output.status.success(), "{}: {output:?}", scene.name);
         let text = std::str::from_utf8(&output.stdout).unwrap();
         assert!(!text.contains("failed"), "{text}");
+    }
+}
+
+/// Basins at ω = 0.5, V = 0.2: the orbit without impacts and P(1,1) attract, beside each other, with the same bytes on
+/// one thread and two.
+#[test]
+fn basins_have_both_attractors_on_any_number_of_threads() {
+    let mut scene = built_in("mita-basins");
+    scene.set("transient", "200").unwrap();
+    for (grid, count) in scene.sweeps[0].over.iter_mut().zip([7, 9]) {
+        grid.count = count;
+    }
+    let on = |threads: usize| {
+        let part = Part { threads: NonZeroUsize::new(threads), ..Part::WHOLE };
+        swept(&scene, "basins", part, None, &mut ()).unwrap()
+    };
+    let found = on(1);
+    let table = &found.sweeps[0];
+    let column = |name: &str| table.run_columns.iter().position(|known| known == name).unwrap();
+    let [periods, front] = ["periods", "front"].map(column);
+    let of = |impacts: f64| {
+        let settled = |row: &&Row| (row.values[periods], row.values[front]) == (1.0, impacts);
+        table.rows.values().filter(settled).count()
+    };
+    assert!(table.is_complete() && of(0.0) + of(1.0) == 63 && of(0.0) > 5 && of(1.0) > 5);
+    let folder = tempfile::tempdir().unwrap();
+    let saved = |threads: usize, sweeps: &Sweeps| {
+        let name = format!("{threads}.npz");
+        sweeps.save(folder.path().join(&name)).unwrap();
+        bytes(folder.path(), &name)
+    };
+    assert!(saved(1, &found) == saved(2, &on(2)));
+}
+
+/// A linear oscillator in two modes, above and below its middle; its distance from there is a monitor of either mode.
+struct Halves {
+    measured: &'static str,
+}
+
+impl HybridSystem for Halves {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("above", ["x", "v"]), Mode::new("below", ["x", "v"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("down", [0]), Guard::new("up", [1])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["frequency".into()]
+    }
+    fn defaults(&self) -> Vec<f64> {
+        vec![1.5]
+    }
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = (p[0] * t).cos() - x[0] - x[1] * 0.2;
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        if mode == 0 { x[0] } else { -x[0] }
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        after.copy_from_slice(x);
+    }
+    fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        1 - mode
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[0].recip() * TAU
+    }
+    fn monitors(&self) -> Vec<String> {
+        vec!["distance_from_middle".into()]
+    }
+    fn monitor<T: Scalar>(&self, _monitor: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        if mode == 0 { x[0] } else { -x[0] }
+    }
+    fn measures(&self) -> Vec<(String, Measure)> {
+        vec![
+            ("mean".into(), Measure::mean("distance_from_middle")),
+            ("largest".into(), Measure::Maximum(self.measured.into())),
+        ]
+    }
+}
+
+/// Monitors of one's own, defined mode by mode, are columns of branches and of sweeps, with one meaning: of a
+/// sinusoid with the amplitude A, `mean |x| = 2A/π` and `max |x| = A`.
+#[test]
+fn monitors_of_several_modes_are_columns_of_branches_and_sweeps() {
+    let scene = "Scene(
+        title: \"Halves\", problem: Halves(),
+        runs: [(name: \"orbits\", start: Simulated(state: [(\"x\", 0.1)]), along: [(name: \"frequency\", low: 1.5, high: 1.8)])],
+        sweeps: [(
+            name: \"motions\", over: [(name: \"frequency\", low: 1.5, high: 1.8, count: 2)],
+            starts: [[(\"x\", 0.1)]], measures: [\"mean\", \"largest\"],
+        )],
+    )";
+    let catalogue = |measured| Catalogue::empty().hybrid("Halves", Halves { measured });
+    let refused = catalogue("distance_from_midle").parse(scene).unwrap_err();
+    assert!(matches!(refused, SceneError::UnknownName(_)));
+    assert!(refused.to_string().contains("did you mean `distance_from_middle`?"), "{refused}");
+    let scene = catalogue("distance_from_middle").parse(scene).unwrap();
+    let exact = |frequency: f64| {
+        let amplitude = (1.0 - frequency * frequency).hypot(0.2 * frequency).recip();
+        [amplitude / FRAC_PI_2, amplitude]
+    };
+    let branch = &traced(&scene).branches[0];
+    let columns = ["frequency", "mean", "largest"].map(|name| branch.column(name).unwrap());
+    for point in &branch.points {
+        let [frequency, mean, largest] = columns.map(|column| point.value(column).unwrap());
+        close(mean, exact(frequency)[0], 1e-9);
+        close(largest, exact(frequency)[1], 1e-9);
+    }
+    let found = swept(&scene, "halves", Part::WHOLE, None, &mut ()).unwrap();
+    let table = &found.sweeps[0];
+    for (row, frequency) in table.rows.values().zip([1.5, 1.8]) {
+        let period = &row.points[..table.point_columns.len()];
+        let [mean, largest] = ["mean", "largest"].map(|name| {
+            period[table.point_columns.iter().position(|known| known == name).unwrap()]
+        });
+        close(mean, exact(frequency)[0], 1e-8);
+        close(largest, exact(frequency)[1], 1e-8);
     }
 }

@@ -75,18 +75,9 @@ fn power_of_ten(exponent: i32) -> String {
     if exponent == 0 {
         return String::new();
     }
-    let superscript = |letter: char| match letter {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '4' => '⁴',
-        '5' => '⁵',
-        '6' => '⁶',
-        '7' => '⁷',
-        '8' => '⁸',
-        '9' => '⁹',
-        _ => '⁰',
+    let superscript = |letter: char| match letter.to_digit(10) {
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+        None => '⁻',
     };
     format!("×10{}", exponent.to_string().chars().map(superscript).collect::<String>())
 }

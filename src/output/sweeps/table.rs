@@ -163,41 +163,30 @@ impl SweepTable {
     /// Takes in what a run has found.
     pub fn push(&mut self, found: &Found, start: usize, modes: &[Mode]) {
         let states = all_states(modes).len();
-        let row = match &found.attractor {
-            Ok(attractor) => Row {
-                values: self.values(found, start, attractor),
-                points: points(found.run, attractor, modes, states),
-                failure: None,
-            },
-            Err(failure) => Row {
-                values: self.failed(found, start),
-                points: Vec::new(),
-                failure: Some(failure.to_string()),
-            },
+        let attractor = found.attractor.as_ref();
+        let row = Row {
+            values: self.values(found, start),
+            points: attractor.map_or(Vec::new(), |a| points(found.run, a, modes, states)),
+            failure: attractor.err().map(ToString::to_string),
         };
         self.rows.insert(found.run, row);
     }
 
-    fn values(&self, found: &Found, start: usize, attractor: &Attractor) -> Vec<f64> {
+    fn values(&self, found: &Found, start: usize) -> Vec<f64> {
         let mut values = vec![found.run as f64, start as f64];
         values.extend_from_slice(&found.values);
-        values.extend(found.crisis.iter().flat_map(|[a, b]| [0.5 * (a + b), 0.5 * (a - b).abs()]));
-        values.push(attractor.periods.unwrap_or(0) as f64);
-        values.extend(attractor.events.iter().map(|(_, count)| *count));
-        values.push(attractor.accumulations);
-        let exponent = attractor.exponent.map_or([f64::NAN; 2], |e| [e.value, e.error]);
-        values.extend(exponent);
-        values.extend([0.0, attractor.end.mode as f64]);
-        values.extend_from_slice(&attractor.end.x);
+        if let Ok(attractor) = &found.attractor {
+            let crisis = found.crisis.iter();
+            values.extend(crisis.flat_map(|[a, b]| [0.5 * (a + b), 0.5 * (a - b).abs()]));
+            values.push(attractor.periods.unwrap_or(0) as f64);
+            values.extend(attractor.events.iter().map(|(_, count)| *count));
+            values.push(attractor.accumulations);
+            values.extend(attractor.exponent.map_or([f64::NAN; 2], |e| [e.value, e.error]));
+            values.extend([0.0, attractor.end.mode as f64]);
+            values.extend_from_slice(&attractor.end.x);
+        }
         values.resize(self.run_columns.len(), f64::NAN);
-        values
-    }
-
-    fn failed(&self, found: &Found, start: usize) -> Vec<f64> {
-        let mut values = vec![found.run as f64, start as f64];
-        values.extend_from_slice(&found.values);
-        values.resize(self.run_columns.len(), f64::NAN);
-        if let Some(failed) = self.run_column("failed") {
+        if let (Some(failed), Err(_)) = (self.run_column("failed"), &found.attractor) {
             values[failed] = 1.0;
         }
         values
