@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 use tangency::prelude::*;
 
 /// Modes `flight` and `contact`, in which the ball moves with the table.
-#[derive(Clone)]
 pub struct Ball;
 
 const FLIGHT: usize = 0;

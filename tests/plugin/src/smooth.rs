@@ -3,7 +3,6 @@
 use tangency::prelude::*;
 
 /// The Brusselator: `x' = a − (b + 1) x + x² y`, `y' = b x − x² y`, with a Hopf point at `b = 1 + a²`.
-#[derive(Clone)]
 pub struct Brusselator;
 
 impl VectorField for Brusselator {
@@ -22,7 +21,6 @@ impl VectorField for Brusselator {
 
 /// A rigid rod under a load, held upright by a spring: `load · sin u = u`, which buckles at `load = 1`. It has no
 /// default values, so that scenes must give them.
-#[derive(Clone)]
 pub struct Rod;
 
 impl ZeroProblem for Rod {
