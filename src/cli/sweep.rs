@@ -81,7 +81,9 @@ impl Sweep {
         let document = self.trace(&name, &scene, out)?;
         let part = self.part.map_or(Part::WHOLE, |share| share.0);
         let part = Part { threads: self.threads, ..part };
-        let mut keeper = Keeper::new(&path, self.save_every);
+        let every = Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX);
+        let (bar, saved) = (super::watch::bar(), Instant::now());
+        let mut keeper = Keeper { path: &path, bar, saved, every, pause: every, failure: None };
         let swept = sweep(&scene, &name, part, known, &mut keeper);
         keeper.bar.finish_and_clear();
         let sweeps = swept.map_err(|cause| self.scene.at_fault(cause))?;
@@ -160,30 +162,12 @@ struct Keeper<'a> {
     failure: Option<CommandError>,
 }
 
-impl<'a> Keeper<'a> {
-    fn new(path: &'a Path, seconds: f64) -> Self {
-        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        Keeper {
-            path,
-            bar: super::watch::bar(),
-            saved: Instant::now(),
-            every,
-            pause: every,
-            failure: None,
-        }
-    }
-}
-
 impl SweepWatch for Keeper<'_> {
     fn begin(&mut self, sweep: &SweepTable) {
         self.bar.set_length(sweep.total as u64);
         self.bar.set_position(sweep.rows.len() as u64);
-        self.bar.set_message(format!(
-            "{} of {} runs of {}",
-            sweep.rows.len(),
-            sweep.total,
-            sweep.name
-        ));
+        let SweepTable { name, rows, total, .. } = sweep;
+        self.bar.set_message(format!("{} of {total} runs of {name}", rows.len()));
     }
 
     fn found(&mut self, known: &Sweeps, _found: &Found) -> ControlFlow<()> {

@@ -132,6 +132,17 @@ impl UnknownName {
     }
 }
 
+/// Names without repetitions, in the order in which they come first.
+pub(crate) fn distinct<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<&'a str> {
+    let mut distinct: Vec<&str> = Vec::new();
+    for name in names {
+        if !distinct.contains(&name.as_str()) {
+            distinct.push(name);
+        }
+    }
+    distinct
+}
+
 /// The position of a name among those that exist.
 ///
 /// # Errors

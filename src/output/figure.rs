@@ -2,6 +2,7 @@
 
 use super::error::FigureError;
 use super::tile::Tile;
+use crate::core::names::distinct;
 
 /// Curves and marks in one pair of axes.
 ///
@@ -131,13 +132,7 @@ impl Figure {
 
     /// The distinct names of the curves, in the order of their first appearance.
     pub fn names(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
-        for series in &self.series {
-            if !names.contains(&series.name.as_str()) {
-                names.push(&series.name);
-            }
-        }
-        names
+        distinct(self.series.iter().map(|series| &series.name))
     }
 
     /// The smallest and largest `x` and `y` of all points.

@@ -2,6 +2,7 @@
 
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
+use crate::core::names::distinct;
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
 /// parameter and then every monitor by name, in the order in which the branches first mention them,
@@ -16,8 +17,8 @@ use crate::core::continuation::{Branch, SpecialPoint};
 /// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0");
 /// ```
 pub fn csv(branches: &[Branch]) -> String {
-    let parameters = union(branches.iter().map(|branch| &branch.parameters));
-    let monitors = union(branches.iter().map(|branch| &branch.monitors));
+    let parameters = distinct(branches.iter().flat_map(|branch| &branch.parameters));
+    let monitors = distinct(branches.iter().flat_map(|branch| &branch.monitors));
     let columns = parameters.iter().chain(&monitors).map(|name| quoted(name));
     let first = ["branch", "label", "kind"].map(String::from).into_iter();
     let header = first.chain(columns).chain(["error".into(), "unstable".into()]);
@@ -40,16 +41,6 @@ pub fn csv(branches: &[Branch]) -> String {
         }
     }
     table
-}
-
-fn union<'a>(lists: impl Iterator<Item = &'a Vec<String>>) -> Vec<&'a str> {
-    let mut names: Vec<&str> = Vec::new();
-    for name in lists.flatten() {
-        if !names.contains(&name.as_str()) {
-            names.push(name);
-        }
-    }
-    names
 }
 
 fn cell(column: &str, names: &[String], values: &[f64]) -> String {

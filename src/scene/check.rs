@@ -60,7 +60,7 @@ impl Scene {
     }
 
     fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
-        let scene = self.as_seen_by(run)?;
+        let scene = self.with(&run.set)?;
         let place = |what: &str| format!("run `{}`, {what}", run.name);
         for range in run.along.iter().chain(&run.bounds) {
             for end in [range.low, range.high].into_iter().flatten() {

@@ -195,7 +195,7 @@ impl Scene {
             let found = format!("stated for the run `{}` of a local map", run.name);
             return refused(found, "is of flows: that of a map is its distance from the grazing");
         }
-        let own = varied(&self.as_seen_by(run)?.ladder()?);
+        let own = varied(&self.with(&run.set)?.ladder()?);
         match own.iter().find(|name| !names.contains(name)) {
             Some(name) => refused(
                 format!("stated for the run `{}`, which has `{name}`", run.name),
@@ -255,45 +255,28 @@ fn unlike(of: impl Into<String>) -> Estimate {
     Estimate { error: f64::INFINITY, of: of.into() }
 }
 
-/// A definite special point of a branch on one rung after another.
-struct Followed<'a> {
-    /// Its position on the first rung.
-    place: usize,
-    rungs: Vec<&'a SpecialPoint>,
-}
-
-impl Followed<'_> {
-    /// The error of a column on the first rung.
-    fn error(&self, column: usize) -> f64 {
-        let values = self.rungs.iter().map(|special| special.value(column));
-        match values.collect::<Option<Vec<f64>>>() {
-            Some(values) if values.iter().all(|value| value.is_finite()) => error_of_first(&values),
-            _ => f64::INFINITY,
-        }
+/// The error of a column of a special point on the first of some rungs.
+fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
+    let values = rungs.iter().map(|special| special.value(column));
+    match values.collect::<Option<Vec<f64>>>() {
+        Some(values) if values.iter().all(|value| value.is_finite()) => error_of_first(&values),
+        _ => f64::INFINITY,
     }
 }
 
-/// The definite special points of a branch, unless they are others on another rung.
-fn followed<'a>(rungs: &[&'a Branch]) -> Option<Vec<Followed<'a>>> {
-    let mut all: Vec<Followed> = Vec::new();
-    for (rung, branch) in rungs.iter().enumerate() {
-        let definite = |(_, special): &(usize, &SpecialPoint)| is_definite(branch, special);
-        let points: Vec<_> = branch.special.iter().enumerate().filter(definite).collect();
-        if rung == 0 {
-            let first = |(place, special)| Followed { place, rungs: vec![special] };
-            all = points.into_iter().map(first).collect();
-            continue;
-        }
-        let same = |(known, (_, special)): (&Followed, &(usize, &SpecialPoint))| {
-            let first = known.rungs[0];
-            first.kind == special.kind && (first.kind != Kind::EP || first.event == special.event)
-        };
-        if all.len() != points.len() || !all.iter().zip(&points).all(same) {
-            return None;
-        }
-        all.iter_mut().zip(points).for_each(|(known, (_, special))| known.rungs.push(special));
-    }
-    Some(all)
+/// The definite special points of a branch, each on one rung after another; `None` if they are others on another rung.
+fn followed<'a>(rungs: &[&'a Branch]) -> Option<Vec<Vec<&'a SpecialPoint>>> {
+    let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
+        branch.special.iter().filter(|special| is_definite(branch, special)).collect()
+    };
+    let all: Vec<Vec<&SpecialPoint>> = rungs.iter().map(definite).collect();
+    let first = all.first()?;
+    let same = |(a, b): (&&SpecialPoint, &&SpecialPoint)| {
+        a.kind == b.kind && (a.kind != Kind::EP || a.event == b.event)
+    };
+    let alike = |on: &Vec<_>| on.len() == first.len() && on.iter().zip(first).all(same);
+    let point = |k: usize| all.iter().map(|on| on[k]).collect();
+    all.iter().all(alike).then(|| (0..first.len()).map(point).collect())
 }
 
 /// The branch at this place among those of each result.
@@ -314,10 +297,10 @@ fn largest(found: &[&Outcome]) -> Estimate {
             return unlike(format!("special points of `{}` come and go with it", branch.name));
         };
         for point in points {
-            let special = point.rungs[point.rungs.len() - 1];
+            let special = point[point.len() - 1];
             for column in columns(branch, special) {
                 let value = special.value(column).unwrap_or(f64::NAN);
-                let error = point.error(column) / size(branch, column, value);
+                let error = error_in(column, &point) / size(branch, column, value);
                 if special.kind == Kind::EP && error == 0.0 {
                     // An end that is the same on all rungs was given.
                     continue;
@@ -339,6 +322,9 @@ fn add_errors(document: &mut Document, found: &[&Outcome]) {
         let rungs = nth(found, place);
         let column = branch.released.first().and_then(|name| branch.column(name));
         let (Some(points), Some(column)) = (followed(&rungs), column) else { continue };
-        points.iter().for_each(|point| branch.special[point.place].error += point.error(column));
+        for point in points {
+            let own = branch.special.iter_mut().filter(|own| own.label == point[0].label);
+            own.for_each(|own| own.error += error_in(column, &point));
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::catalogue::Catalogue;
 use super::error::SceneError;
 use super::slot::{Plain, Slots, Usual, assign, read, slots};
-use super::statement::{Grid, Run, Scene, Sweep};
+use super::statement::{Grid, Scene, Sweep};
 use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
 use crate::core::names::UnknownName;
@@ -95,11 +95,9 @@ impl Scene {
 
     /// The value of a parameter at the start.
     pub fn value(&self, parameter: &str) -> Option<f64> {
-        let given = self.parameters.iter().find(|(name, _)| name == parameter).map(|(_, v)| *v);
-        given.or_else(|| {
-            let defaults = self.problem.parameters();
-            defaults.into_iter().find(|(name, _)| *name == parameter).and_then(|(_, value)| value)
-        })
+        let given = self.parameters.iter().cloned().map(|(name, value)| (name, Some(value)));
+        let mut all = given.chain(self.problem.parameters());
+        all.find(|(name, _)| name == parameter)?.1
     }
 
     /// All parameters at the start, in the problem's order.
@@ -116,12 +114,7 @@ impl Scene {
         }
     }
 
-    /// The scene as one of its runs sees it.
-    pub(super) fn as_seen_by(&self, run: &Run) -> Result<Scene, SceneError> {
-        self.with(&run.set)
-    }
-
-    /// The scene with some values set.
+    /// The scene with some values set: as a run or a sweep sees it.
     pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
         let mut scene = self.clone();
         for (name, value) in set {
@@ -201,11 +194,8 @@ impl Scene {
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
             self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();
-        let values = self.problem.parameters().into_iter().filter_map(|(name, _)| {
-            let value = self.value(&name)?.to_string();
-            Some((name, value))
-        });
-        record.extend(values);
+        let names = self.problem.parameter_names().into_iter();
+        record.extend(names.filter_map(|name| self.value(&name).map(|v| (name, v.to_string()))));
         record
     }
 }

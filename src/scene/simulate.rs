@@ -9,7 +9,7 @@ use crate::core::hybrid::{
     CycleSearch, CycleSearchError, History, HybridEquations, HybridError, HybridFlow,
     HybridSettings, HybridState, Mode, Piece,
 };
-use crate::core::names::position;
+use crate::core::names::{distinct, position};
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::Profile;
 use serde::{Deserialize, Serialize};
@@ -121,14 +121,11 @@ pub(super) fn at_rest(
 fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Curve> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
     let mut curves: Vec<Curve> = Vec::new();
-    for name in modes.iter().flat_map(|mode| &mode.states) {
-        if curves.iter().any(|curve| curve.name == *name) {
-            continue;
-        }
+    for name in distinct(modes.iter().flat_map(|mode| &mode.states)) {
         let (mut points, mut before) = (Vec::new(), 0.0);
         for piece in pieces {
             let column = modes[piece.mode].states.iter().position(|state| state == name);
-            let sum = counted.contains(name);
+            let sum = counted.iter().any(|counted| counted == name);
             let base = if sum { before } else { 0.0 };
             match column {
                 Some(k) => {
@@ -140,7 +137,7 @@ fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Cur
                 None => {}
             }
         }
-        curves.push(Curve { name: name.clone(), points });
+        curves.push(Curve { name: name.into(), points });
     }
     curves
 }

@@ -93,7 +93,7 @@ fn history(
     simulated: &Simulated,
     last: &mut LastStates,
 ) -> Result<Branch, SceneError> {
-    let seen = scene.as_seen_by(run)?;
+    let seen = scene.with(&run.set)?;
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
@@ -110,7 +110,7 @@ fn trace(
     done: &[Branch],
     observer: &mut dyn Observer,
 ) -> Result<Branch, SceneError> {
-    let seen = scene.as_seen_by(run)?;
+    let seen = scene.with(&run.set)?;
     let settled = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => {
             let (model, p) = (seen.problem.model(), seen.values()?);

@@ -2,6 +2,7 @@
 
 use crate::core::attractor::{Attractor, EventRecord, Layout, Period};
 use crate::core::hybrid::{HybridState, Mode};
+use crate::core::names::distinct;
 use crate::core::sweep::Found;
 use crate::output::Plot;
 use serde::{Deserialize, Serialize};
@@ -96,13 +97,7 @@ mod failures {
 const CRISIS_ERROR: &str = "crisis_error";
 
 fn all_states(modes: &[Mode]) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for name in modes.iter().flat_map(|mode| &mode.states) {
-        if !names.contains(&name.as_str()) {
-            names.push(name);
-        }
-    }
-    names
+    distinct(modes.iter().flat_map(|mode| &mode.states))
 }
 
 impl SweepTable {
