@@ -4,7 +4,7 @@
 use super::differences::{By, IMPACTING};
 use super::fold;
 use super::period::Period;
-use super::plan::{Answer, Method, Plan, WorkPrecisionError};
+use super::plan::{Answer, Method, Plan};
 use nalgebra::Matrix2;
 
 /// The sizes of both multipliers, the larger one first.
@@ -15,25 +15,22 @@ fn multipliers(matrix: &Matrix2<f64>) -> Vec<f64> {
 }
 
 /// The matrix, its multipliers, and a fold.
-pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
-    let x = IMPACTING.settled().map_err(WorkPrecisionError::Statement)?;
+pub(super) fn plans() -> Vec<Plan> {
+    let x = IMPACTING.settled();
     let plan = |title: &str, numbers: fn(&Matrix2<f64>) -> Vec<f64>| {
+        let (x, at) = (x.clone(), x.clone());
         let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
-            let matrix = Period { tolerance: 1e-15, ..IMPACTING }.derivative(x)?;
+            let matrix = Period { tolerance: 1e-15, ..IMPACTING }.derivative(at.clone()?)?;
             Ok(Answer { numbers: numbers(&matrix), work: 0.0 })
         });
-        let find = move |by: By| Ok(numbers(&by.matrix(x)?));
+        let find = move |by: By| Ok(numbers(&by.matrix(x.clone()?)?));
         Plan::of(title, exact)
             .counting("evaluations of the field")
-            .with(By::all(2..=11).into_iter().map(|by| by.method(find)))
+            .with(By::all(2..=11).into_iter().map(|by| by.method(find.clone())))
             .recommending("dual numbers", "")
     };
     let entries = |matrix: &Matrix2<f64>| matrix.iter().copied().collect();
-    let [voltage, state] = fold::plans()?;
-    Ok(vec![
-        plan("Derivatives of a period with an impact", entries),
-        plan("Its multipliers", multipliers),
-        voltage,
-        state,
-    ])
+    let [voltage, state] = fold::plans();
+    let matrix = plan("Derivatives of a period with an impact", entries);
+    vec![matrix, plan("Its multipliers", multipliers), voltage, state]
 }

@@ -1,7 +1,7 @@
 //! A grazing by repeated simulation, with the largest displacement on a mesh or inside of steps, and by its defining system.
 
 use super::period::{Period, parameters};
-use super::plan::{Answer, Method, Plan, WorkPrecisionError};
+use super::plan::{Answer, Method, Plan};
 use super::scenes::{Counted, GRAZING, PASSING, tracing};
 use crate::core::flow::work;
 
@@ -78,7 +78,7 @@ fn repeated(line: &'static str, finder: Finder, tolerance: f64, mesh: Option<usi
 }
 
 /// The grazing of the orbit without impacts.
-pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
+pub(super) fn plans() -> Vec<Plan> {
     let defining = |tolerance: &str, line: &str| {
         let settings = [("flow_tolerance", tolerance)];
         tracing((line, tolerance.into()), PASSING, &settings, GRAZING, Counted::Evaluations)
@@ -88,18 +88,12 @@ pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
         methods.push(repeated("bisection", Finder::Bisection, tolerance, None));
         methods.push(repeated("secant method", Finder::Secant, tolerance, None));
     }
-    for parts in [16, 64, 256, 1024, 4096] {
-        methods.push(repeated(
-            "secant method, largest value on a mesh",
-            Finder::Secant,
-            1e-11,
-            Some(parts),
-        ));
-    }
-    for tolerance in ["1e-4", "1e-6", "1e-8", "1e-10", "1e-12"] {
-        methods.push(defining(tolerance, "defining system on a branch")?);
-    }
-    let reference = defining("1e-14", "the defining system")?;
+    let on_mesh = "secant method, largest value on a mesh";
+    let parts = [16, 64, 256, 1024, 4096].map(Some);
+    methods.extend(parts.map(|parts| repeated(on_mesh, Finder::Secant, 1e-11, parts)));
+    let tolerances = ["1e-4", "1e-6", "1e-8", "1e-10", "1e-12"];
+    methods.extend(tolerances.map(|tolerance| defining(tolerance, "defining system on a branch")));
+    let reference = defining("1e-14", "the defining system");
     let plan = Plan::of("Voltage of a grazing", reference).counting("evaluations of the field");
-    Ok(vec![plan.with(methods).recommending("defining system on a branch", "1e-12")])
+    vec![plan.with(methods).recommending("defining system on a branch", "1e-12")]
 }

@@ -7,7 +7,7 @@
 use super::differences::{By, Differences, IMPACTING};
 use super::orbit;
 use super::period::{Period, parameters};
-use super::plan::{Answer, Method, Plan, WorkPrecisionError};
+use super::plan::{Answer, Method, Plan};
 use crate::core::chunk::seeded;
 use crate::core::scalar::Scalar;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -73,7 +73,7 @@ fn fold(by: By, tolerance: f64) -> Result<[f64; 3], String> {
 }
 
 /// The voltage of the fold, and the state.
-pub(super) fn plans() -> Result<[Plan; 2], WorkPrecisionError> {
+pub(super) fn plans() -> [Plan; 2] {
     let plan = |title: &str, part: Range<usize>| {
         let of = part.clone();
         let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
@@ -88,6 +88,6 @@ pub(super) fn plans() -> Result<[Plan; 2], WorkPrecisionError> {
             .with(By::all(2..=7).into_iter().map(method))
             .recommending("dual numbers", "")
     };
-    let voltage = plan("Voltage of a fold", 2..3).with([orbit::fold_on_a_branch()?]);
-    Ok([voltage, plan("State at a fold", 0..2)])
+    let voltage = plan("Voltage of a fold", 2..3).with([orbit::fold_on_a_branch()]);
+    [voltage, plan("State at a fold", 0..2)]
 }

@@ -1,6 +1,6 @@
 //! Local maps near grazing against the flow: folds near the degenerate point, by order of the map.
 
-use super::plan::{Answer, Method, Plan, WorkPrecisionError};
+use super::plan::{Answer, Method, Plan};
 use super::scenes::{Sought, found, scene};
 use crate::core::continuation::Kind;
 use crate::output::Drawn;
@@ -44,26 +44,23 @@ const FOLDS: [Sought; 2] = [
 ];
 
 /// How far apart both folds are, at a distance from the degenerate point in frequency.
-fn apart(order: usize, distance: f64) -> Result<Method, WorkPrecisionError> {
+fn apart(order: usize, distance: f64) -> Method {
     let (order, frequency) = (order.to_string(), (DEGENERATE + distance).to_string());
     let settings = [("order", &*order), ("frequency", &*frequency)];
-    let (scene, line) = (scene(SCENE, &settings)?, format!("order {order}"));
-    Ok(Method::new(line, format!("Δω = {distance:e}"), move || {
-        let numbers = found(&scene, &FOLDS)?.numbers;
+    let (scene, line) = (scene(SCENE, &settings), format!("order {order}"));
+    Method::new(line, format!("Δω = {distance:e}"), move || {
+        let numbers = found(scene.as_ref()?, &FOLDS)?.numbers;
         Ok(Answer { numbers: vec![numbers[1] - numbers[0]], work: distance })
-    }))
+    })
 }
 
 /// The error of the map against the distance.
-pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
-    let mut methods = Vec::new();
-    for order in 2..=5 {
-        for halvings in (0..6).rev() {
-            methods.push(apart(order, 4e-3 * 0.5_f64.powi(halvings))?);
-        }
-    }
+pub(super) fn plans() -> Vec<Plan> {
+    let distances = || (0..6).rev().map(|halvings| 4e-3 * 0.5_f64.powi(halvings));
+    let of = |order| distances().map(move |distance| apart(order, distance));
+    let methods = (2..=5).flat_map(of);
     let flow =
         Method::new("the flow by shooting", "", || Ok(Answer { numbers: vec![0.0], work: 0.0 }));
     let plan = Plan::of("Voltage of a fold by the local map of the degenerate point", flow);
-    Ok(vec![plan.counting("distance in frequency").drawing(Drawn::ErrorAgainstWork).with(methods)])
+    vec![plan.counting("distance in frequency").drawing(Drawn::ErrorAgainstWork).with(methods)]
 }

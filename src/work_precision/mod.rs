@@ -22,10 +22,8 @@ pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
 
 use crate::output::{Entry, WorkPrecision, entries};
 
-type Plans = fn() -> Result<Vec<Plan>, WorkPrecisionError>;
-
 /// All work-precision diagrams.
-pub const DIAGRAMS: &[Entry<Plans>] = entries![
+pub const DIAGRAMS: &[Entry<fn() -> Vec<Plan>>] = entries![
     "plate-models": "pull-in load of a plate by models of few modes, sines and polynomials", plates::models;
     "plate-orders": "pull-in load of a plate by orders of deflection and in-plane displacement", plates::orders;
     "flow": "integrators on the stick, an impacting period and a stiff field; derivatives", flow::plans;
@@ -49,9 +47,12 @@ pub const DIAGRAMS: &[Entry<Plans>] = entries![
 /// ```
 ///
 /// # Errors
-/// [`WorkPrecisionError`] if the statement of a plan is invalid or its reference fails.
-pub fn measure(entry: &Entry<Plans>, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
-    let panels = (entry.make)()?.into_iter().map(|plan| plan.measure(effort));
+/// [`WorkPrecisionError`] if the reference of a plan fails.
+pub fn measure(
+    entry: &Entry<fn() -> Vec<Plan>>,
+    effort: Effort,
+) -> Result<WorkPrecision, WorkPrecisionError> {
+    let panels = (entry.make)().into_iter().map(|plan| plan.measure(effort));
     Ok(WorkPrecision {
         name: format!("work-precision-{}", entry.name),
         panels: panels.collect::<Result<_, _>>()?,

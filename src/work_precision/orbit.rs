@@ -1,6 +1,6 @@
 //! A fold, a period doubling and a grazing of Mita's actuator: which method, how many segments, which mesh.
 
-use super::plan::{Method, Plan, WorkPrecisionError};
+use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};
 use crate::core::continuation::Kind;
 
@@ -27,7 +27,7 @@ fn shooting(
     segments: usize,
     tolerance: &str,
     sought: &'static [Sought],
-) -> Result<Method, WorkPrecisionError> {
+) -> Method {
     let count = segments.to_string();
     let line = match segments {
         1 => format!("shooting, {name}"),
@@ -37,11 +37,7 @@ fn shooting(
     tracing((&line, tolerance.into()), ORBITS, &settings, sought, Counted::Evaluations)
 }
 
-fn collocation(
-    degree: usize,
-    intervals: usize,
-    sought: &'static [Sought],
-) -> Result<Method, WorkPrecisionError> {
+fn collocation(degree: usize, intervals: usize, sought: &'static [Sought]) -> Method {
     let (points, count) = (degree.to_string(), intervals.to_string());
     let settings = [("method", "collocation"), ("degree", &*points), ("intervals", &*count)];
     let line = (&*format!("collocation, {degree} points"), format!("{intervals} intervals"));
@@ -49,16 +45,16 @@ fn collocation(
 }
 
 /// The fold as the branch finds it.
-pub(super) fn fold_on_a_branch() -> Result<Method, WorkPrecisionError> {
+pub(super) fn fold_on_a_branch() -> Method {
     let line = ("on the branch of orbits", "1e-12".into());
     let settings = [("flow_tolerance", "1e-12")];
     tracing(line, ORBITS, &settings, POINTS[1].1, Counted::Evaluations)
 }
 
 /// A panel for each kind of point.
-pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
+pub(super) fn plans() -> Vec<Plan> {
     let plan = |(title, sought): (&str, &'static [Sought])| {
-        let reference = shooting(("DormandPrince8", "order 8"), 1, "1e-14", sought)?;
+        let reference = shooting(("DormandPrince8", "order 8"), 1, "1e-14", sought);
         let mut methods = Vec::new();
         for (scheme, segments) in [
             (("DormandPrince8", "order 8"), 1),
@@ -69,17 +65,16 @@ pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
         ] {
             for tolerance in ["1e-4", "1e-6", "1e-8", "1e-10", "1e-12"] {
                 if (scheme.0, tolerance) != ("Rodas5P", "1e-12") {
-                    methods.push(shooting(scheme, segments, tolerance, sought)?);
+                    methods.push(shooting(scheme, segments, tolerance, sought));
                 }
             }
         }
         for degree in [2, 3, 4, 5, 7] {
-            for intervals in [5, 10, 20, 40] {
-                methods.push(collocation(degree, intervals, sought)?);
-            }
+            let on = |intervals| collocation(degree, intervals, sought);
+            methods.extend([5, 10, 20, 40].map(on));
         }
         let plan = Plan::of(title, reference).counting("evaluations or unknowns").with(methods);
-        Ok(plan.recommending("shooting, order 8", "1e-12"))
+        plan.recommending("shooting, order 8", "1e-12")
     };
-    POINTS.into_iter().map(plan).collect()
+    POINTS.map(plan).into()
 }

@@ -53,23 +53,17 @@ impl Method {
     }
 }
 
-/// Why a work-precision diagram could not be measured.
+/// Why a work-precision diagram could not be measured: the method fails with whose result all others are compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum WorkPrecisionError {
-    /// The method fails with whose result all others are compared.
-    #[error("the reference fails, {method}, {setting}: {cause}")]
-    Reference {
-        /// The method.
-        method: String,
-        /// Its setting.
-        setting: String,
-        /// Why.
-        cause: String,
-    },
-    /// A method cannot be stated.
-    #[error("{0}")]
-    Statement(String),
+#[error("the reference fails, {method}, {setting}: {cause}")]
+pub struct WorkPrecisionError {
+    /// The method.
+    pub method: String,
+    /// Its setting.
+    pub setting: String,
+    /// Why.
+    pub cause: String,
 }
 
 /// A problem, its reference, and the methods that solve it.
@@ -155,12 +149,12 @@ impl Plan {
     /// Runs all methods; one that fails is a measurement too.
     ///
     /// # Errors
-    /// [`WorkPrecisionError::Reference`] if there is nothing to compare with.
+    /// [`WorkPrecisionError`] if there is nothing to compare with.
     pub fn measure(mut self, effort: Effort) -> Result<Measured, WorkPrecisionError> {
         let Method { line, setting, run } = &mut self.reference;
         let exact = run().map_err(|cause| {
             let (method, setting) = (line.clone(), setting.clone());
-            WorkPrecisionError::Reference { method, setting, cause }
+            WorkPrecisionError { method, setting, cause }
         })?;
         let exact = exact.numbers;
         for mut method in self.methods {

@@ -2,7 +2,7 @@
 
 use super::differences::{Differences, IMPACTING};
 use super::period::Period;
-use super::plan::{Answer, Method, Plan, WorkPrecisionError};
+use super::plan::{Answer, Method, Plan};
 use super::plates::{PLATE, PULL_IN};
 use super::scenes::{Counted, GRAZING, PASSING, scene, tracing};
 use crate::core::chunk::{DualChunk, seeded};
@@ -29,7 +29,7 @@ const SWEEP: &str = r#"Scene(
 )"#;
 
 /// Time against the unknowns of a plate.
-fn unknowns() -> Result<Plan, WorkPrecisionError> {
+fn unknowns() -> Plan {
     let plate = |line: &str, order: usize| {
         let in_plane = order + 2;
         let orders =
@@ -44,13 +44,12 @@ fn unknowns() -> Result<Plan, WorkPrecisionError> {
         tracing((line, setting), PLATE, &settings, PULL_IN, Counted::Unknowns)
     };
     let methods = [3, 4, 6, 8, 10].map(|order| plate("full model", order));
-    let methods = methods.into_iter().collect::<Result<Vec<Method>, _>>()?;
-    let plan = Plan::of("A clamped plate by orders", plate("the full model", 13)?);
-    Ok(plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods))
+    let plan = Plan::of("A clamped plate by orders", plate("the full model", 13));
+    plan.counting("unknowns").relative().drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
 /// Time against intervals of collocation and segments of shooting.
-fn pieces() -> Result<Plan, WorkPrecisionError> {
+fn pieces() -> Plan {
     let orbits = |line: String, pieces: usize, settings: &[(&str, &str)]| {
         let count = pieces.to_string();
         let pieces_of = if line == "shooting" { "segments" } else { "intervals" };
@@ -66,15 +65,14 @@ fn pieces() -> Result<Plan, WorkPrecisionError> {
     for degree in ["3", "5", "7"] {
         for intervals in [10, 20, 40, 80, 160] {
             let settings = [("method", "collocation"), ("degree", degree)];
-            methods.push(orbits(format!("collocation, {degree} points"), intervals, &settings)?);
+            methods.push(orbits(format!("collocation, {degree} points"), intervals, &settings));
         }
     }
-    for segments in [1, 2, 4, 8, 16, 32] {
-        methods.push(orbits("shooting".into(), segments, &[])?);
-    }
-    let reference = orbits("shooting".into(), 1, &[("flow_tolerance", "1e-14")])?;
+    let shooting = |segments| orbits("shooting".into(), segments, &[]);
+    methods.extend([1, 2, 4, 8, 16, 32].map(shooting));
+    let reference = orbits("shooting".into(), 1, &[("flow_tolerance", "1e-14")]);
     let plan = Plan::of("Orbits by intervals and segments", reference).counting("unknowns");
-    Ok(plan.drawing(Drawn::TimeAgainstWork).with(methods))
+    plan.drawing(Drawn::TimeAgainstWork).with(methods)
 }
 
 /// The derivative of a period with an impact by its first parameters, in passes of `W` of them.
@@ -118,13 +116,14 @@ fn differences<const N: usize>(x: [f64; 2]) -> Result<Vec<f64>, String> {
 }
 
 /// Time against the parameters by which is differentiated.
-fn parameters() -> Result<Plan, WorkPrecisionError> {
-    let x = IMPACTING.settled().map_err(WorkPrecisionError::Statement)?;
+fn parameters() -> Plan {
+    let x = IMPACTING.settled();
     let tolerance = IMPACTING.tolerance;
     let method = |line: &str, count: usize, find: fn(usize, [f64; 2], f64) -> _| {
         let setting = if count == 1 { "1 parameter".into() } else { format!("{count} parameters") };
+        let x = x.clone();
         Method::new(line, setting, move || {
-            Ok(Answer { numbers: find(count, x, tolerance)?, work: count as f64 })
+            Ok(Answer { numbers: find(count, x.clone()?, tolerance)?, work: count as f64 })
         })
     };
     type Find = fn(usize, [f64; 2], f64) -> Result<Vec<f64>, String>;
@@ -134,8 +133,9 @@ fn parameters() -> Result<Plan, WorkPrecisionError> {
         (4, duals::<4>, |_, x, _| differences::<4>(x)),
         (8, duals::<8>, |_, x, _| differences::<8>(x)),
     ];
+    let at = x.clone();
     let exact = Method::new("dual numbers", "at a tolerance of 1e-15", move || {
-        Ok(Answer { numbers: duals::<8>(8, x, 1e-15)?, work: 0.0 })
+        Ok(Answer { numbers: duals::<8>(8, at.clone()?, 1e-15)?, work: 0.0 })
     });
     let mut plan = Plan::of("Derivatives of a period with an impact by parameters", exact)
         .counting("parameters")
@@ -147,12 +147,12 @@ fn parameters() -> Result<Plan, WorkPrecisionError> {
             method("one-sided differences, step 1e-7", count, differences),
         ]);
     }
-    Ok(plan)
+    plan
 }
 
 /// Time against threads.
-fn threads() -> Result<Plan, WorkPrecisionError> {
-    let scene = scene(SWEEP, &[])?;
+fn threads() -> Plan {
+    let scene = scene(SWEEP, &[]);
     let method = |threads: NonZeroUsize| {
         let setting = match threads.get() {
             1 => "1 thread".to_string(),
@@ -160,7 +160,8 @@ fn threads() -> Result<Plan, WorkPrecisionError> {
         };
         let (scene, part) = (scene.clone(), Part { threads: Some(threads), ..Part::WHOLE });
         Method::new("a sweep over 32 voltages", setting, move || {
-            let swept = sweep(&scene, "threads", part, None, &mut ()).map_err(|e| e.to_string())?;
+            let swept = sweep(scene.as_ref()?, "threads", part, None, &mut ());
+            let swept = swept.map_err(|cause| cause.to_string())?;
             let rows = swept.sweeps.iter().flat_map(|table| table.rows.values());
             // What does not apply to a motion is NaN.
             let numbers = rows.flat_map(|row| &row.values).filter(|value| value.is_finite());
@@ -170,10 +171,10 @@ fn threads() -> Result<Plan, WorkPrecisionError> {
     };
     let counts = [1, 2, 4].into_iter().filter_map(NonZeroUsize::new);
     let plan = Plan::of("A sweep by threads", method(NonZeroUsize::MIN)).counting("threads");
-    Ok(plan.by(Clock::Wall).drawing(Drawn::TimeAgainstWork).with(counts.map(method)))
+    plan.by(Clock::Wall).drawing(Drawn::TimeAgainstWork).with(counts.map(method))
 }
 
 /// Plates, orbits, derivatives and sweeps.
-pub(super) fn plans() -> Result<Vec<Plan>, WorkPrecisionError> {
-    Ok(vec![unknowns()?, pieces()?, parameters()?, threads()?])
+pub(super) fn plans() -> Vec<Plan> {
+    vec![unknowns(), pieces(), parameters(), threads()]
 }

@@ -1,6 +1,6 @@
 //! Methods that are settings of a scene, and answers that are special points of it.
 
-use super::plan::{Answer, Method, WorkPrecisionError};
+use super::plan::{Answer, Method};
 use crate::core::continuation::Kind;
 use crate::core::flow::work;
 use crate::scene::{Scene, SceneError, execute};
@@ -35,14 +35,13 @@ pub(super) enum Counted {
     Evaluations,
 }
 
-/// A scene with settings.
-pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, WorkPrecisionError> {
+/// A scene with settings, or what is wrong with it.
+pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, String> {
     let set = |mut scene: Scene| -> Result<Scene, SceneError> {
         settings.iter().try_for_each(|(name, value)| scene.set(name, value))?;
         Ok(scene)
     };
-    let scene = Scene::parse(text).and_then(set);
-    scene.map_err(|cause| WorkPrecisionError::Statement(cause.to_string()))
+    Scene::parse(text).and_then(set).map_err(|cause| cause.to_string())
 }
 
 /// What a scene has found.
@@ -80,14 +79,14 @@ pub(super) fn tracing(
     settings: &[(&str, &str)],
     sought: &'static [Sought],
     counted: Counted,
-) -> Result<Method, WorkPrecisionError> {
-    let scene = scene(text, settings)?;
-    Ok(Method::new(line, setting, move || {
-        let Found { numbers, unknowns, evaluations } = found(&scene, sought)?;
+) -> Method {
+    let scene = scene(text, settings);
+    Method::new(line, setting, move || {
+        let Found { numbers, unknowns, evaluations } = found(scene.as_ref()?, sought)?;
         let work = match counted {
             Counted::Unknowns => unknowns as f64,
             Counted::Evaluations => evaluations as f64,
         };
         Ok(Answer { numbers, work })
-    }))
+    })
 }
