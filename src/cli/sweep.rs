@@ -12,7 +12,6 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 /// Find what motions settle on, over parameters and starts, on all cores
@@ -23,8 +22,8 @@ pub struct Sweep {
     #[command(flatten)]
     scene: SceneAt,
     /// Do part K of N only; `tangency merge` puts parts together
-    #[arg(long, value_name = "K/N")]
-    part: Option<Share>,
+    #[arg(long, value_name = "K/N", value_parser = share)]
+    part: Option<Part>,
     /// How many threads work [default: as many as there are cores]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -48,19 +47,12 @@ pub struct Merge {
 }
 
 /// `K/N`.
-#[derive(Clone, Copy, Debug)]
-struct Share(Part);
-
-impl FromStr for Share {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let part = text.split_once('/').and_then(|(number, of)| {
-            let (number, of) = (number.parse().ok()?, of.parse().ok()?);
-            (number >= 1 && number <= of).then_some(Part { number, of, ..Part::WHOLE })
-        });
-        part.map(Share).ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
-    }
+fn share(text: &str) -> Result<Part, String> {
+    let part = text.split_once('/').and_then(|(number, of)| {
+        let (number, of) = (number.parse().ok()?, of.parse().ok()?);
+        (number >= 1 && number <= of).then_some(Part { number, of, ..Part::WHOLE })
+    });
+    part.ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
 }
 
 impl Sweep {
@@ -72,15 +64,14 @@ impl Sweep {
         }
         let path = self.scene.out.join(match self.part {
             None => format!("{name}.npz"),
-            Some(Share(Part { number, of, .. })) => format!("{name}.part-{number}-of-{of}.npz"),
+            Some(Part { number, of, .. }) => format!("{name}.part-{number}-of-{of}.npz"),
         });
         let known = match path.exists() && !self.afresh {
             true => Some(Sweeps::load(&path)?),
             false => None,
         };
         let document = self.trace(&name, &scene, out)?;
-        let part = self.part.map_or(Part::WHOLE, |share| share.0);
-        let part = Part { threads: self.threads, ..part };
+        let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
         let every = Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX);
         let (bar, saved) = (super::watch::bar(), Instant::now());
         let mut keeper = Keeper { path: &path, bar, saved, every, pause: every, failure: None };

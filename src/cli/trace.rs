@@ -10,7 +10,6 @@ use crate::scene::{Catalogue, Scene, SceneError, StartPoint, execute};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// Trace a scene, and save its branches
 #[derive(Debug, Args)]
@@ -18,7 +17,7 @@ pub struct Trace {
     #[command(flatten)]
     pub scene: SceneAt,
     /// Start from a special point of an earlier result
-    #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL")]
+    #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
     pub start: Option<Start>,
 }
 
@@ -199,25 +198,21 @@ pub struct Start {
     pub label: usize,
 }
 
-impl FromStr for Start {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parts = || {
-            let (file, point) = text.rsplit_once(':')?;
-            let (branch, label) = match point.rsplit_once('/') {
-                Some((branch, label)) => (Some(branch), label),
-                None => (None, point),
-            };
-            let label = label.parse().ok().filter(|label| *label > 0)?;
-            let named = !file.is_empty() && branch != Some("");
-            named.then(|| Start { file: file.into(), branch: branch.map(String::from), label })
+fn start(text: &str) -> Result<Start, String> {
+    let parts = || {
+        let (file, point) = text.rsplit_once(':')?;
+        let (branch, label) = match point.rsplit_once('/') {
+            Some((branch, label)) => (Some(branch), label),
+            None => (None, point),
         };
-        parts().ok_or_else(|| {
-            format!(
-                "`{text}` is not of the form FILE:LABEL or FILE:BRANCH/LABEL, for example pull-in.ron:3; \
-                 labels are counted from 1"
-            )
-        })
-    }
+        let label = label.parse().ok().filter(|label| *label > 0)?;
+        let named = !file.is_empty() && branch != Some("");
+        named.then(|| Start { file: file.into(), branch: branch.map(String::from), label })
+    };
+    parts().ok_or_else(|| {
+        format!(
+            "`{text}` is not of the form FILE:LABEL or FILE:BRANCH/LABEL, for example pull-in.ron:3; \
+             labels are counted from 1"
+        )
+    })
 }

@@ -52,6 +52,7 @@ pub struct Series {
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Style {
     /// A solid line.
     Solid,
@@ -82,6 +83,7 @@ pub struct Mark {
 
 /// What a mark looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Symbol {
     /// A red disc.
     Disc,

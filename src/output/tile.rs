@@ -17,6 +17,7 @@ pub struct Tile {
 
 /// A family of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Hue {
     /// Bluish green.
     Green,

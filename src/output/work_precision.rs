@@ -53,6 +53,7 @@ pub struct Line {
 
 /// The axes of a figure, both logarithmic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Drawn {
     /// The work-precision diagram proper.
     #[default]
@@ -65,6 +66,7 @@ pub enum Drawn {
 
 /// The clock of the measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Clock {
     /// CPU time of all threads together: other load of the machine hardly matters.
     #[default]
@@ -244,13 +246,9 @@ impl Measured {
         writeln!(text, "| method | setting | {work} | {time} in ms | {error} |")?;
         writeln!(text, "|---|---|---|---|---|")?;
         let front = self.front();
-        let is_recommended = |name: &str, setting: &str| {
-            self.recommended
-                .as_ref()
-                .is_some_and(|(a, b)| (a.as_str(), b.as_str()) == (name, setting))
-        };
         for (name, Measurement { setting, work, seconds, error, failure }) in self.all() {
-            let chosen = is_recommended(name, setting);
+            let recommended = self.recommended.as_ref();
+            let chosen = recommended.is_some_and(|(a, b)| (&**a, b) == (name, setting));
             let sized = self.drawn != Drawn::ErrorAgainstTime;
             if !(all || chosen || sized || front.contains(&(name, setting))) {
                 continue;

@@ -40,6 +40,7 @@ impl ProblemSettings for ZeroSettings {
 /// Which solutions of a field are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Solution {
     /// Periodic orbits.
     #[default]
@@ -51,6 +52,7 @@ pub enum Solution {
 /// The method that discretises trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Discretised {
     /// Collocation at Gauss points, on a mesh that follows the solution: the default for smooth
     /// fields and boundary-value problems, as accurate for unstable orbits as for stable ones.

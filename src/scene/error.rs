@@ -8,7 +8,6 @@ use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::output::Chosen;
 use std::error::Error;
-use std::fmt;
 use std::sync::Arc;
 
 /// Why a problem cannot be built from its settings: the problem's own error.
@@ -26,25 +25,6 @@ impl ProblemError {
 impl PartialEq for ProblemError {
     fn eq(&self, other: &Self) -> bool {
         self.to_string() == other.to_string()
-    }
-}
-
-/// What only some kinds of problems can do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Capability {
-    /// Simulated histories, starts from simulations, and sweeps.
-    Simulation,
-    /// Local maps at grazings.
-    LocalMap,
-}
-
-impl fmt::Display for Capability {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Capability::Simulation => "only vector fields and hybrid systems are simulated",
-            Capability::LocalMap => "only hybrid systems graze and have local maps",
-        })
     }
 }
 
@@ -102,11 +82,11 @@ pub enum SceneError {
     Problem(#[from] ProblemError),
     /// The problem cannot do what the scene needs.
     #[error(
-        "{capability}, and this problem is {kind}; state a field as a hybrid system of one mode to use it so"
+        "{needs}, and this problem is {kind}; state a field as a hybrid system of one mode to use it so"
     )]
     Unsupported {
-        /// What the scene needs.
-        capability: Capability,
+        /// Which problems can do it.
+        needs: &'static str,
         /// The kind of the problem.
         kind: &'static str,
     },

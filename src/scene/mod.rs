@@ -38,7 +38,7 @@ pub use catalogue::{Catalogue, NamedScene};
 pub use discretisation::{
     BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, Solution, ZeroSettings,
 };
-pub use error::{Capability, ProblemError, RunError, SceneError};
+pub use error::{ProblemError, RunError, SceneError};
 pub use execute::execute;
 pub use local::Local;
 pub use plan::StartPoint;

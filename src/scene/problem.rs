@@ -1,7 +1,7 @@
 //! The problem of a scene: an entry of a catalogue, with its settings.
 
 use super::discretisation::{ProblemSettings, Started};
-use super::error::{Capability, SceneError};
+use super::error::SceneError;
 use super::local::Local;
 use super::slot::{self, Slots, options, written};
 use crate::core::bvp::Birth;
@@ -18,6 +18,8 @@ use std::sync::Arc;
 
 /// Names of parameters, and their defaults; `None` where there is no default.
 pub(super) type Parameters = Vec<(String, Option<f64>)>;
+
+const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
 
 /// What a problem with its settings answers for scenes: what a catalogue and a scene hold. Capabilities that a kind of
 /// problem does not have are typed errors.
@@ -38,12 +40,12 @@ pub(super) trait Model: Adjustable {
 
     /// The motion that is simulated and swept.
     fn motion(&self) -> Result<Arc<dyn HybridEquations>, SceneError> {
-        Err(self.lacks(Capability::Simulation))
+        Err(self.lacks(SIMULATED))
     }
 
     /// The system of the orbits like a simulated one, and that orbit.
     fn started(&self, _simulated: Birth<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
-        Err(self.lacks(Capability::Simulation))
+        Err(self.lacks(SIMULATED))
     }
 
     /// The local map at a grazing, for a run or a sweep.
@@ -53,12 +55,12 @@ pub(super) trait Model: Adjustable {
         _local: &Local,
         _at: (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, SceneError> {
-        Err(self.lacks(Capability::LocalMap))
+        Err(self.lacks("only hybrid systems graze and have local maps"))
     }
 
     /// The error of a capability that problems of this kind do not have.
-    fn lacks(&self, capability: Capability) -> SceneError {
-        SceneError::Unsupported { capability, kind: self.kind() }
+    fn lacks(&self, needs: &'static str) -> SceneError {
+        SceneError::Unsupported { needs, kind: self.kind() }
     }
 }
 

@@ -48,12 +48,6 @@ const EVENTS: &str = "events";
 /// Samples of a step in a history.
 const SAMPLES: usize = 8;
 
-/// A curve of values against time.
-struct Curve {
-    name: String,
-    points: Vec<[f64; 2]>,
-}
-
 /// Follows a system through a transient, and then for as long as the history is to last.
 pub(super) fn simulate(
     system: &dyn HybridEquations,
@@ -118,9 +112,9 @@ pub(super) fn at_rest(
 }
 
 /// The history of every state; of those that count from the start of a mode, their sum.
-fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Curve> {
+fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Profile> {
     let (modes, counted) = (system.modes(), system.cumulative_states());
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut curves: Vec<Profile> = Vec::new();
     for name in distinct(modes.iter().flat_map(|mode| &mode.states)) {
         let (mut points, mut before) = (Vec::new(), 0.0);
         for piece in pieces {
@@ -137,7 +131,7 @@ fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Cur
                 None => {}
             }
         }
-        curves.push(Curve { name: name.into(), points });
+        curves.push(Profile { name: name.into(), along: "time".into(), points });
     }
     curves
 }
@@ -147,11 +141,11 @@ fn branch(
     system: &dyn HybridEquations,
     name: &str,
     p: &[f64],
-    curves: &[Curve],
+    curves: &[Profile],
     events: f64,
 ) -> Branch {
     let (mut monitors, mut values) = (vec![EVENTS.to_string()], vec![events]);
-    for Curve { name, points } in curves.iter().filter(|curve| !curve.points.is_empty()) {
+    for Profile { name, points, .. } in curves.iter().filter(|curve| !curve.points.is_empty()) {
         let extreme = |pick: fn(f64, f64) -> f64| points.iter().map(|q| q[1]).reduce(pick);
         monitors.extend([format!("max_{name}"), format!("min_{name}"), format!("{name}_range")]);
         let (most, least) = (extreme(f64::max), extreme(f64::min));
@@ -198,15 +192,9 @@ fn branch(
 }
 
 /// Time histories, and the portrait of the first two states.
-fn profiles(curves: &[Curve]) -> Vec<Profile> {
+fn profiles(curves: &[Profile]) -> Vec<Profile> {
     let filled = curves.iter().filter(|curve| !curve.points.is_empty());
-    let mut profiles: Vec<Profile> = filled
-        .map(|Curve { name, points }| Profile {
-            name: name.clone(),
-            along: "time".into(),
-            points: points.clone(),
-        })
-        .collect();
+    let mut profiles: Vec<Profile> = filled.cloned().collect();
     if let [first, second, ..] = curves {
         // A mode without the second state (contact) leaves no trace in the portrait.
         let value = |t: f64| second.points.iter().find(|q| q[0] >= t).map(|q| q[1]);

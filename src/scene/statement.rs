@@ -125,6 +125,7 @@ impl Range {
 /// Where a run starts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Start {
     /// At rest: all unknowns zero.
     #[default]

@@ -111,24 +111,18 @@ fn trace(
     observer: &mut dyn Observer,
 ) -> Result<Branch, SceneError> {
     let seen = scene.with(&run.set)?;
-    let settled = match (start, &run.start) {
+    let (mut system, guess) = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => {
             let (model, p) = (seen.problem.model(), seen.values()?);
-            Some(model.started(settled(model.motion()?, &run.name, simulated, &p)?, &p)?)
+            model.started(settled(model.motion()?, &run.name, simulated, &p)?, &p)?
         }
-        _ => None,
-    };
-    let (mut system, guess) = match (settled, start, &run.start) {
-        (Some(settled), ..) => settled,
-        (None, None, Start::Guess(values)) => {
+        (start, begin) => {
             let system = system_of(scene, &seen, run, done)?;
-            let guess = guess(&*system, values)?;
+            let guess = match (start, begin) {
+                (None, Start::Guess(values)) => guess(&*system, values)?,
+                _ => vec![0.0; system.names().dimension()],
+            };
             (system, guess)
-        }
-        _ => {
-            let system = system_of(scene, &seen, run, done)?;
-            let rest = vec![0.0; system.names().dimension()];
-            (system, rest)
         }
     };
     let known = system.names().parameters.clone();

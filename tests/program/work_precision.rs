@@ -248,7 +248,7 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
     };
     let method = match orbits.method {
         Some(Discretised::Collocation) => format!("collocation, {} points", orbits.degree),
-        None | Some(Discretised::Shooting) => match orbits.segments {
+        _ => match orbits.segments {
             1 => format!("shooting, {scheme}"),
             segments => format!("shooting, {scheme}, {segments} segments"),
         },

@@ -15,14 +15,9 @@ const NAMED: usize = 15;
 
 /// A legend: the names of the curves, and below them what styles and marks mean.
 pub(super) struct Legend<'a> {
-    entries: Vec<Placed<'a>>,
+    /// Each with the middle of its left side, seen from the upper left corner of the legend.
+    entries: Vec<(Entry<'a>, [f64; 2])>,
     height: f64,
-}
-
-/// An entry and the middle of its left side, seen from the upper left corner of the legend.
-struct Placed<'a> {
-    entry: Entry<'a>,
-    at: [f64; 2],
 }
 
 struct Entry<'a> {
@@ -87,7 +82,7 @@ impl<'a> Legend<'a> {
             }
             let at = [x, self.height + ROW * ((index / columns) as f64 + 0.5)];
             x += if one_row { entry.width() } else { widest };
-            self.entries.push(Placed { entry, at });
+            self.entries.push((entry, at));
         }
         self.height += ROW * rows as f64 + 4.0;
     }
@@ -99,9 +94,8 @@ impl<'a> Legend<'a> {
 
     /// Draws it, with its upper left corner at a point.
     pub(super) fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Result<(), FigureError> {
-        self.entries.iter().try_for_each(|placed| {
-            placed.entry.draw(canvas, [left + placed.at[0], top + placed.at[1]])
-        })
+        let mut entries = self.entries.iter();
+        entries.try_for_each(|(entry, at)| entry.draw(canvas, [left + at[0], top + at[1]]))
     }
 }
 

@@ -4,6 +4,7 @@ use super::table::Sweeps;
 
 /// Why parts do not make a whole.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MergeError {
     /// Nothing to merge.
     #[error("there is no part to merge: name the files of all parts")]
