@@ -63,11 +63,8 @@ pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
                 let same =
                     sweep.rows.get(&run).is_none_or(|old| format!("{old:?}") == format!("{row:?}"));
                 if !same {
-                    return Err(MergeError::Contradiction {
-                        number,
-                        sweep: sweep.name.clone(),
-                        run,
-                    });
+                    let sweep = sweep.name.clone();
+                    return Err(MergeError::Contradiction { number, sweep, run });
                 }
                 sweep.rows.insert(run, row);
             }
