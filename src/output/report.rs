@@ -82,7 +82,8 @@ pub struct Entry<M> {
     pub name: &'static str,
     /// One line about its contents.
     pub shows: &'static str,
-    pub(crate) make: M,
+    /// What makes it.
+    pub make: M,
 }
 
 #[cfg(feature = "cli")]
