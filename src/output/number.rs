@@ -16,9 +16,19 @@ pub fn significant(value: f64, digits: usize) -> String {
         return "0".into();
     }
     let digits = digits.clamp(1, 17);
-    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
-    match rounded.abs() {
-        size if (1e-5..10f64.powi(digits as i32)).contains(&size) => rounded.to_string(),
-        _ => format!("{rounded:e}"),
+    let scientific = format!("{value:.*e}", digits - 1);
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let mantissa = match mantissa.contains('.') {
+        true => mantissa.trim_end_matches('0').trim_end_matches('.'),
+        false => mantissa,
+    };
+    if exponent < -5 || exponent >= digits as i32 {
+        return format!("{mantissa}e{exponent}");
     }
+    let kept = mantissa.bytes().filter(u8::is_ascii_digit).count() as i32;
+    let decimals = usize::try_from(kept - 1 - exponent).unwrap_or(0);
+    format!("{value:.decimals$}")
 }
