@@ -154,6 +154,7 @@ fn bad_input_is_explained() {
     fails(&["sweep", "chaos.ron", "--set", "transiemt=5"], "did you mean `transient`?");
     let smooth =
         SCENE.replace("Mita()", "Lure()").replace("frequency", "alpha").replace("voltage", "alpha");
+    let smooth = smooth.replace("displacement_range", "max_x");
     std::fs::write(folder.path().join("smooth.ron"), smooth).unwrap();
     fails(&["sweep", "smooth.ron"], "the system has no forcing");
     let over = "over: [(name: \"load\", low: 0, high: 1, count: 2)]";
