@@ -22,8 +22,7 @@ pub enum Support {
 /// assert!("SCX".parse::<Supports>().is_err());
 /// # Ok::<(), tangency::problems::plate::PlateError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Supports(pub [Support; 4]);
 
 impl Supports {
@@ -77,20 +76,6 @@ impl std::str::FromStr for Supports {
     }
 }
 
-impl TryFrom<String> for Supports {
-    type Error = PlateError;
-
-    fn try_from(letters: String) -> Result<Self, PlateError> {
-        letters.parse()
-    }
-}
-
-impl From<Supports> for String {
-    fn from(supports: Supports) -> String {
-        supports.to_string()
-    }
-}
-
 impl std::fmt::Display for Supports {
     fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
         for edge in self.0 {
@@ -134,16 +119,5 @@ impl InPlane {
     /// The same, except at a transversally free edge: that one is free in its plane.
     pub fn at(self, support: Support) -> InPlane {
         if support == Support::Free { InPlane::Free } else { self }
-    }
-}
-
-impl std::str::FromStr for InPlane {
-    type Err = PlateError;
-
-    fn from_str(name: &str) -> Result<Self, PlateError> {
-        [InPlane::Slide, InPlane::Immovable, InPlane::Straight, InPlane::Free]
-            .into_iter()
-            .find(|model| model.name() == name)
-            .ok_or_else(|| PlateError::InPlane { name: name.into() })
     }
 }

@@ -11,6 +11,7 @@ use super::residual::Workspace;
 use super::shape::{self, Search};
 use super::{domain, monitors, profile};
 use crate::core::linear::BorderedLu;
+use crate::core::potential::PotentialGradient;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, Names};
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
@@ -62,7 +63,7 @@ pub struct Ritz {
     pub(super) mode: Vec<f64>,
     pub(super) along_mode: Vec<f64>,
     pub(super) all_parameters: Vec<usize>,
-    pub(super) directions: [Vec<f64>; 3],
+    pub(super) potential: PotentialGradient,
 }
 
 /// The unloaded plate: what frequencies are compared with.
@@ -88,7 +89,7 @@ impl Ritz {
         Ok(Ritz {
             factor: PlaneFactor::new(model.plane.len()),
             assembly: Assembly::new(&model),
-            eigenproblem: Eigenproblem::new(&model),
+            eigenproblem: Eigenproblem::new(model.mass()),
             search,
             plain: Workspace::new(&model),
             first: Workspace::new(&model),
@@ -103,7 +104,7 @@ impl Ritz {
             mode: vec![0.0; n],
             along_mode: vec![0.0; length],
             all_parameters: (0..length - n).collect(),
-            directions: [vec![0.0; length], vec![0.0; length], vec![0.0; length]],
+            potential: PotentialGradient::new(&names),
             names,
             model,
         })
