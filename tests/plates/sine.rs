@@ -483,7 +483,7 @@ fn settings_and_values_out_of_range_are_refused_by_name() {
 
     for in_plane in [InPlane::Immovable, InPlane::Free] {
         let error = SinePlate::new(SineSettings { in_plane, ..settings(3) }).unwrap_err();
-        assert_eq!(error, PlateError::SineInPlane { in_plane });
+        assert_eq!(error, PlateError::SineInPlane { in_plane: in_plane.name() });
         assert!(error.to_string().contains(in_plane.name()), "{error}");
     }
 

@@ -1,7 +1,5 @@
 //! What can be wrong with the description of a plate.
 
-use super::edges::InPlane;
-
 /// A plate that cannot be set up, and what to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -34,12 +32,12 @@ pub enum PlateError {
     },
     /// Edges that the stress function cannot describe: its shear traction vanishes on straight edges.
     #[error(
-        "the sine model has no in-plane edges \"{}\": choose slide or straight, or a polynomial \
-         model (model=ritz)", in_plane.name()
+        "the sine model has no in-plane edges \"{in_plane}\": choose slide or straight, or a polynomial \
+         model (model=ritz)"
     )]
     SineInPlane {
-        /// The edges in the plane.
-        in_plane: InPlane,
+        /// The name of the edges in the plane.
+        in_plane: &'static str,
     },
     /// More or fewer functions or modes than can be worked with.
     #[error("{count} {what}: choose between {least} and {most}, or another model of the plate")]

@@ -130,7 +130,7 @@ impl SinePlate {
     pub fn new(settings: SineSettings) -> Result<Self, PlateError> {
         let in_plane = settings.in_plane;
         if !matches!(in_plane, InPlane::Slide | InPlane::Straight) {
-            return Err(PlateError::SineInPlane { in_plane });
+            return Err(PlateError::SineInPlane { in_plane: in_plane.name() });
         }
         let count = settings.modes;
         // Beyond this not even a full square of wave numbers holds the modes; and the list stays short.
