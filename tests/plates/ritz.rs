@@ -602,7 +602,7 @@ fn gradients_of_monitors_agree_with_differences() {
         let n = plate.names().dimension();
         match units {
             Units::Dimensionless => x[n + LOAD] = 20.0,
-            Units::Device => (x[n], x[n + 2]) = (20.0, 330e-6),
+            _ => (x[n], x[n + 2]) = (20.0, 330e-6),
         }
         equilibrium(&mut plate, &mut x);
         let count = plate.names().monitors.len();

@@ -243,7 +243,7 @@ fn both_residuals_are_projections_of_equation_3_12() {
             let gap = (1.0 - w[0]).powi(2);
             let residual = match projection {
                 Projection::Direct => bending - membrane - pressure - load / gap,
-                Projection::Multiplied => gap * (bending - membrane - pressure) - load,
+                _ => gap * (bending - membrane - pressure) - load,
             };
             for (expected, &(m, n)) in expected.iter_mut().zip(&modes) {
                 *expected += weight * residual * product(m as f64, n as f64, x, y, true)[0];

@@ -4,6 +4,7 @@ use super::error::PlateError;
 
 /// What holds an edge against deflection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Support {
     /// `w = 0`; no moment.
     SimplySupported,
@@ -93,6 +94,7 @@ impl std::fmt::Display for Supports {
 /// pull-in loads differ by a factor of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum InPlane {
     /// No normal displacement, no shear traction.
     Slide,

@@ -27,6 +27,7 @@ pub struct Parameters<T> {
 /// What the named parameters of a plate problem mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Units {
     /// `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (on both pairs of edges), `edge_force_x`,
     /// `edge_force_y`, `edge_shear`, `pressure`: dimensionless, as in [`Parameters`].

@@ -21,7 +21,7 @@ use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_s
 use faer::{MatMut, Par};
 
 /// The in-plane displacements: which products of functions they are made of.
-pub struct PlaneSpace {
+pub(super) struct PlaneSpace {
     /// Functions of ξ and of ζ for `u`.
     pub u: [Basis; 2],
     /// Functions of ξ and of ζ for `v`.
@@ -230,7 +230,7 @@ impl Moments {
 }
 
 /// The Cholesky factor of `K_uv` for one pair `(α, ν)`.
-pub struct PlaneFactor {
+pub(super) struct PlaneFactor {
     /// `(α, ν)` of the factor.
     pub at: Option<(f64, f64)>,
     /// `L`, on and below the diagonal, one column after the other.

@@ -110,11 +110,6 @@ impl Ritz {
         })
     }
 
-    /// The settings the plate was built with.
-    pub fn settings(&self) -> &RitzSettings {
-        &self.model.settings
-    }
-
     /// The numbers of functions.
     pub fn orders(&self) -> Orders {
         self.model.orders

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 /// How the plate is discretised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Model {
     /// The full Ritz model in integrated Legendre functions.
     #[default]

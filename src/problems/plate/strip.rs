@@ -61,8 +61,7 @@ impl Default for StripSettings {
 ///
 /// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap), parameters
 /// `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors of [all
-/// plates](super#monitors), the frequency being that of the modes even about the middle. First derivatives of the
-/// monitors are exact; second derivatives of the two frequencies leave out that the mode changes.
+/// plates](super#monitors), the frequency being that of the modes even about the middle.
 ///
 /// ```
 /// use tangency::core::zero::ZeroProblem;
@@ -75,7 +74,6 @@ impl Default for StripSettings {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Strip {
-    settings: StripSettings,
     functions: Functions,
     /// Gauss points on (0, ½), then the middle, and the weights of the former, which sum to 1.
     weights: Vec<f64>,
@@ -122,7 +120,6 @@ impl Strip {
         let modes = Eigenproblem::new(mass.as_slice().into()).solved(flat.as_slice());
         let flat_frequency = modes.map_or(f64::NAN, |modes| signed_root(modes.square(0)));
         Ok(Strip {
-            settings,
             weights,
             table: abscissae.flat_map(|x| functions.at(x)).map(|[value, _]| value).collect(),
             functions,
@@ -131,11 +128,6 @@ impl Strip {
             mass,
             flat_frequency,
         })
-    }
-
-    /// What the strip was made from.
-    pub fn settings(&self) -> &StripSettings {
-        &self.settings
     }
 
     /// `Σ z_i φ_i(x)` at `0 ≤ x ≤ 1`: the deflection over the gap.

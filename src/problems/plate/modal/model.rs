@@ -9,7 +9,6 @@ use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
 use crate::problems::plate::discretisation::LARGEST_DEFLECTION;
 use crate::problems::plate::error::PlateError;
 use crate::problems::plate::modes::signed_root;
-use crate::problems::plate::orders::Orders;
 use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::shape::{self, Search};
@@ -27,9 +26,6 @@ const SAME: f64 = 1e-12;
 /// parameters of [`Units`](crate::problems::plate::Units) and the monitors of [all plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
 /// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the source's
 /// method, the equation is multiplied by `(1−w)²` before it is projected.
-///
-/// The monitors' first derivatives are exact; second derivatives of the two frequencies leave out
-/// that the mode of vibration changes.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Kind};
@@ -92,26 +88,9 @@ impl Modal {
         Ok(Modal { settings, plate, shapes, linear, projected, search, places })
     }
 
-    /// What the model was made from.
-    pub fn settings(&self) -> &ModalSettings {
-        &self.settings
-    }
-
-    /// The numbers of functions that the modes are combinations of, and of in-plane functions.
-    pub fn orders(&self) -> Orders {
-        self.plate.orders()
-    }
-
     /// `ω_i a²√(ρh/D)` of the modes of the flat plate, ascending.
     pub fn frequencies(&self) -> Vec<f64> {
         self.linear.squares.iter().map(|square| signed_root(*square)).collect()
-    }
-
-    /// Default values of the parameters, at the aspect ratio and Poisson's ratio of the modes (of a
-    /// device, the width is adapted).
-    pub fn defaults(&self) -> Vec<f64> {
-        let ModalSettings { plate, nu, .. } = self.settings;
-        plate.units.defaults_at(plate.aspect, nu)
     }
 
     /// `Σ z_i φ_i`, the deflection over the gap that coefficients `z` (a solution's unknowns, or a
@@ -201,6 +180,12 @@ impl Modal {
 impl ZeroProblem for Modal {
     fn names(&self) -> Names {
         monitors::names(self.settings.plate.units, self.shapes.len())
+    }
+
+    /// At the aspect ratio and Poisson's ratio of the modes.
+    fn defaults(&self) -> Vec<f64> {
+        let ModalSettings { plate, nu, .. } = self.settings;
+        plate.units.defaults_at(plate.aspect, nu)
     }
 
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
