@@ -50,12 +50,7 @@ impl Supports {
     /// What the edges of the plane are unless something else is said: `slide` for a plate
     /// supported all round, `immovable` for all others.
     pub fn usual_in_plane(&self) -> InPlane {
-        match self.0 {
-            [Support::SimplySupported, ..] if self.0.iter().all(|edge| *edge == self.0[0]) => {
-                InPlane::Slide
-            }
-            _ => InPlane::Immovable,
-        }
+        if self.0 == [Support::SimplySupported; 4] { InPlane::Slide } else { InPlane::Immovable }
     }
 }
 

@@ -120,6 +120,14 @@ impl Units {
         (self == Units::Device).then_some(4)
     }
 
+    /// The positions of the parameters that `α` and `ν` depend on.
+    pub(super) fn of_the_plane(self) -> &'static [usize] {
+        match self {
+            Units::Dimensionless => &[2, 3],
+            Units::Device => &[1, 2, 6],
+        }
+    }
+
     /// The parameters of the equations.
     ///
     /// ```

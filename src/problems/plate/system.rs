@@ -4,7 +4,7 @@ use super::discretisation::Discretisation;
 use super::modes::signed_root;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
-use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
+use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
@@ -38,11 +38,8 @@ fn differentiate<T: Directional>(
     for (i, (out, p)) in work.p.iter_mut().zip(p).enumerate() {
         *out = T::seed(*p, parts(n + i));
     }
-    let mut of_parameters: [&[f64]; 3] = [&[], &[], &[]];
-    for (of_parameters, direction) in of_parameters.iter_mut().zip(directions) {
-        *of_parameters = &direction[n..];
-    }
-    let fixed = plane_fixed(model.settings.units, p, &of_parameters[..directions.len()]);
+    let plane = model.settings.units.of_the_plane();
+    let fixed = directions.iter().all(|d| plane.iter().all(|i| d[n + i] == 0.0));
     work.evaluate(model, factor, largest, fixed);
     out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = r.mixed());
 }
@@ -99,7 +96,7 @@ impl Ritz {
     /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
         self.ensure_modes(x)?;
-        self.eigenproblem.shape(0, &mut self.mode);
+        self.eigenproblem.shape(0, &mut self.mode[..self.model.unknowns()]);
         Ok(self.eigenproblem.square(0))
     }
 
@@ -124,9 +121,9 @@ impl Ritz {
     /// `∇ω²` of the unloaded plate with respect to the parameters, into the end of `out`.
     fn flat_gradient(&mut self, x: &[f64], out: &mut [f64]) {
         let n = self.model.unknowns();
-        let Some(shape) = self.flat.as_ref().map(|flat| flat.shape.clone()) else { return };
+        let Some(flat) = &self.flat else { return };
         let (mut rest, mut along) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        along[..n].copy_from_slice(&shape);
+        along[..n].copy_from_slice(&flat.shape);
         let names = self.model.settings.units.names();
         let is_load = |name: &str| {
             matches!(name, "load" | "voltage" | "pressure") || name.starts_with("edge_")
@@ -134,7 +131,7 @@ impl Ritz {
         let released: Vec<usize> = (0..names.len()).filter(|i| !is_load(names[*i])).collect();
         released.iter().for_each(|i| rest[n + i] = x[n + i]);
         out.fill(0.0);
-        self.gradient_of([&rest, &shape, &along], false, &released, out);
+        self.gradient_of([&rest, &along[..n], &along], false, &released, out);
         out[..n].fill(0.0);
     }
 
@@ -142,12 +139,10 @@ impl Ritz {
     fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, LeftDomain> {
         let n = self.model.unknowns();
         let omega = signed_root(self.lowest(x)?);
-        self.along_mode[..n].copy_from_slice(&self.mode);
         // Taken out for as long as the rest of the plate is at work on them.
-        let (mode, along) = (take(&mut self.mode), take(&mut self.along_mode));
-        let released = take(&mut self.all_parameters);
-        self.gradient_of([x, &mode, &along], false, &released, out);
-        (self.mode, self.along_mode, self.all_parameters) = (mode, along, released);
+        let (mode, released) = (take(&mut self.mode), take(&mut self.all_parameters));
+        self.gradient_of([x, &mode[..n], &mode], false, &released, out);
+        (self.mode, self.all_parameters) = (mode, released);
         out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
         Ok(omega)
     }
@@ -159,11 +154,10 @@ impl Ritz {
         let p = &x[n..];
         let unit = units.frequency_unit(p);
         out.iter_mut().for_each(|g| *g *= unit);
-        let mut seeded = [Dual64::from(0.0); MOST_PARAMETERS];
-        seeded.iter_mut().zip(p).for_each(|(seeded, p)| *seeded = Dual64::from(*p));
-        for i in 0..p.len() {
+        let mut seeded: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        for (i, slope) in out[n..].iter_mut().enumerate() {
             seeded[i].eps = 1.0;
-            out[n + i] += omega * units.frequency_unit(&seeded[..p.len()]).eps;
+            *slope += omega * units.frequency_unit(&seeded).eps;
             seeded[i].eps = 0.0;
         }
     }
