@@ -35,7 +35,7 @@ pub struct MembraneForm {
     pub quartic: Vec<f64>,
     /// Rules along ξ and ζ at whose nodes the stresses are given.
     pub rules: [Rule; 2],
-    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (ordered as in [`Field`]), in equilibrium in the plane, in
+    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (node `(p, q)` at `p·m_y + q`), in equilibrium in the plane, in
     /// units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are `Σ_ij a_i a_j N_ij`.
     pub stress: Vec<[Vec<f64>; 3]>,
 }
