@@ -2,6 +2,7 @@
 
 use super::chunk::{CHUNK, Chunk, seeded};
 use super::linear::{BorderedLu, DenseOscillation};
+use super::potential::PotentialGradient;
 use super::scalar::Scalar;
 use super::zero::{
     Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Singular, Slot, Spectrum, System,
@@ -9,6 +10,7 @@ use super::zero::{
 };
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use std::mem::take;
 use std::sync::Arc;
 
 /// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
@@ -39,7 +41,8 @@ impl<T: Scalar> Work<T> {
 
 /// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating the
 /// residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative of
-/// any order, `⌈(n + m)/8⌉` nested ones for a gradient.
+/// any order, `⌈(n + m)/8⌉` nested ones for a gradient (of [`Dynamics::Potential`] problems one, and one
+/// for each released parameter).
 ///
 /// ```
 /// use tangency::core::{dense::Dense, zero::System};
@@ -52,6 +55,7 @@ impl<T: Scalar> Work<T> {
 pub struct Dense<P> {
     problem: Arc<P>,
     names: Names,
+    tabulated: Option<Tabulated<P>>,
     jacobian: Vec<f64>,
     /// Where `jacobian` was assembled last; empty where that failed.
     assembled: Vec<f64>,
@@ -64,8 +68,12 @@ pub struct Dense<P> {
     third: Work<HyperHyperDual64>,
     nested: Work<Dual<Chunk>>,
     nested_twice: Work<Dual2<Chunk>>,
+    potential: PotentialGradient,
     monitors: Vec<Chunk>,
 }
+
+/// Writes `F_z(z, p)` of a problem, one column after the other.
+type Tabulated<P> = fn(&P, &[f64], &[f64], &mut [f64]);
 
 impl<P: ZeroProblem> Dense<P> {
     /// The system of a problem.
@@ -78,6 +86,7 @@ impl<P: ZeroProblem> Dense<P> {
         let names = problem.names();
         let n = names.dimension();
         Dense {
+            tabulated: None,
             jacobian: vec![0.0; n * n],
             assembled: Vec::with_capacity(names.length()),
             factors: Default::default(),
@@ -89,15 +98,37 @@ impl<P: ZeroProblem> Dense<P> {
             third: Work::new(&names),
             nested: Work::new(&names),
             nested_twice: Work::new(&names),
+            potential: PotentialGradient::new(&names),
             monitors: vec![Chunk::from(0.0); names.monitors.len()],
             names,
             problem,
         }
     }
 
+    /// Takes `F_z` from a function of the problem, for residuals whose Jacobian is a sum of constant tables:
+    /// it must agree with the derivative of the residual by dual numbers.
+    #[must_use]
+    pub fn tabulated(mut self, jacobian: fn(&P, &[f64], &[f64], &mut [f64])) -> Self {
+        self.tabulated = Some(jacobian);
+        self
+    }
+
     /// The problem itself.
     pub fn problem(&self) -> &P {
         &self.problem
+    }
+
+    /// `F_z` by dual numbers.
+    fn differentiate(&mut self, x: &[f64]) {
+        let n = self.names.dimension();
+        for start in (0..n).step_by(CHUNK) {
+            let r = self.chunk.evaluate(&*self.problem, |i| seeded(x[i], i, start));
+            for (i, r) in r.iter().enumerate() {
+                for (j, part) in (start..n).zip(r.eps) {
+                    self.jacobian[j * n + i] = part;
+                }
+            }
+        }
     }
 
     fn check_domain(&self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -151,13 +182,9 @@ impl<P: ZeroProblem> System for Dense<P> {
         self.assembled.clear();
         self.check_domain(x)?;
         let n = self.names.dimension();
-        for start in (0..n).step_by(CHUNK) {
-            let r = self.chunk.evaluate(&*self.problem, |i| seeded(x[i], i, start));
-            for (i, r) in r.iter().enumerate() {
-                for (j, part) in (start..n).zip(r.eps) {
-                    self.jacobian[j * n + i] = part;
-                }
-            }
+        match self.tabulated {
+            Some(jacobian) => jacobian(&self.problem, &x[..n], &x[n..], &mut self.jacobian),
+            None => self.differentiate(x),
         }
         finite(
             &self.jacobian,
@@ -205,7 +232,13 @@ impl<P: ZeroProblem> System for Dense<P> {
         out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
     }
 
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], _released: &[usize], out: &mut [f64]) {
+    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
+        if self.dynamics() == Dynamics::Potential {
+            let mut memory = take(&mut self.potential);
+            memory.gradient(w, released, |d, out| self.second_derivative(x, d, v, out), out);
+            self.potential = memory;
+            return;
+        }
         for start in (0..x.len()).step_by(CHUNK) {
             let r = self
                 .nested
@@ -219,9 +252,15 @@ impl<P: ZeroProblem> System for Dense<P> {
         x: &[f64],
         w: &[f64],
         v: &[f64],
-        _released: &[usize],
+        released: &[usize],
         out: &mut [f64],
     ) {
+        if self.dynamics() == Dynamics::Potential {
+            let mut memory = take(&mut self.potential);
+            memory.gradient(w, released, |d, out| self.third_derivative(x, d, v, v, out), out);
+            self.potential = memory;
+            return;
+        }
         for start in (0..x.len()).step_by(CHUNK) {
             let r = self.nested_twice.evaluate(&*self.problem, |i| {
                 Dual2::new(seeded(x[i], i, start), Chunk::from(v[i]), Chunk::from(0.0))

@@ -23,6 +23,7 @@ pub mod names;
 pub mod newton;
 mod number;
 pub mod orbit;
+pub(crate) mod potential;
 pub mod quadrature;
 pub mod scalar;
 pub mod scalar_field;

@@ -6,7 +6,7 @@ use crate::plates::models::{
     refined_to, system, through_pull_in, value,
 };
 use std::f64::consts::PI;
-use tangency::core::continuation::{Branch, Continuation, End, Kind};
+use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings};
 use tangency::core::dense::Dense;
 use tangency::core::zero::System;
 use tangency::problems::plate::strip::{Ends, Strip, StripSettings};
@@ -28,11 +28,10 @@ fn table(flat: (f64, f64), rest: [(f64, f64, i32); 3]) -> [Fold; 4] {
 /// The curve of folds from `α₁ = 0` to 2 of a square plate, with marks at ½ and 1.
 fn folds_in_gap_ratio(settings: &PlateSettings) -> Branch {
     let mut system = system(settings, 1.0);
-    let fine = refined_to(1e-10);
     let branch =
-        through_pull_in(&mut *system, &[("gap_ratio", 0.0)]).settings(fine.clone()).trace();
+        through_pull_in(&mut *system, &[("gap_ratio", 0.0)]).settings(refined_to(0.0)).trace();
     let curve = folds_from(&mut *system, &branch.unwrap(), "gap_ratio", 0.0..=2.0);
-    curve.settings(fine).mark("gap_ratio", 0.5).mark("gap_ratio", 1.0).trace().unwrap()
+    curve.settings(refined_to(1e-10)).mark("gap_ratio", 0.5).mark("gap_ratio", 1.0).trace().unwrap()
 }
 
 fn passes_through(what: &str, curve: &Branch, folds: [Fold; 4]) {
@@ -158,7 +157,10 @@ fn folds_of_supported_plates_in_aspect_ratio() {
         (2.0, [(80.851635, 0.67048, 5), (66.764280, 0.66735, 5), (58.769799, 0.64312, 5)]),
     ] {
         let mut system = system(&plate("SSSS", InPlane::Slide), 4.0);
-        let branch = through_pull_in(&mut *system, &[("gap_ratio", gap_ratio)]).trace().unwrap();
+        let branch = through_pull_in(&mut *system, &[("gap_ratio", gap_ratio)])
+            .settings(refined_to(0.0))
+            .trace()
+            .unwrap();
         let curve = folds_from(&mut *system, &branch, "aspect", 1.0..=4.0);
         let curve = curve.mark("aspect", 1.5).mark("aspect", 2.0).trace().unwrap();
         let digits = if gap_ratio == 2.0 { 6 } else { 7 };
@@ -200,18 +202,21 @@ fn folds_of_strips_in_gap_ratio() {
 fn long_plates_approach_strips_from_both_sides() {
     let strip = strip_folds(Ends::Supported);
     let mut system = system(&plate("SSSS", InPlane::Slide), 8.0);
+    // A hundredth of the shares' last digit.
+    let coarse = Settings { refinement: 1e-6, ..Settings::default() };
     for (gap_ratio, percent, decimal) in
         [(0.0, 9.0, 1), (0.5, 7.6, 1), (1.0, 3.2, 1), (2.0, 0.05, 2)]
     {
         let start = [("gap_ratio", gap_ratio), ("aspect", 4.0)];
-        let branch = through_pull_in(&mut *system, &start).trace().unwrap();
+        let branch =
+            through_pull_in(&mut *system, &start).settings(coarse.clone()).trace().unwrap();
         let load = pull_in(&branch).parameters[0];
         let of_strip = value(&strip, at(&strip, "gap_ratio", gap_ratio), "load");
         let excess = 100.0 * (load / of_strip - 1.0);
         assert_within(&format!("gap ratio {gap_ratio}"), excess, percent, decimals(decimal));
     }
     let start = [("gap_ratio", 2.0), ("aspect", 8.0)];
-    let branch = through_pull_in(&mut *system, &start).trace().unwrap();
+    let branch = through_pull_in(&mut *system, &start).settings(coarse).trace().unwrap();
     assert_within("aspect 8", pull_in(&branch).parameters[0], 58.326, decimals(3));
 }
 
@@ -236,11 +241,16 @@ fn frequencies_about_deflected_plates() {
         ("SSSS", InPlane::Slide, 0.5, 50.0, (0.3186584076, 10), 14.1319768491),
     ] {
         let mut settings = plate(supports, in_plane);
+        let usual = through_pull_in(&mut *system(&settings, 1.0), &[("gap_ratio", gap_ratio)])
+            .settings(refined_to(0.0))
+            .mark("load", load)
+            .trace()
+            .unwrap();
         // A mark's parameter is exact, and its monitors are those of the rung that settles it.
         settings.orders = Some(Orders { transverse: [12; 2], in_plane: [16; 2] });
-        let mut system = system(&settings, 1.0);
-        let branch = through_pull_in(&mut *system, &[("gap_ratio", gap_ratio)])
+        let branch = at_rest(&mut *system(&settings, 1.0), &[("gap_ratio", gap_ratio)])
             .settings(refined_to(1e-11))
+            .along("load", 0.0..=1.02 * load)
             .mark("load", load)
             .trace()
             .unwrap();
@@ -251,9 +261,9 @@ fn frequencies_about_deflected_plates() {
         assert_within(&what, found[0], deflection.0, decimals(deflection.1));
         assert_close(&what, found[1], frequency, 1e-9);
         // Beyond pull-in the same load is met once more, at an unstable equilibrium.
-        let unstable = branch.of_kind(Kind::UZ).nth(1).unwrap();
+        let unstable = usual.of_kind(Kind::UZ).nth(1).unwrap();
         assert_eq!(unstable.unstable, Some(1), "{what}");
-        assert!(value(&branch, unstable, "frequency") < 0.0, "{what}");
+        assert!(value(&usual, unstable, "frequency") < 0.0, "{what}");
     }
 }
 
@@ -390,6 +400,7 @@ fn flat_plates_buckle_at_branch_points() {
         let load = value(&flat, start, force);
         let buckled = Continuation::of(&mut *system)
             .restart(&flat, start.label)
+            .settings(refined_to(0.0))
             .switch()
             .along(force, 0.0..=120.0)
             .bound("deflection", -0.9..=0.9)
@@ -447,10 +458,11 @@ fn buckled_plates_deflect_as_the_sine_model_says() {
     let deflections = [Model::Ritz, Model::Sine].map(|model| {
         let settings = PlateSettings { model, modes: 30, ..plate("SSSS", InPlane::Slide) };
         let mut system = system(&settings, 1.0);
-        let flat = compressed(&mut *system, "edge_force_x", 1e-8);
+        let flat = compressed(&mut *system, "edge_force_x", 0.0);
         let start = flat.of_kind(Kind::BP).next().unwrap();
         let buckled = Continuation::of(&mut *system)
             .restart(&flat, start.label)
+            .settings(refined_to(1e-7))
             .switch()
             .along("edge_force_x", 0.0..=80.0)
             .bound("deflection", -0.9..=0.9)
@@ -473,8 +485,9 @@ fn curves_of_branch_points_follow_the_exact_buckling_loads() {
     ];
     for (force, exact) in exact {
         let mut system = system(&plate("SSSS", InPlane::Slide), 1.0);
-        let flat = compressed(&mut *system, force, 1e-8);
+        let flat = compressed(&mut *system, force, 0.0);
         let curve = Continuation::of(&mut *system)
+            .settings(refined_to(0.0))
             .restart(&flat, flat.of_kind(Kind::BP).next().unwrap().label)
             .hold(Kind::BP)
             .along(force, 0.0..=400.0)
@@ -496,22 +509,24 @@ fn curves_of_branch_points_follow_the_exact_buckling_loads() {
 /// up at the same load.
 #[test]
 fn plates_with_other_edges_pull_in_in_order() {
-    let load = |supports: &str, symmetric: bool| {
-        let settings = PlateSettings {
+    let load = |supports: &str, symmetric: bool, settings: Settings| {
+        let plate = PlateSettings {
             supports: supports.into(),
             symmetric: Some(symmetric),
             ..PlateSettings::default()
         };
-        let mut system = system(&settings, 1.0);
-        let branch = through_pull_in(&mut *system, &[]).settings(refined_to(1e-6)).trace().unwrap();
+        let mut system = system(&plate, 1.0);
+        let branch = through_pull_in(&mut *system, &[]).settings(settings).trace().unwrap();
         let fold = pull_in(&branch);
         (fold.parameters[0], fold.error)
     };
     let order = ["CFFF", "SFSF", "SCSF", "CCCF", "SSSC", "SCSC", "CCCC"];
-    let loads = order.map(|supports| load(supports, true).0);
+    let coarse = Settings { refinement: 1e-3, ..Settings::default() };
+    let loads = order.map(|supports| load(supports, true, coarse.clone()).0);
     assert!(loads.windows(2).all(|pair| pair[0] < pair[1]), "{order:?}: {loads:?}");
     for supports in ["SFSF", "SCSC"] {
-        let [with, without] = [true, false].map(|symmetric| load(supports, symmetric));
+        let [with, without] =
+            [true, false].map(|symmetric| load(supports, symmetric, refined_to(1e-6)));
         assert_within(supports, with.0, without.0, with.1 + without.1);
     }
 }

@@ -602,7 +602,7 @@ fn gradients_of_monitors_agree_with_differences() {
         let n = plate.names().dimension();
         match units {
             Units::Dimensionless => x[n + LOAD] = 20.0,
-            Units::Device => (x[n], x[n + 2]) = (20.0, 330e-6),
+            _ => (x[n], x[n + 2]) = (20.0, 330e-6),
         }
         equilibrium(&mut plate, &mut x);
         let count = plate.names().monitors.len();
@@ -725,7 +725,7 @@ fn what_has_no_meaning_is_refused_by_name() {
     assert!(matches!(Ritz::new(settings("SFFF")).err(), Some(PlateError::Unsupported { .. })));
     let mut settings = settings("SSSS");
     settings.orders = orders(0, 6);
-    assert!(matches!(Ritz::new(settings).err(), Some(PlateError::Orders { count: 0, .. })));
+    assert!(matches!(Ritz::new(settings).err(), Some(PlateError::Count { count: 0, .. })));
 }
 
 /// Projections on the functions are transposed expansions in them: with the load direct, the equations are the

@@ -4,7 +4,8 @@ use crate::plates::models::LOAD;
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use tangency::core::dense::Dense;
 use tangency::core::zero::{System, ZeroProblem};
-use tangency::problems::plate::strip::{Ends, Strip, StripError, StripSettings};
+use tangency::problems::plate::PlateError;
+use tangency::problems::plate::strip::{Ends, Strip, StripSettings};
 
 fn strip(functions: usize, ends: Ends) -> Dense<Strip> {
     let settings = StripSettings { functions, ends, ..Default::default() };
@@ -106,9 +107,11 @@ fn settings_and_values_out_of_range_are_refused() {
     let with = |functions, quadrature_points| {
         Strip::new(StripSettings { functions, quadrature_points, ..Default::default() })
     };
-    assert_eq!(with(0, None).unwrap_err(), StripError::Functions(0));
-    assert_eq!(with(513, None).unwrap_err(), StripError::Functions(513));
-    assert!(matches!(with(9, Some(8)).unwrap_err(), StripError::TooFewPoints { needed: 9, .. }));
+    for count in [0, 513] {
+        let error = PlateError::Count { what: "functions", count, least: 1, most: 512 };
+        assert_eq!(with(count, None).unwrap_err(), error);
+    }
+    assert!(matches!(with(9, Some(8)).unwrap_err(), PlateError::TooFewPoints { needed: 9, .. }));
     let model = with(3, None).expect("valid settings");
     let left = model.domain(&[1.1, 0.0, 0.0], &[1.0, 1.0]).unwrap_err();
     assert_eq!((left.quantity.as_str(), left.value), ("max_deflection", 1.1));

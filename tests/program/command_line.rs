@@ -331,10 +331,11 @@ fn a_trace_never_replaces_its_inputs() {
 }
 
 /// A trace that takes some seconds: many short steps.
-fn long_trace(folder: &Path) -> std::process::Child {
+/// A trace of the clamped plate that is under way.
+fn trace_begun(folder: &Path, settings: &[&str]) -> std::process::Child {
     Command::new(env!("CARGO_BIN_EXE_tangency"))
-        .args(["trace", "plate-clamped", "--set", "max_step=0.0002", "--set", "max_points=100000"])
-        .args(["--set", "orders=(transverse: (8, 8), in_plane: (10, 10))"])
+        .args(["trace", "plate-clamped"])
+        .args(settings.iter().flat_map(|setting| ["--set", setting]))
         .current_dir(folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -346,7 +347,7 @@ fn long_trace(folder: &Path) -> std::process::Child {
 #[test]
 fn a_reader_who_leaves_a_trace_is_told_so() {
     let folder = empty();
-    let mut child = long_trace(folder.path());
+    let mut child = trace_begun(folder.path(), &["orders=(transverse: (4, 4), in_plane: (6, 6))"]);
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
@@ -361,7 +362,9 @@ fn an_interrupted_trace_is_kept() {
     use std::io::{BufRead, BufReader};
     use tangency::core::continuation::End;
     let folder = empty();
-    let mut child = long_trace(folder.path());
+    let orders = "orders=(transverse: (8, 8), in_plane: (10, 10))";
+    let long = ["max_step=0.0002", "max_points=100000", orders];
+    let mut child = trace_begun(folder.path(), &long);
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     // The name, the header and the start: the trace is under way.
     for _ in 0..3 {

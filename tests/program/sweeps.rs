@@ -82,7 +82,7 @@ fn a_sweep_has_the_same_bytes_however_it_was_done() {
 fn a_killed_sweep_is_resumed() {
     let folder = folder();
     // Long enough to be killed between its first save and its end.
-    let long = SCENE.replace("transient: 40", "transient: 4000");
+    let long = SCENE.replace("transient: 40", "transient: 1500");
     std::fs::write(folder.path().join("chaos.ron"), long).unwrap();
     let arguments = ["sweep", "chaos.ron", "--save-every", "0.01"];
     let mut child = Command::new(env!("CARGO_BIN_EXE_tangency"))

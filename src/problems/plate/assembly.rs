@@ -30,7 +30,7 @@ pub(super) struct Assembly {
 struct Integral<'a> {
     points: [usize; 2],
     half: &'a mut Vec<f64>,
-    out: &'a mut [f64],
+    out: &'a mut Vec<f64>,
 }
 
 impl Integral<'_> {
@@ -39,12 +39,13 @@ impl Integral<'_> {
         let [px, py] = self.points;
         let (nx, ny) = (x.len() / px, y.len() / py);
         self.half.resize(py * nx, 0.0);
+        self.out.resize(nx * ny, 0.0);
         let mut half = MatMut::from_column_major_slice_mut(self.half, py, nx);
         let field = MatRef::from_column_major_slice(&field[..px * py], py, px);
         let x = MatRef::from_column_major_slice(x, px, nx);
         matmul(half.as_mut(), Accum::Replace, field, x, scale, Par::Seq);
         let y = MatRef::from_column_major_slice(y, py, ny);
-        let out = MatMut::from_column_major_slice_mut(&mut self.out[..nx * ny], nx, ny);
+        let out = MatMut::from_column_major_slice_mut(self.out, nx, ny);
         matmul(out, accumulate, half.transpose(), y, 1.0, Par::Seq);
     }
 }
@@ -52,25 +53,12 @@ impl Integral<'_> {
 impl Assembly {
     pub fn new(model: &Discretisation) -> Assembly {
         let n = model.unknowns();
-        let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
-        let plane = &model.plane;
-        let grid = |bases: &[super::basis::Basis; 2]| bases[0].len() * bases[1].len();
-        let pairs = n * n.max(grid(&plane.u)).max(grid(&plane.v));
-        let points: Vec<[usize; 2]> = model
-            .loads
-            .iter()
-            .map(|load| [load.rules[0].len(), load.rules[1].len()])
-            .chain(model.membrane.as_ref().map(Membrane::points))
-            .collect();
-        let nodes = points.iter().map(|[px, py]| px * py).max().unwrap_or(0);
-        let widest = points.iter().map(|[_, py]| *py).max().unwrap_or(0);
-        let most = [&plane.u[0], &plane.v[0]].into_iter().map(|b| b.len()).max().unwrap_or(0);
         Assembly {
             matrix: vec![0.0; n * n],
-            field: vec![0.0; nodes],
-            half: Vec::with_capacity(widest * nx * most.max(nx)),
-            pairs: vec![0.0; pairs.max(nx * nx * ny * ny)],
-            coupling: vec![0.0; n * plane.len()],
+            field: Vec::new(),
+            half: Vec::new(),
+            pairs: Vec::new(),
+            coupling: vec![0.0; n * model.plane.len()],
         }
     }
 
@@ -141,9 +129,10 @@ impl Assembly {
         let [x, y] = &membrane.ww;
         let [dd_x, dd_y] = [x, y].map(|pairs| &pairs[1][1]);
         let [vv_x, vv_y] = [x, y].map(|pairs| &pairs[0][0]);
-        let (out, half) = (&mut self.pairs[..], &mut self.half);
+        let (out, half) = (&mut self.pairs, &mut self.half);
         let mut integral = Integral { points: membrane.points(), half, out };
         let field = &mut self.field;
+        field.resize(w_x.len(), 0.0);
         let fill = |value: &dyn Fn(usize, f64, f64) -> f64, field: &mut Vec<f64>| {
             for (k, weight) in membrane.weights().enumerate() {
                 field[k] = stiffness * weight * value(k, 2.0 * w_x[k], along * w_y[k]);
@@ -156,17 +145,18 @@ impl Assembly {
         fill(&|k, x, y| 2.0 * along * ((nu + rigidity) * x * y + n6[k]), field);
         integral.add(1.0, field, &x[1][0], &y[0][1], Accum::Add);
         integral.add(1.0, field, &x[0][1], &y[1][0], Accum::Add);
-        self.scatter_square(model);
+        let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
+        self.scatter(model, |[i, k], [j, l]| (j * ny + l) * nx * nx + i * nx + k);
     }
 
-    /// Adds `⟨… f_i f_k … g_j g_l⟩` (pairs of ξ-functions fastest) to entry `(i j, k l)`.
-    fn scatter_square(&mut self, model: &Discretisation) {
+    /// Adds the integral of each pair of products to entry `(i j, k l)`; `pair([i, k], [j, l])` is its position.
+    fn scatter(&mut self, model: &Discretisation, pair: impl Fn([usize; 2], [usize; 2]) -> usize) {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         for (column, entries) in self.matrix.chunks_exact_mut(nx * ny).enumerate() {
             let (k, l) = (column / ny, column % ny);
             for (i, rows) in entries.chunks_exact_mut(ny).enumerate() {
                 for (j, entry) in rows.iter_mut().enumerate() {
-                    *entry += self.pairs[(j * ny + l) * nx * nx + i * nx + k];
+                    *entry += self.pairs[pair([i, k], [j, l])];
                 }
             }
         }
@@ -238,7 +228,7 @@ impl Assembly {
         let points = membrane.points();
         for (tables, terms, active, along_y, first_row) in [u, v] {
             let [x, y]: &[PairTables; 2] = tables;
-            let (out, half) = (&mut self.pairs[..], &mut self.half);
+            let (out, half) = (&mut self.pairs, &mut self.half);
             let mut integral = Integral { points, half, out };
             for (term, (scale, slope, of_x, of_y)) in terms.into_iter().enumerate() {
                 let accumulate = if term == 0 { Accum::Replace } else { Accum::Add };
@@ -282,7 +272,8 @@ impl Assembly {
         let load = model.load_rule(largest);
         let [rule_x, rule_y] = &load.rules;
         let product = load.values();
-        let field = &mut self.field[..rule_x.len() * rule_y.len()];
+        let field = &mut self.field;
+        field.resize(rule_x.len() * rule_y.len(), 0.0);
         work.expand(&product, field);
         for (row, wx) in field.chunks_exact_mut(rule_y.len()).zip(&rule_x.weights) {
             for (w, wy) in row.iter_mut().zip(&rule_y.weights) {
@@ -290,7 +281,7 @@ impl Assembly {
                 *w = -2.0 * parameters.load * closeness.powi(3) * wx * wy;
             }
         }
-        let (out, half) = (&mut self.pairs[..], &mut self.half);
+        let (out, half) = (&mut self.pairs, &mut self.half);
         let mut integral = Integral { points: product.points, half, out };
         integral.add(1.0, field, &load.squares[0], &load.squares[1], Accum::Replace);
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
@@ -299,13 +290,6 @@ impl Assembly {
             a * count - a * (a + 1) / 2 + b
         };
         let pairs_x = nx * (nx + 1) / 2;
-        for (column, entries) in self.matrix.chunks_exact_mut(nx * ny).enumerate() {
-            let (k, l) = (column / ny, column % ny);
-            for (i, rows) in entries.chunks_exact_mut(ny).enumerate() {
-                for (j, entry) in rows.iter_mut().enumerate() {
-                    *entry += self.pairs[square(ny, j, l) * pairs_x + square(nx, i, k)];
-                }
-            }
-        }
+        self.scatter(model, |[i, k], [j, l]| square(ny, j, l) * pairs_x + square(nx, i, k));
     }
 }

@@ -22,7 +22,7 @@ use faer::{Mat, Par, Side};
 
 /// Along which of its edges a displacement acts: decides which ends are held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
+pub(super) enum Direction {
     /// The displacement is normal to the edges at the two ends.
     Normal,
     /// It is tangential to them.
@@ -68,7 +68,7 @@ const HERMITE: [[f64; 4]; 4] = [
 ];
 
 /// Up to which order bases are built. Beyond it, the mass matrix has lost all digits.
-pub const LARGEST_COUNT: usize = 60;
+pub(super) const LARGEST_COUNT: usize = 60;
 
 impl Basis {
     /// The first `count` functions for a deflection with supports `ends` at `ξ = −1` and `1`; only
@@ -97,7 +97,7 @@ impl Basis {
 
     /// The first `count` functions for a displacement in the plane between two edges held as `ends`.
     /// `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
-    pub fn in_plane(
+    pub(super) fn in_plane(
         ends: [InPlane; 2],
         direction: Direction,
         parity: Option<bool>,
@@ -147,7 +147,7 @@ impl Basis {
     /// The first function is the lowest mode; all are positive next to `ξ = 1`. Without a solution of the eigenproblem (which would take
     /// values that are not finite), the basis stays as it is.
     #[must_use]
-    pub fn into_beam_modes(mut self, symmetric: bool) -> Basis {
+    pub(super) fn into_beam_modes(mut self, symmetric: bool) -> Basis {
         let n = self.len();
         let rule = Rule::exact(2 * self.degree, symmetric);
         let table = self.table(&rule.nodes);
@@ -182,7 +182,7 @@ impl Basis {
     }
 
     /// Coefficients of the polynomials from those of the functions, if these are combinations; and back.
-    pub fn conversions(&self) -> Option<[&[f64]; 2]> {
+    pub(super) fn conversions(&self) -> Option<[&[f64]; 2]> {
         self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
     }
 
@@ -202,17 +202,17 @@ impl Basis {
     }
 
     /// How many functions, the first ones, may differ from zero at the ends.
-    pub fn boundary(&self) -> usize {
+    pub(super) fn boundary(&self) -> usize {
         self.boundary
     }
 
     /// Whether constants are among the combinations of these functions.
-    pub fn has_constant(&self) -> bool {
+    pub(super) fn has_constant(&self) -> bool {
         self.boundary > 0 && self.has_at_zero_degree(0)
     }
 
     /// Whether `ξ` is among the combinations of these functions.
-    pub fn has_linear(&self) -> bool {
+    pub(super) fn has_linear(&self) -> bool {
         self.boundary > 0 && self.has_at_zero_degree(1)
     }
 
@@ -236,7 +236,7 @@ impl Basis {
     }
 
     /// The same into memory that is kept.
-    pub fn evaluate(&self, xi: f64, point: &mut AtPoint) {
+    pub(super) fn evaluate(&self, xi: f64, point: &mut AtPoint) {
         legendre(self.degree, xi, &mut point.legendre);
         let p = &point.legendre;
         let polynomials = self.functions.iter().map(|function| match *function {
@@ -294,7 +294,7 @@ impl Function {
 
 /// The functions of a [`Basis`] at one point, and the memory that finding them takes.
 #[derive(Clone, Debug, Default)]
-pub struct AtPoint {
+pub(super) struct AtPoint {
     /// Value, slope and curvature of each function.
     pub values: Vec<[f64; 3]>,
     legendre: Vec<f64>,

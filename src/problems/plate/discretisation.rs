@@ -146,6 +146,20 @@ impl Discretisation {
         })
     }
 
+    /// The mass matrix.
+    pub fn mass(&self) -> Vec<f64> {
+        let [x, y] = &self.lines;
+        let [nx, ny] = [0, 1].map(|axis| self.transverse[axis].len());
+        let n = nx * ny;
+        let entry = |k: usize| {
+            let (row, column) = (k % n, k / n);
+            let products =
+                x.values[(row / ny) * nx + column / ny] * y.values[(row % ny) * ny + column % ny];
+            products * self.scale[row] * self.scale[column]
+        };
+        (0..n * n).map(entry).collect()
+    }
+
     /// The number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.transverse[0].len() * self.transverse[1].len()

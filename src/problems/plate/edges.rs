@@ -4,6 +4,7 @@ use super::error::PlateError;
 
 /// What holds an edge against deflection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Support {
     /// `w = 0`; no moment.
     SimplySupported,
@@ -22,8 +23,7 @@ pub enum Support {
 /// assert!("SCX".parse::<Supports>().is_err());
 /// # Ok::<(), tangency::problems::plate::PlateError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Supports(pub [Support; 4]);
 
 impl Supports {
@@ -50,12 +50,7 @@ impl Supports {
     /// What the edges of the plane are unless something else is said: `slide` for a plate
     /// supported all round, `immovable` for all others.
     pub fn usual_in_plane(&self) -> InPlane {
-        match self.0 {
-            [Support::SimplySupported, ..] if self.0.iter().all(|edge| *edge == self.0[0]) => {
-                InPlane::Slide
-            }
-            _ => InPlane::Immovable,
-        }
+        if self.0 == [Support::SimplySupported; 4] { InPlane::Slide } else { InPlane::Immovable }
     }
 }
 
@@ -77,20 +72,6 @@ impl std::str::FromStr for Supports {
     }
 }
 
-impl TryFrom<String> for Supports {
-    type Error = PlateError;
-
-    fn try_from(letters: String) -> Result<Self, PlateError> {
-        letters.parse()
-    }
-}
-
-impl From<Supports> for String {
-    fn from(supports: Supports) -> String {
-        supports.to_string()
-    }
-}
-
 impl std::fmt::Display for Supports {
     fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
         for edge in self.0 {
@@ -108,6 +89,7 @@ impl std::fmt::Display for Supports {
 /// pull-in loads differ by a factor of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum InPlane {
     /// No normal displacement, no shear traction.
     Slide,
@@ -134,16 +116,5 @@ impl InPlane {
     /// The same, except at a transversally free edge: that one is free in its plane.
     pub fn at(self, support: Support) -> InPlane {
         if support == Support::Free { InPlane::Free } else { self }
-    }
-}
-
-impl std::str::FromStr for InPlane {
-    type Err = PlateError;
-
-    fn from_str(name: &str) -> Result<Self, PlateError> {
-        [InPlane::Slide, InPlane::Immovable, InPlane::Straight, InPlane::Free]
-            .into_iter()
-            .find(|model| model.name() == name)
-            .ok_or_else(|| PlateError::InPlane { name: name.into() })
     }
 }

@@ -10,7 +10,7 @@ use super::tensor::{Product, Rule};
 /// A deflection and its derivatives by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
 /// `p·m_y + q`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub(super) struct Field {
     /// `w`.
     pub value: Vec<f64>,
     /// `w_ξ`, `w_ζ`.
@@ -35,7 +35,7 @@ pub struct MembraneForm {
     pub quartic: Vec<f64>,
     /// Rules along ξ and ζ at whose nodes the stresses are given.
     pub rules: [Rule; 2],
-    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (ordered as in [`Field`]), in equilibrium in the plane, in
+    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (node `(p, q)` at `p·m_y + q`), in equilibrium in the plane, in
     /// units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are `Σ_ij a_i a_j N_ij`.
     pub stress: Vec<[Vec<f64>; 3]>,
 }
@@ -43,22 +43,12 @@ pub struct MembraneForm {
 impl Ritz {
     /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its derivatives at the
     /// grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
-    ///
-    /// ```
-    /// # use tangency::problems::plate::{Ritz, RitzSettings};
-    /// let mut plate = Ritz::new(RitzSettings::new("SSSS".parse()?))?;
-    /// let mode = plate.flat_modes(1.0, 0.3, 1)?.shapes.swap_remove(0);
-    /// let field = plate.field(&mode, [&[0.0], &[0.0]]);
-    /// // 2 sin πx sin πy, of mean square 1.
-    /// assert!((field.value[0] - 2.0).abs() < 1e-9);
-    /// # Ok::<(), tangency::problems::plate::PlateError>(())
-    /// ```
-    pub fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
+    pub(super) fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
         let model = &self.model;
         let [x, y] = [0, 1].map(|axis| model.transverse[axis].table(nodes[axis]));
         let coefficients: Vec<f64> = q.iter().zip(&model.scale).map(|(q, d)| q * d).collect();
         let points = nodes.map(<[f64]>::len);
-        let mut half = vec![0.0; x.functions * points[1]];
+        let mut half = Vec::new();
         let mut expand = |x: &[f64], y: &[f64]| {
             let mut field = vec![0.0; points[0] * points[1]];
             Product { x, y, points }.expand(&coefficients, &mut half, &mut field);
@@ -78,7 +68,7 @@ impl Ritz {
     /// Rules along ξ and ζ by which the electrostatic load is integrated where the largest deflection is
     /// `largest`. Symmetric directions have nodes on half the plate; weights are those of the mean over
     /// all of it.
-    pub fn load_rules(&self, largest: f64) -> &[Rule; 2] {
+    pub(super) fn load_rules(&self, largest: f64) -> &[Rule; 2] {
         &self.model.load_rule(largest).rules
     }
 

@@ -1,9 +1,10 @@
-//! Natural modes of the full model about an equilibrium: all of `K v = ω² M v`.
+//! Natural modes about an equilibrium: all solutions of `K v = ω² M v`, both symmetric.
 //!
-//! In a basis of high order the mass matrix is singular to working accuracy (its condition is 1e11 at 10
+//! In a polynomial basis of high order the mass matrix is singular to working accuracy (its condition is 1e11 at 10
 //! functions, 6e14 at 18), while `K + σM` is not. So the problem solved is
 //! `M v = μ (K + σM) v`, `ω² = 1/μ − σ`.
 
+use crate::core::scalar::Scalar;
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
@@ -12,9 +13,6 @@ use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
 use faer::{MatMut, MatRef, Par};
-
-use super::discretisation::Discretisation;
-use super::vibration::signed_root;
 
 /// Natural frequencies and modes of a plate, the lowest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +28,11 @@ impl Modes {
     pub fn frequencies(&self) -> Vec<f64> {
         self.squares.iter().map(|square| signed_root(*square)).collect()
     }
+}
+
+/// `ω` where `ω² ≥ 0`, else `−√(−ω²)`: an unstable plate's rate of growth, below the axis.
+pub(super) fn signed_root<T: Scalar>(square: T) -> T {
+    if square.real() < 0.0 { -(-square).sqrt() } else { square.sqrt() }
 }
 
 /// The entry of largest modulus; 0 where there is none.
@@ -51,16 +54,9 @@ pub(super) struct Eigenproblem {
 }
 
 impl Eigenproblem {
-    pub fn new(model: &Discretisation) -> Eigenproblem {
-        let n = model.unknowns();
-        let [x, y] = &model.lines;
-        let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
-        let entry = |k: usize| {
-            let (row, column) = (k % n, k / n);
-            let products =
-                x.values[(row / ny) * nx + column / ny] * y.values[(row % ny) * ny + column % ny];
-            products * model.scale[row] * model.scale[column]
-        };
+    /// For a symmetric mass matrix, one column after the other.
+    pub fn new(mass: Vec<f64>) -> Eigenproblem {
+        let n = mass.len().isqrt();
         let need = StackReq::any_of(&[
             cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()),
             self_adjoint_evd_scratch::<f64>(
@@ -71,7 +67,7 @@ impl Eigenproblem {
             ),
         ]);
         Eigenproblem {
-            mass: (0..n * n).map(entry).collect(),
+            mass,
             factor: vec![0.0; n * n],
             reduced: vec![0.0; n * n],
             values: vec![0.0; n],
@@ -79,6 +75,11 @@ impl Eigenproblem {
             shift: 1.0,
             scratch: MemBuffer::new(need),
         }
+    }
+
+    /// With all modes of a stiffness matrix; `None` if it is not finite.
+    pub fn solved(mut self, stiffness: &[f64]) -> Option<Eigenproblem> {
+        self.solve(stiffness).then_some(self)
     }
 
     /// All modes of a stiffness matrix (one column after the other); `false` if it is not finite.

@@ -73,16 +73,10 @@ impl Orders {
     }
 
     pub(super) fn check(&self) -> Result<(), PlateError> {
-        for (which, counts, least) in
-            [("transverse", self.transverse, 1), ("in-plane", self.in_plane, 2)]
-        {
-            for (axis, count) in ["x", "y"].into_iter().zip(counts) {
-                if !(least..=LARGEST_COUNT).contains(&count) {
-                    let most = LARGEST_COUNT;
-                    return Err(PlateError::Orders { which, axis, count, least, most });
-                }
-            }
-        }
-        Ok(())
+        let [[w_x, w_y], [s_x, s_y]] = [self.transverse, self.in_plane];
+        PlateError::check("transverse functions along x", w_x, [1, LARGEST_COUNT])?;
+        PlateError::check("transverse functions along y", w_y, [1, LARGEST_COUNT])?;
+        PlateError::check("in-plane functions along x", s_x, [2, LARGEST_COUNT])?;
+        PlateError::check("in-plane functions along y", s_y, [2, LARGEST_COUNT])
     }
 }

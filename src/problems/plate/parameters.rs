@@ -27,6 +27,7 @@ pub struct Parameters<T> {
 /// What the named parameters of a plate problem mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Units {
     /// `load`, `gap_ratio`, `aspect`, `nu`, `edge_force` (on both pairs of edges), `edge_force_x`,
     /// `edge_force_y`, `edge_shear`, `pressure`: dimensionless, as in [`Parameters`].
@@ -117,6 +118,14 @@ impl Units {
     /// The position of the gap among the parameters, if it is one.
     pub(super) fn gap(self) -> Option<usize> {
         (self == Units::Device).then_some(4)
+    }
+
+    /// The positions of the parameters that `α` and `ν` depend on.
+    pub(super) fn of_the_plane(self) -> &'static [usize] {
+        match self {
+            Units::Dimensionless => &[2, 3],
+            Units::Device => &[1, 2, 6],
+        }
     }
 
     /// The parameters of the equations.

@@ -21,7 +21,7 @@ use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_s
 use faer::{MatMut, Par};
 
 /// The in-plane displacements: which products of functions they are made of.
-pub struct PlaneSpace {
+pub(super) struct PlaneSpace {
     /// Functions of ξ and of ζ for `u`.
     pub u: [Basis; 2],
     /// Functions of ξ and of ζ for `v`.
@@ -35,20 +35,14 @@ pub struct PlaneSpace {
     moments: Moments,
 }
 
-/// One-dimensional mean products; `ux_11` is `⟨U_k' U_k'⟩` of the functions of ξ, and so on.
+/// Mean products of the functions of two bases of one direction, by which derivative is taken of either.
+type Products = [[Vec<f64>; 2]; 2];
+
+/// One-dimensional mean products along ξ and ζ: of the functions of `u`, of `v`, and of `u` with `v`.
 struct Moments {
-    ux_00: Vec<f64>,
-    ux_11: Vec<f64>,
-    uy_00: Vec<f64>,
-    uy_11: Vec<f64>,
-    vx_00: Vec<f64>,
-    vx_11: Vec<f64>,
-    vy_00: Vec<f64>,
-    vy_11: Vec<f64>,
-    x_10: Vec<f64>,
-    x_01: Vec<f64>,
-    y_01: Vec<f64>,
-    y_10: Vec<f64>,
+    uu: [Products; 2],
+    vv: [Products; 2],
+    uv: [Products; 2],
 }
 
 impl PlaneSpace {
@@ -163,13 +157,16 @@ impl PlaneSpace {
             let [a, b] = [i / uy, i % uy];
             for (column, j) in self.u_active.iter().enumerate() {
                 let [c, d] = [j / uy, j % uy];
-                k[column * n + row] = 4.0 * m.ux_11[a * ux + c] * m.uy_00[b * uy + d]
-                    + shear / (alpha * alpha) * m.ux_00[a * ux + c] * m.uy_11[b * uy + d];
+                k[column * n + row] = 4.0 * m.uu[0][1][1][a * ux + c] * m.uu[1][0][0][b * uy + d]
+                    + shear / (alpha * alpha)
+                        * m.uu[0][0][0][a * ux + c]
+                        * m.uu[1][1][1][b * uy + d];
             }
             for (column, j) in self.v_active.iter().enumerate() {
                 let [c, d] = [j / vy, j % vy];
-                let entry = 4.0 * nu / alpha * m.x_10[a * vx + c] * m.y_01[b * vy + d]
-                    + shear / alpha * m.x_01[a * vx + c] * m.y_10[b * vy + d];
+                let entry =
+                    4.0 * nu / alpha * m.uv[0][1][0][a * vx + c] * m.uv[1][0][1][b * vy + d]
+                        + shear / alpha * m.uv[0][0][1][a * vx + c] * m.uv[1][1][0][b * vy + d];
                 k[(nu_count + column) * n + row] = entry;
                 k[row * n + nu_count + column] = entry;
             }
@@ -179,8 +176,8 @@ impl PlaneSpace {
             for (column, j) in self.v_active.iter().enumerate() {
                 let [c, d] = [j / vy, j % vy];
                 k[(nu_count + column) * n + nu_count + row] =
-                    4.0 / (alpha * alpha) * m.vx_00[a * vx + c] * m.vy_11[b * vy + d]
-                        + shear * m.vx_11[a * vx + c] * m.vy_00[b * vy + d];
+                    4.0 / (alpha * alpha) * m.vv[0][0][0][a * vx + c] * m.vv[1][1][1][b * vy + d]
+                        + shear * m.vv[0][1][1][a * vx + c] * m.vv[1][0][0][b * vy + d];
             }
         }
         for functional in &self.rigid {
@@ -220,30 +217,20 @@ fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<u
 
 impl Moments {
     fn new(u: &[Basis; 2], v: &[Basis; 2], symmetric: [bool; 2]) -> Moments {
-        let [(rule_x, ux, vx), (rule_y, uy, vy)] = [0, 1].map(|axis| {
-            let rule = Rule::exact(2 * u[axis].degree().max(v[axis].degree()), symmetric[axis]);
-            let tables = (u[axis].table(&rule.nodes), v[axis].table(&rule.nodes));
-            (rule, tables.0, tables.1)
-        });
-        Moments {
-            ux_00: moments(&rule_x, &ux.values, &ux.values),
-            ux_11: moments(&rule_x, &ux.slopes, &ux.slopes),
-            uy_00: moments(&rule_y, &uy.values, &uy.values),
-            uy_11: moments(&rule_y, &uy.slopes, &uy.slopes),
-            vx_00: moments(&rule_x, &vx.values, &vx.values),
-            vx_11: moments(&rule_x, &vx.slopes, &vx.slopes),
-            vy_00: moments(&rule_y, &vy.values, &vy.values),
-            vy_11: moments(&rule_y, &vy.slopes, &vy.slopes),
-            x_10: moments(&rule_x, &ux.slopes, &vx.values),
-            x_01: moments(&rule_x, &ux.values, &vx.slopes),
-            y_01: moments(&rule_y, &uy.values, &vy.slopes),
-            y_10: moments(&rule_y, &uy.slopes, &vy.values),
-        }
+        let products = |a: &[Basis; 2], b: &[Basis; 2]| {
+            [0, 1].map(|axis| {
+                let rule = Rule::exact(2 * u[axis].degree().max(v[axis].degree()), symmetric[axis]);
+                let [a, b] = [a, b].map(|bases| bases[axis].table(&rule.nodes));
+                [&a.values, &a.slopes]
+                    .map(|a| [moments(&rule, a, &b.values), moments(&rule, a, &b.slopes)])
+            })
+        };
+        Moments { uu: products(u, u), vv: products(v, v), uv: products(u, v) }
     }
 }
 
 /// The Cholesky factor of `K_uv` for one pair `(α, ν)`.
-pub struct PlaneFactor {
+pub(super) struct PlaneFactor {
     /// `(α, ν)` of the factor.
     pub at: Option<(f64, f64)>,
     /// `L`, on and below the diagonal, one column after the other.

@@ -14,6 +14,7 @@
 //! partial derivative by `q` at that `s`. The mean takes `α` out of the mass matrix.
 
 use super::discretisation::{Discretisation, Membrane};
+use super::edges::Support;
 use super::parameters::Parameters;
 use super::plane::PlaneFactor;
 use super::tensor::Product;
@@ -43,9 +44,6 @@ impl<T: Scalar> Workspace<T> {
         let plane = &model.plane;
         let nodes = model.membrane.as_ref().map_or(0, |m| m.points()[0] * m.points()[1]);
         let load = model.loads.iter().map(|l| l.rules[0].len() * l.rules[1].len()).max();
-        let widest = model.loads.iter().map(|l| l.rules[1].len()).max().unwrap_or(0);
-        let widest = widest.max(model.membrane.as_ref().map_or(0, |m| m.points()[1]));
-        let most = model.orders.transverse[0].max(model.orders.in_plane[0]);
         Workspace {
             q: zeros(model.unknowns()),
             p: zeros(model.settings.units.names().len()),
@@ -53,7 +51,7 @@ impl<T: Scalar> Workspace<T> {
             s: zeros(plane.len()),
             right: zeros(plane.len()),
             grids: [&plane.u, &plane.v].map(|bases| zeros(bases[0].len() * bases[1].len())),
-            half: zeros(widest * most),
+            half: Vec::new(),
             product: zeros(model.unknowns()),
             slopes: [zeros(nodes), zeros(nodes)],
             stress: [zeros(nodes), zeros(nodes), zeros(nodes)],
@@ -178,13 +176,8 @@ impl<T: Scalar> Workspace<T> {
     fn add_plane_strain(&mut self, model: &Discretisation, membrane: &Membrane, along: T) {
         let [u, v] = &mut self.grids;
         model.plane.unpack(&self.s, u, v);
-        let [u_x, u_y] = membrane.slopes(&membrane.u);
-        let [v_x, v_y] = membrane.slopes(&membrane.v);
         let field = &mut self.fields[0][..self.stress[0].len()];
-        let two = T::from(2.0);
-        for (product, grid, strain, scale) in
-            [(u_x, 0, 0, two), (u_y, 0, 2, along), (v_x, 1, 2, two), (v_y, 1, 1, along)]
-        {
+        for (product, grid, strain, scale) in plane_strains(membrane, along) {
             product.expand(&self.grids[grid], &mut self.half, field);
             for (strain, slope) in self.stress[strain].iter_mut().zip(field.iter()) {
                 *strain += *slope * scale;
@@ -200,14 +193,9 @@ impl<T: Scalar> Workspace<T> {
         parameters: &Parameters<T>,
     ) {
         let along = parameters.aspect.recip() * 2.0;
-        let two = T::from(2.0);
-        let [u_x, u_y] = membrane.slopes(&membrane.u);
-        let [v_x, v_y] = membrane.slopes(&membrane.v);
         self.grids.iter_mut().for_each(|grid| grid.fill(T::zero()));
         let field = &mut self.fields[0][..self.stress[0].len()];
-        for (product, stress, grid, scale) in
-            [(u_x, 0, 0, two), (u_y, 2, 0, along), (v_x, 2, 1, two), (v_y, 1, 1, along)]
-        {
+        for (product, grid, stress, scale) in plane_strains(membrane, along) {
             let stresses = self.stress[stress].iter().zip(membrane.weights());
             for (field, (n, weight)) in field.iter_mut().zip(stresses) {
                 *field = *n * scale * weight;
@@ -258,6 +246,14 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
+/// What `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` contribute to the strains: the derivative of which grid, to which strain, times what.
+fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usize, usize, T); 4] {
+    let [u_x, u_y] = membrane.slopes(&membrane.u);
+    let [v_x, v_y] = membrane.slopes(&membrane.v);
+    let two = T::from(2.0);
+    [(u_x, 0, 0, two), (u_y, 0, 2, along), (v_x, 1, 2, two), (v_y, 1, 1, along)]
+}
+
 /// The terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of the functions
 /// of ξ, matrix of those of ζ (transposed). A pair of edges that is free at one end carries no
 /// normal force; a plate with any free edge carries no shear.
@@ -265,13 +261,12 @@ pub(super) fn quadratic_terms<'a, T: Scalar>(
     model: &'a Discretisation,
     parameters: &Parameters<T>,
 ) -> [(T, &'a [f64], &'a [f64]); 9] {
-    use super::edges::Support::Free;
     let [x, y] = &model.lines;
     let along = parameters.aspect.recip();
     let along2 = along * along;
     let poisson = parameters.nu * along2 * 16.0;
     let supports = model.settings.supports;
-    let carried = |ends: [super::edges::Support; 2]| !ends.contains(&Free);
+    let carried = |ends: [Support; 2]| !ends.contains(&Support::Free);
     let left = |matrix: &'a [f64], carried: bool| if carried { matrix } else { &[] };
     let shear = parameters.shear * along * -4.0;
     let sheared = !supports.any_free() && model.symmetric == [false, false];

@@ -11,6 +11,7 @@ use super::residual::Workspace;
 use super::shape::{self, Search};
 use super::{domain, monitors, profile};
 use crate::core::linear::BorderedLu;
+use crate::core::potential::PotentialGradient;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, Names};
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
@@ -59,10 +60,10 @@ pub struct Ritz {
     pub(super) flat: Option<FlatPlate>,
     /// Values of the functions in the middle of the plate.
     pub(super) centre: Vec<f64>,
+    /// The lowest mode, as a direction of `x`.
     pub(super) mode: Vec<f64>,
-    pub(super) along_mode: Vec<f64>,
     pub(super) all_parameters: Vec<usize>,
-    pub(super) directions: [Vec<f64>; 3],
+    pub(super) potential: PotentialGradient,
 }
 
 /// The unloaded plate: what frequencies are compared with.
@@ -88,7 +89,7 @@ impl Ritz {
         Ok(Ritz {
             factor: PlaneFactor::new(model.plane.len()),
             assembly: Assembly::new(&model),
-            eigenproblem: Eigenproblem::new(&model),
+            eigenproblem: Eigenproblem::new(model.mass()),
             search,
             plain: Workspace::new(&model),
             first: Workspace::new(&model),
@@ -100,18 +101,12 @@ impl Ritz {
             modes_at: Vec::with_capacity(length),
             flat: None,
             centre,
-            mode: vec![0.0; n],
-            along_mode: vec![0.0; length],
+            mode: vec![0.0; length],
             all_parameters: (0..length - n).collect(),
-            directions: [vec![0.0; length], vec![0.0; length], vec![0.0; length]],
+            potential: PotentialGradient::new(&names),
             names,
             model,
         })
-    }
-
-    /// The settings the plate was built with.
-    pub fn settings(&self) -> &RitzSettings {
-        &self.model.settings
     }
 
     /// The numbers of functions.
@@ -225,24 +220,6 @@ impl Ritz {
         let remedy = "no shift makes the stiffness positive definite; the equilibrium is far off";
         Err(LeftDomain::new("frequency", f64::NAN, remedy))
     }
-}
-
-/// No fewer than the parameters of any [`Units`].
-pub(super) const MOST_PARAMETERS: usize = 16;
-
-/// Whether `α` and `ν` stay fixed along a direction of `x`.
-pub(super) fn plane_fixed(units: Units, p: &[f64], directions: &[&[f64]]) -> bool {
-    directions.iter().all(|direction| {
-        if direction.iter().all(|d| *d == 0.0) {
-            return true;
-        }
-        let mut moved = [Dual64::from(0.0); MOST_PARAMETERS];
-        for ((moved, p), d) in moved.iter_mut().zip(p).zip(*direction) {
-            *moved = Dual64::new(*p, *d);
-        }
-        let parameters = units.parameters(&moved[..p.len()]);
-        parameters.aspect.eps == 0.0 && parameters.nu.eps == 0.0
-    })
 }
 
 /// `T` along up to three directions: how a dual number is built from its first-order parts, and which of

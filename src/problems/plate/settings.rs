@@ -1,10 +1,14 @@
 //! Which plate, and which model of it: the settings of a plate's scene.
 
-use super::modal::{Modal, ModalError, ModalSettings, ModalSystem};
-use super::sine::{SineError, SinePlate, SineSettings};
-use super::{
-    InPlane, Orders, PlateError, Projection, Ritz, RitzSettings, Support, Supports, Theory, Units,
-};
+use super::discretisation::RitzSettings;
+use super::edges::{InPlane, Support, Supports};
+use super::error::PlateError;
+use super::modal::{Modal, ModalSettings};
+use super::orders::Orders;
+use super::parameters::Units;
+use super::ritz::Ritz;
+use super::sine::{SinePlate, SineSettings};
+use super::terms::{Projection, Theory};
 use crate::core::dense::Dense;
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
@@ -12,6 +16,7 @@ use serde::{Deserialize, Serialize};
 /// How the plate is discretised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Model {
     /// The full Ritz model in integrated Legendre functions.
     #[default]
@@ -66,43 +71,21 @@ impl Default for PlateSettings {
 /// Numbers of modes, each about a third more than the one before.
 const MODES: [usize; 11] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36];
 
-/// A plate that cannot be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SettingsError {
-    /// The description of the plate is at fault.
-    #[error(transparent)]
-    Plate(#[from] PlateError),
-    /// The sine model is at fault.
-    #[error(transparent)]
-    Sine(#[from] SineError),
-    /// The modal model is at fault.
-    #[error(transparent)]
-    Modal(#[from] ModalError),
-    /// Supports that the sine model does not have.
-    #[error(
-        "the model `sine` is for four supported edges (SSSS), not for {supports}; use `model=ritz`"
-    )]
-    SineSupports {
-        /// What was asked for.
-        supports: String,
-    },
-}
-
 impl PlateSettings {
     /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and go as
     /// far as `reach`.
     ///
     /// # Errors
-    /// [`SettingsError`] with what is at fault and the remedy.
+    /// [`PlateError`] with what is at fault and the remedy.
     ///
     /// ```
     /// use tangency::problems::plate::{PlateSettings, Units};
     /// let settings = PlateSettings { supports: "CCCC".into(), ..PlateSettings::default() };
     /// let system = settings.system(Units::Dimensionless.defaults(), Units::Dimensionless.defaults())?;
     /// assert_eq!(system.names().parameters[0], "load");
-    /// # Ok::<(), tangency::problems::plate::SettingsError>(())
+    /// # Ok::<(), tangency::problems::plate::PlateError>(())
     /// ```
-    pub fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SettingsError> {
+    pub fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, PlateError> {
         let plate = self.plate(p, reach)?;
         let parameters = self.units.parameters(p);
         match self.model {
@@ -116,7 +99,7 @@ impl PlateSettings {
     }
 
     /// The full model of the plate.
-    fn plate(&self, p: &[f64], reach: &[f64]) -> Result<RitzSettings, SettingsError> {
+    fn plate(&self, p: &[f64], reach: &[f64]) -> Result<RitzSettings, PlateError> {
         let supports: Supports = self.supports.parse()?;
         let [parameters, farthest] = [p, reach].map(|p| self.units.parameters(p));
         let compressed = [parameters, farthest]
@@ -137,7 +120,7 @@ impl PlateSettings {
     /// orders of the full model, numbers of modes of the others.
     ///
     /// # Errors
-    /// [`SettingsError`] if the supports cannot be read.
+    /// [`PlateError`] if the supports cannot be read.
     ///
     /// ```
     /// use tangency::problems::plate::{Orders, PlateSettings, Units};
@@ -146,9 +129,9 @@ impl PlateSettings {
     /// assert_eq!(ladder[0].orders, Some(Orders { transverse: [2, 2], in_plane: [3, 3] }));
     /// // The fifth rung is what branches are traced on by default.
     /// assert_eq!(ladder[4].orders, Some(Orders::usual([true, true], 1.0)));
-    /// # Ok::<(), tangency::problems::plate::SettingsError>(())
+    /// # Ok::<(), tangency::problems::plate::PlateError>(())
     /// ```
-    pub fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<PlateSettings>, SettingsError> {
+    pub fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<PlateSettings>, PlateError> {
         let with_modes = |modes| PlateSettings { modes, ..self.clone() };
         let with_orders = |orders| PlateSettings { orders: Some(orders), ..self.clone() };
         Ok(match self.model {
@@ -157,7 +140,7 @@ impl PlateSettings {
         })
     }
 
-    fn modal(&self, plate: RitzSettings, nu: f64) -> Result<Box<dyn System>, SettingsError> {
+    fn modal(&self, plate: RitzSettings, nu: f64) -> Result<Box<dyn System>, PlateError> {
         let settings = ModalSettings {
             plate,
             nu,
@@ -165,13 +148,13 @@ impl PlateSettings {
             projection: self.projection,
             ..ModalSettings::new(plate.supports)
         };
-        Ok(Box::new(ModalSystem::new(Modal::new(settings)?)))
+        Ok(Box::new(Modal::new(settings)?.into_system()))
     }
 
-    fn sine(&self, plate: RitzSettings) -> Result<Box<dyn System>, SettingsError> {
+    fn sine(&self, plate: RitzSettings) -> Result<Box<dyn System>, PlateError> {
         if plate.supports != Supports([Support::SimplySupported; 4]) {
             let supports = plate.supports.to_string();
-            return Err(SettingsError::SineSupports { supports });
+            return Err(PlateError::SineSupports { supports });
         }
         let settings = SineSettings {
             modes: self.modes,

@@ -1,7 +1,8 @@
 //! Deflections at points of the plate, and the largest one.
 
-use super::basis::AtPoint;
+use super::basis::{AtPoint, Table};
 use super::discretisation::Discretisation;
+use super::tensor::Product;
 
 /// Nodes of a half side on which the largest deflection is looked for.
 const NODES: usize = 17;
@@ -58,10 +59,24 @@ pub(super) fn search_nodes(symmetric: bool) -> Vec<f64> {
     (first..=last).map(|i| f64::from(i) / f64::from(last)).collect()
 }
 
+/// The position of the largest number and that number; of the first one that is not a number, if any.
+pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (k, value) in values.enumerate() {
+        if value.is_nan() {
+            return (k, value);
+        }
+        if value > best.1 {
+            best = (k, value);
+        }
+    }
+    best
+}
+
 /// A grid of nodes, with tables, on which deflections are searched.
 pub(super) struct Search {
     nodes: [Vec<f64>; 2],
-    tables: [super::basis::Table; 2],
+    tables: [Table; 2],
     /// The functions at one point.
     pub point: [AtPoint; 2],
     coefficients: Vec<f64>,
@@ -76,7 +91,7 @@ impl Search {
         Search {
             point: Default::default(),
             coefficients: vec![0.0; model.unknowns()],
-            half: vec![0.0; tables[0].functions * nodes[1].len()],
+            half: Vec::new(),
             field: vec![0.0; nodes[0].len() * nodes[1].len()],
             tables,
             nodes,
@@ -89,19 +104,11 @@ impl Search {
             *out = q * scale;
         }
         let points = [self.nodes[0].len(), self.nodes[1].len()];
-        let product =
-            super::tensor::Product { x: &self.tables[0].values, y: &self.tables[1].values, points };
+        let [x, y] = self.tables.each_ref().map(|table| &table.values[..]);
+        let product = Product { x, y, points };
         product.expand(&self.coefficients, &mut self.half, &mut self.field);
-        let mut best = (f64::NEG_INFINITY, 0);
-        for (k, w) in self.field.iter().enumerate() {
-            if w.is_nan() {
-                return (f64::NAN, 0.0, 0.0);
-            }
-            if *w > best.0 {
-                best = (*w, k);
-            }
-        }
-        (best.0, self.nodes[0][best.1 / points[1]], self.nodes[1][best.1 % points[1]])
+        let (k, largest) = highest(self.field.iter().copied());
+        (largest, self.nodes[0][k / points[1]], self.nodes[1][k % points[1]])
     }
 
     /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's iteration in

@@ -13,26 +13,27 @@
 //! solves the second equation exactly for any such `w`: shear traction vanishes at the edges, which
 //! stay straight. What is left are as many equations as there are `w_mn`, projections of the first.
 //!
-//! **Accuracy.** `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges
-//! algebraically. The load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with
-//! 15 modes, 1e-8 with 40, 1e-9 with 80 and 1e-10 with 160; the deflection at the centre only within
-//! 2e-7 with 120. It is the method of the source, and an independent check of better ones.
+//! `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges algebraically. The load
+//! at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with 15 modes, 1e-10 with 160.
 
 mod airy;
 mod basis;
-mod error;
 mod projection;
 
-pub use error::SineError;
-
+use super::edges::InPlane;
+use super::error::PlateError;
+use super::modes::signed_root;
+use super::parameters::Units;
 use super::tensor::dot;
-use super::vibration::{self, Lowest, Vibrates, reals, signed_root};
-use super::{InPlane, Parameters, Projection, Theory, Units, domain, monitors, profile};
+use super::terms::{Projection, Theory};
+use super::vibration::{Lowest, Vibrates, reals};
+use super::{domain, monitors, profile};
 use crate::core::scalar::Scalar;
 use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
 use airy::Airy;
-use basis::{Grid, LARGEST, ordered_modes, wave};
+use basis::{Grid, LARGEST, ordered_modes};
 use nalgebra::DMatrix;
+use projection::Sines;
 
 /// The mean square of a product of sines over the plate.
 const MEAN_SQUARE: f64 = 0.25;
@@ -97,9 +98,6 @@ pub struct Vibration {
 /// unit square; for [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential
 /// energy, in units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
-/// The monitors' first derivatives are exact; second derivatives of the two frequencies leave out
-/// that the mode of vibration changes.
-///
 /// ```
 /// use tangency::core::zero::ZeroProblem;
 /// use tangency::problems::plate::sine::{SinePlate, SineSettings};
@@ -109,37 +107,34 @@ pub struct Vibration {
 /// plate.monitors(&[0.0; 6], &parameters, &mut monitors);
 /// let exact = 2.0 * std::f64::consts::PI.powi(2); // ωa²√(ρh/D) = π²(1² + 1²)
 /// assert!((monitors[2] - exact).abs() < 1e-12 && (monitors[3] - 1.0).abs() < 1e-14);
-/// # Ok::<(), tangency::problems::plate::sine::SineError>(())
+/// # Ok::<(), tangency::problems::plate::PlateError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct SinePlate {
     settings: SineSettings,
-    /// `((m−1)/2, (n−1)/2)`.
-    modes: Vec<(usize, usize)>,
-    /// Absent from linear theory.
-    airy: Option<Airy>,
-    grid: Grid,
+    sines: Sines,
 }
 
 impl SinePlate {
     /// Orders the modes and tabulates their couplings and values.
     ///
     /// # Errors
-    /// [`SineError`] for no modes, for modes of wave numbers above 127, for a quadrature with fewer
+    /// [`PlateError`] for no modes, for modes of wave numbers above 127, for a quadrature with fewer
     /// points in a half direction than the largest wave number, and for edges immovable or free in
     /// their plane.
-    pub fn new(settings: SineSettings) -> Result<Self, SineError> {
+    pub fn new(settings: SineSettings) -> Result<Self, PlateError> {
         let in_plane = settings.in_plane;
         if !matches!(in_plane, InPlane::Slide | InPlane::Straight) {
-            return Err(SineError::InPlane { in_plane });
+            return Err(PlateError::SineInPlane { in_plane: in_plane.name() });
         }
         let count = settings.modes;
         // Beyond this not even a full square of wave numbers holds the modes; and the list stays short.
         let modes = ordered_modes(count.min(LARGEST * LARGEST + 1));
-        let width = modes.iter().map(|&(k, l)| k.max(l) + 1).max().ok_or(SineError::NoModes)?;
-        if width > LARGEST {
-            let (needed, largest) = (2 * width - 1, 2 * LARGEST - 1);
-            return Err(SineError::TooManyModes { modes: count, needed, largest });
+        let width = modes.iter().map(|&(k, l)| k.max(l) + 1).max().unwrap_or(0);
+        if !(1..=LARGEST).contains(&width) {
+            let all = ordered_modes(LARGEST * LARGEST);
+            let most = all.iter().take_while(|(k, l)| *k.max(l) < LARGEST).count();
+            PlateError::check("modes", count, [1, most])?;
         }
         let wave_number = 2 * width - 1;
         let points = settings.quadrature_points.unwrap_or(match settings.projection {
@@ -149,26 +144,21 @@ impl SinePlate {
             Projection::Multiplied => 16 + 5 * wave_number / 2,
         });
         if points < wave_number {
-            let (largest, needed) = (wave_number, wave_number);
-            return Err(SineError::TooFewPoints { points, largest, needed });
+            return Err(PlateError::TooFewPoints { points, needed: wave_number });
         }
-        let airy = (settings.theory == Theory::VonKarman).then(|| Airy::new(&modes));
-        Ok(SinePlate { settings, airy, grid: Grid::new(width, points), modes })
-    }
-
-    /// What the plate was made from.
-    pub fn settings(&self) -> &SineSettings {
-        &self.settings
+        let stretched = settings.theory == Theory::VonKarman;
+        let sines = Sines {
+            airy: stretched.then(|| Airy::new(&modes)),
+            grid: Grid::new(width, points),
+            held: stretched && in_plane == InPlane::Slide,
+            modes,
+        };
+        Ok(SinePlate { settings, sines })
     }
 
     /// The wave numbers `(m, n)` of the unknowns, in their order.
     pub fn modes(&self) -> Vec<(usize, usize)> {
-        self.modes.iter().map(|&(k, l)| (2 * k + 1, 2 * l + 1)).collect()
-    }
-
-    /// The default values of the parameters, in the order of their names.
-    pub fn defaults(&self) -> Vec<f64> {
-        self.settings.units.defaults().to_vec()
+        self.sines.modes.iter().map(|&(k, l)| (2 * k + 1, 2 * l + 1)).collect()
     }
 
     /// `Σ z_i sin m_iπξ sin n_iπη` at a point of the unit square: the deflection over the gap, or a
@@ -179,19 +169,17 @@ impl SinePlate {
     /// let plate = SinePlate::new(SineSettings { modes: 3, ..Default::default() })?;
     /// assert_eq!(plate.modes(), [(1, 1), (1, 3), (3, 1)]);
     /// assert!((plate.deflection(&[0.5, 0.02, 0.01], 0.5, 0.5) - 0.47_f64).abs() < 1e-15);
-    /// # Ok::<(), tangency::problems::plate::sine::SineError>(())
+    /// # Ok::<(), tangency::problems::plate::PlateError>(())
     /// ```
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
-        self.modes.iter().zip(z).fold(T::zero(), |sum, (&(k, l), &z)| {
-            sum + z * ((wave(k) * x).sin() * (wave(l) * y).sin())
-        })
+        self.sines.deflection(z, x, y)
     }
 
     /// The terms of the stress function that the deflection `z` develops, eqs. 3.24–3.25 (in linear
     /// theory none), without the uniform forces of [`SinePlate::edge_tension`].
     pub fn stress_function<T: Scalar>(&self, z: &[T], p: &[T]) -> Vec<StressTerm<T>> {
         let aspect = self.settings.units.parameters(p).aspect;
-        let terms = self.airy.iter().flat_map(|airy| airy.coefficients(z, aspect));
+        let terms = self.sines.airy.iter().flat_map(|airy| airy.coefficients(z, aspect));
         terms.map(|(m, n, coefficient)| StressTerm { m, n, coefficient }).collect()
     }
 
@@ -200,7 +188,7 @@ impl SinePlate {
     /// [`InPlane::Straight`] and in linear theory. Applied forces are not included.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
         let plate = self.settings.units.parameters(p);
-        let [x, y] = self.held_tension(z, &plate);
+        let [x, y] = self.sines.held_tension(z, &plate);
         [x, y * plate.aspect * plate.aspect]
     }
 
@@ -216,59 +204,49 @@ impl SinePlate {
             shape: vectors.right.iter().map(|value| value / centre).collect(),
         })
     }
-
-    /// `(κp_x, κp_y)` between edges that do not move.
-    fn held_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
-        match (self.settings.theory, self.settings.in_plane) {
-            (Theory::VonKarman, InPlane::Slide) => {
-                airy::edge_tension(&self.modes, z, [plate.gap_ratio, plate.aspect, plate.nu])
-            }
-            _ => [T::zero(); 2],
-        }
-    }
 }
 
 impl Vibrates for SinePlate {
-    fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
-        let jacobian = vibration::jacobian(self, z, p);
+    fn mass(&self, z: &[f64]) -> Vec<f64> {
         match self.settings.projection {
-            Projection::Direct => {
-                let mass = DMatrix::identity(z.len(), z.len()) * MEAN_SQUARE;
-                vibration::lowest_symmetric(&jacobian, &mass, std::f64::consts::PI.powi(4))
-            }
-            Projection::Multiplied => {
-                vibration::lowest_general(&jacobian, &self.multiplied_mass(z))
-            }
+            Projection::Direct => DMatrix::identity(z.len(), z.len()) * MEAN_SQUARE,
+            Projection::Multiplied => self.sines.mass(z),
         }
+        .as_slice()
+        .into()
     }
 
     fn inertia<T: Scalar>(&self, z: &[T], Lowest { left, right }: &Lowest) -> T {
         match self.settings.projection {
             Projection::Direct => T::constant(MEAN_SQUARE * dot(left, right)),
-            Projection::Multiplied => self.multiplied_inertia(z, left, right),
+            Projection::Multiplied => self.sines.inertia(z, left, right),
         }
     }
 }
 
 impl ZeroProblem for SinePlate {
     fn names(&self) -> Names {
-        monitors::names(self.settings.units, self.modes.len())
+        monitors::names(self.settings.units, self.sines.modes.len())
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.settings.units.defaults().to_vec()
     }
 
     fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
         let plate = self.settings.units.parameters(p);
         match self.settings.projection {
-            Projection::Direct => self.direct(z, &plate, r),
-            Projection::Multiplied => self.multiplied(z, &plate, r),
+            Projection::Direct => self.sines.direct(z, &plate, r),
+            Projection::Multiplied => self.sines.multiplied(z, &plate, r),
         }
     }
 
     fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
         let units = self.settings.units;
-        let (_, x, y) = self.largest(&reals(z));
+        let (_, x, y) = self.sines.largest(&reals(z));
         let deflections = [self.deflection(z, 0.5, 0.5), self.deflection(z, x, y)];
         // The wave numbers 1 and 1 are always among the modes.
-        let flat = Self::flat_frequency((0, 0), units.parameters(p).aspect);
+        let flat = Sines::flat_frequency((0, 0), units.parameters(p).aspect);
         monitors::fill(units, p, deflections, [self.frequency(z, p), flat], values);
     }
 
@@ -279,7 +257,7 @@ impl ZeroProblem for SinePlate {
                           without quarter symmetry, or set it to 0";
             return Err(LeftDomain::new("edge_shear", plate.shear, remedy));
         }
-        domain::clear(self.largest(z).0, 1.0)
+        domain::clear(self.sines.largest(z).0, 1.0)
     }
 
     fn dynamics(&self) -> Dynamics {

@@ -9,10 +9,14 @@
 //! `½∫w''² + (3/2)α₁²(∫w'²)² − λ∫1/(1−w)`.
 
 use super::basis::Basis;
+use super::edges::Support;
+use super::error::PlateError;
+use super::modes::{Eigenproblem, signed_root};
 use super::monitors::{self, MONITORS};
+use super::parameters::Units;
 use super::tensor::{Rule, dot};
-use super::vibration::{self, Lowest, Vibrates, reals};
-use super::{Support, Units, domain, profile};
+use super::vibration::{Lowest, Vibrates, reals};
+use super::{domain, profile};
 use crate::core::scalar::Scalar;
 use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
 use nalgebra::{DMatrix, DVector};
@@ -53,28 +57,11 @@ impl Default for StripSettings {
     }
 }
 
-/// Settings from which no [`Strip`] can be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StripError {
-    /// No unknowns, or more than provided for.
-    #[error("{0} functions: ask for 1 to 512")]
-    Functions(usize),
-    /// A quadrature that cannot tell the functions apart.
-    #[error("{points} quadrature points do not resolve {needed} functions: use {needed} or more")]
-    TooFewPoints {
-        /// The number asked for.
-        points: usize,
-        /// The smallest number accepted.
-        needed: usize,
-    },
-}
-
 /// An electrically actuated strip in `N` functions.
 ///
 /// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap), parameters
 /// `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors of [all
-/// plates](super#monitors), the frequency being that of the modes even about the middle. First derivatives of the
-/// monitors are exact; second derivatives of the two frequencies leave out that the mode changes.
+/// plates](super#monitors), the frequency being that of the modes even about the middle.
 ///
 /// ```
 /// use tangency::core::zero::ZeroProblem;
@@ -83,11 +70,10 @@ pub enum StripError {
 /// let mut monitors = [0.0; 4];
 /// strip.monitors(&[0.0; 10], &[0.0, 1.0], &mut monitors);
 /// assert!((monitors[2] - 4.730_040_744_862_704_f64.powi(2)).abs() < 1e-10); // cosh k cos k = 1
-/// # Ok::<(), tangency::problems::plate::strip::StripError>(())
+/// # Ok::<(), tangency::problems::plate::PlateError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Strip {
-    settings: StripSettings,
     functions: Functions,
     /// Gauss points on (0, ½), then the middle, and the weights of the former, which sum to 1.
     weights: Vec<f64>,
@@ -105,16 +91,13 @@ impl Strip {
     /// Tabulates the functions and their products.
     ///
     /// # Errors
-    /// [`StripError`] for 0 or more than 512 functions, and for a quadrature with fewer points than
-    /// functions.
-    pub fn new(settings: StripSettings) -> Result<Self, StripError> {
+    /// [`PlateError`] for a number of functions out of range, and for fewer quadrature points than functions.
+    pub fn new(settings: StripSettings) -> Result<Self, PlateError> {
         let n = settings.functions;
-        if !(1..=MOST).contains(&n) {
-            return Err(StripError::Functions(n));
-        }
+        PlateError::check("functions", n, [1, MOST])?;
         let points = settings.quadrature_points.unwrap_or(n + 32);
         if points < n {
-            return Err(StripError::TooFewPoints { points, needed: n });
+            return Err(PlateError::TooFewPoints { points, needed: n });
         }
         let functions = Functions::new(settings.ends, n);
         // The constant integrals need a rule exact for the products of functions of wave number or
@@ -134,13 +117,9 @@ impl Strip {
         let Rule { nodes, weights } = Rule::halves(points, true);
         let abscissae = nodes.iter().map(|node| 0.5 * node).chain([0.5]);
         let flat = DMatrix::from_diagonal(&DVector::from_row_slice(&stiffness));
-        let flat_frequency =
-            vibration::lowest_symmetric(&flat, &mass, PI.powi(4)).map_or(f64::NAN, |vectors| {
-                let v = DVector::from_row_slice(&vectors.right);
-                (v.dot(&(flat * &v)) / v.dot(&(&mass * &v))).sqrt()
-            });
+        let modes = Eigenproblem::new(mass.as_slice().into()).solved(flat.as_slice());
+        let flat_frequency = modes.map_or(f64::NAN, |modes| signed_root(modes.square(0)));
         Ok(Strip {
-            settings,
             weights,
             table: abscissae.flat_map(|x| functions.at(x)).map(|[value, _]| value).collect(),
             functions,
@@ -149,11 +128,6 @@ impl Strip {
             mass,
             flat_frequency,
         })
-    }
-
-    /// What the strip was made from.
-    pub fn settings(&self) -> &StripSettings {
-        &self.settings
     }
 
     /// `Σ z_i φ_i(x)` at `0 ≤ x ≤ 1`: the deflection over the gap.
@@ -182,9 +156,8 @@ impl Strip {
 }
 
 impl Vibrates for Strip {
-    fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
-        let jacobian = vibration::jacobian(self, z, p);
-        vibration::lowest_symmetric(&jacobian, &self.mass, self.flat_frequency.powi(2))
+    fn mass(&self, _z: &[f64]) -> Vec<f64> {
+        self.mass.as_slice().into()
     }
 
     fn inertia<T: Scalar>(&self, _z: &[T], Lowest { left, right }: &Lowest) -> T {

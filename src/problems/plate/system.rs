@@ -1,14 +1,15 @@
 //! [`Ritz`] as a [`System`]: what the stepper sees of the plate.
 
 use super::discretisation::Discretisation;
+use super::modes::signed_root;
 use super::plane::PlaneFactor;
 use super::residual::Workspace;
-use super::ritz::{Directional, FlatPlate, MOST_PARAMETERS, Ritz, plane_fixed};
-use super::vibration::signed_root;
+use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
 };
+use faer::Mat;
 use num_dual::Dual64;
 use std::mem::take;
 
@@ -18,7 +19,7 @@ const REPORTED: usize = 4;
 /// The most unknowns of a rung of the ladder.
 const LARGEST_RUNG: usize = 500;
 
-/// The mixed derivative of `F` along `directions` (each as long as `x`), left in `work.r`.
+/// The mixed derivative of `F` along `directions` (each as long as `x`), into `out`.
 fn differentiate<T: Directional>(
     work: &mut Workspace<T>,
     model: &Discretisation,
@@ -26,6 +27,7 @@ fn differentiate<T: Directional>(
     x: &[f64],
     directions: &[&[f64]],
     largest: f64,
+    out: &mut [f64],
 ) {
     let n = model.unknowns();
     let parts = |i: usize| [0, 1, 2].map(|k| directions.get(k).map_or(0.0, |d| d[i]));
@@ -36,44 +38,29 @@ fn differentiate<T: Directional>(
     for (i, (out, p)) in work.p.iter_mut().zip(p).enumerate() {
         *out = T::seed(*p, parts(n + i));
     }
-    let mut of_parameters: [&[f64]; 3] = [&[], &[], &[]];
-    for (of_parameters, direction) in of_parameters.iter_mut().zip(directions) {
-        *of_parameters = &direction[n..];
-    }
-    let fixed = plane_fixed(model.settings.units, p, &of_parameters[..directions.len()]);
+    let plane = model.settings.units.of_the_plane();
+    let fixed = directions.iter().all(|d| plane.iter().all(|i| d[n + i] == 0.0));
     work.evaluate(model, factor, largest, fixed);
+    out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = r.mixed());
 }
 
 /// The unknowns of the same deflection in a larger space of polynomials.
 fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> {
-    let [nx, ny] = [0, 1].map(|axis| from.transverse[axis].len());
-    let [mx, my] = [0, 1].map(|axis| to.transverse[axis].len());
     // One direction: functions of the coarse basis in those of the fine one, `(coarse, fine)`.
-    let carry = |axis: usize| -> Vec<f64> {
-        let (n, m) = (from.transverse[axis].len(), to.transverse[axis].len());
-        let [coarse, fine] = [from, to].map(|model| model.transverse[axis].conversions());
-        let entry = |coarse_function: usize, fine_function: usize| match (coarse, fine) {
-            (Some([to_coarse, _]), Some([_, to_fine])) => (0..n)
-                .map(|k| to_coarse[coarse_function * n + k] * to_fine[fine_function * m + k])
-                .sum(),
-            _ => f64::from(u8::from(coarse_function == fine_function)),
-        };
-        (0..n * m).map(|e| entry(e / m, e % m)).collect()
-    };
-    let (carry_x, carry_y) = (carry(0), carry(1));
-    let mut out = vec![0.0; mx * my];
-    for i in 0..nx {
-        for j in 0..ny {
-            let q = z[i * ny + j] * from.scale[i * ny + j];
-            for k in 0..mx {
-                for l in 0..my {
-                    out[k * my + l] += carry_x[i * mx + k] * q * carry_y[j * my + l];
-                }
+    let carry = |axis: usize| {
+        let [coarse, fine] = [from, to].map(|model| &model.transverse[axis]);
+        let (n, m) = (coarse.len(), fine.len());
+        Mat::from_fn(n, m, |i, k| match (coarse.conversions(), fine.conversions()) {
+            (Some([to_coarse, _]), Some([_, to_fine])) => {
+                (0..n).map(|j| to_coarse[i * n + j] * to_fine[k * m + j]).sum()
             }
-        }
-    }
-    out.iter_mut().zip(&to.scale).for_each(|(out, scale)| *out /= scale);
-    out
+            _ => f64::from(u8::from(i == k)),
+        })
+    };
+    let [ny, my] = [from, to].map(|model| model.transverse[1].len());
+    let coarse = Mat::from_fn(z.len() / ny, ny, |i, j| z[i * ny + j] * from.scale[i * ny + j]);
+    let fine = carry(0).transpose() * coarse * carry(1);
+    to.scale.iter().enumerate().map(|(k, scale)| fine[(k / my, k % my)] / scale).collect()
 }
 
 impl Ritz {
@@ -85,48 +72,31 @@ impl Ritz {
         carried
     }
 
-    /// Both gradients: `wᵀF_x v` by second derivatives, `wᵀF_xx[v, v]` by third ones. As `F` is itself a
-    /// gradient, the components of the unknowns are those of one mixed derivative along `w` and `v`.
+    /// Both gradients: `wᵀF_x v` by second derivatives, `wᵀF_xx[v, v]` by third ones.
     fn gradient_of(
         &mut self,
-        x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        [x, w, v]: [&[f64]; 3],
         twice: bool,
         released: &[usize],
         out: &mut [f64],
     ) {
-        let n = self.model.unknowns();
         let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        let [d, e, unit] = &mut self.directions;
-        d.fill(0.0);
-        d[..n].copy_from_slice(w);
-        e.copy_from_slice(v);
         let (model, factor) = (&self.model, &self.factor);
         let (second, third) = (&mut self.second, &mut self.third);
-        let mut mixed = |first: &[f64], result: &mut dyn FnMut(usize, f64)| {
+        let along = |d: &[f64], out: &mut [f64]| {
             if twice {
-                differentiate(third, model, factor, x, &[first, e, e], largest);
-                third.r.iter().enumerate().for_each(|(i, r)| result(i, r.mixed()));
+                differentiate(third, model, factor, x, &[d, v, v], largest, out);
             } else {
-                differentiate(second, model, factor, x, &[first, e], largest);
-                second.r.iter().enumerate().for_each(|(i, r)| result(i, r.mixed()));
+                differentiate(second, model, factor, x, &[d, v], largest, out);
             }
         };
-        mixed(d, &mut |i, value| out[i] = value);
-        for parameter in released {
-            unit.fill(0.0);
-            unit[n + parameter] = 1.0;
-            let mut sum = 0.0;
-            mixed(unit, &mut |i, value| sum += w[i] * value);
-            out[n + parameter] = sum;
-        }
+        self.potential.gradient(w, released, along, out);
     }
 
     /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
     fn lowest(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
         self.ensure_modes(x)?;
-        self.eigenproblem.shape(0, &mut self.mode);
+        self.eigenproblem.shape(0, &mut self.mode[..self.model.unknowns()]);
         Ok(self.eigenproblem.square(0))
     }
 
@@ -151,22 +121,17 @@ impl Ritz {
     /// `∇ω²` of the unloaded plate with respect to the parameters, into the end of `out`.
     fn flat_gradient(&mut self, x: &[f64], out: &mut [f64]) {
         let n = self.model.unknowns();
-        let Some(shape) = self.flat.as_ref().map(|flat| flat.shape.clone()) else { return };
-        let mut rest = x.to_vec();
-        rest[..n].fill(0.0);
+        let Some(flat) = &self.flat else { return };
+        let (mut rest, mut along) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        along[..n].copy_from_slice(&flat.shape);
         let names = self.model.settings.units.names();
         let is_load = |name: &str| {
             matches!(name, "load" | "voltage" | "pressure") || name.starts_with("edge_")
         };
-        let loads: Vec<bool> = names.iter().map(|name| is_load(name)).collect();
-        let released: Vec<usize> = (0..names.len()).filter(|i| !loads[*i]).collect();
-        for (p, load) in rest[n..].iter_mut().zip(&loads) {
-            *p = if *load { 0.0 } else { *p };
-        }
-        let mut along = vec![0.0; x.len()];
-        along[..n].copy_from_slice(&shape);
+        let released: Vec<usize> = (0..names.len()).filter(|i| !is_load(names[*i])).collect();
+        released.iter().for_each(|i| rest[n + i] = x[n + i]);
         out.fill(0.0);
-        self.gradient_of(&rest, &shape, &along, false, &released, out);
+        self.gradient_of([&rest, &along[..n], &along], false, &released, out);
         out[..n].fill(0.0);
     }
 
@@ -174,12 +139,10 @@ impl Ritz {
     fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, LeftDomain> {
         let n = self.model.unknowns();
         let omega = signed_root(self.lowest(x)?);
-        self.along_mode[..n].copy_from_slice(&self.mode);
         // Taken out for as long as the rest of the plate is at work on them.
-        let (mode, along) = (take(&mut self.mode), take(&mut self.along_mode));
-        let released = take(&mut self.all_parameters);
-        self.gradient_of(x, &mode, &along, false, &released, out);
-        (self.mode, self.along_mode, self.all_parameters) = (mode, along, released);
+        let (mode, released) = (take(&mut self.mode), take(&mut self.all_parameters));
+        self.gradient_of([x, &mode[..n], &mode], false, &released, out);
+        (self.mode, self.all_parameters) = (mode, released);
         out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
         Ok(omega)
     }
@@ -191,11 +154,10 @@ impl Ritz {
         let p = &x[n..];
         let unit = units.frequency_unit(p);
         out.iter_mut().for_each(|g| *g *= unit);
-        let mut seeded = [Dual64::from(0.0); MOST_PARAMETERS];
-        seeded.iter_mut().zip(p).for_each(|(seeded, p)| *seeded = Dual64::from(*p));
-        for i in 0..p.len() {
+        let mut seeded: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        for (i, slope) in out[n..].iter_mut().enumerate() {
             seeded[i].eps = 1.0;
-            out[n + i] += omega * units.frequency_unit(&seeded[..p.len()]).eps;
+            *slope += omega * units.frequency_unit(&seeded).eps;
             seeded[i].eps = 0.0;
         }
     }
@@ -252,24 +214,21 @@ impl System for Ritz {
 
     fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
         let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        differentiate(&mut self.first, &self.model, &self.factor, x, &[d], largest);
-        out.iter_mut().zip(&self.first.r).for_each(|(out, r)| *out = r.mixed());
+        differentiate(&mut self.first, &self.model, &self.factor, x, &[d], largest, out);
     }
 
     fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
         let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        differentiate(&mut self.second, &self.model, &self.factor, x, &[d, e], largest);
-        out.iter_mut().zip(&self.second.r).for_each(|(out, r)| *out = r.mixed());
+        differentiate(&mut self.second, &self.model, &self.factor, x, &[d, e], largest, out);
     }
 
     fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
         let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        differentiate(&mut self.third, &self.model, &self.factor, x, &[d, e, f], largest);
-        out.iter_mut().zip(&self.third.r).for_each(|(out, r)| *out = r.mixed());
+        differentiate(&mut self.third, &self.model, &self.factor, x, &[d, e, f], largest, out);
     }
 
     fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        self.gradient_of(x, w, v, false, released, out);
+        self.gradient_of([x, w, v], false, released, out);
     }
 
     fn second_gradient(
@@ -280,7 +239,7 @@ impl System for Ritz {
         released: &[usize],
         out: &mut [f64],
     ) {
-        self.gradient_of(x, w, v, true, released, out);
+        self.gradient_of([x, w, v], true, released, out);
     }
 
     fn dynamics(&self) -> Dynamics {

@@ -74,11 +74,11 @@ impl Product<'_> {
         [self.x.len() / self.points[0].max(1), self.y.len() / self.points[1].max(1)]
     }
 
-    /// The field with coefficients `c`, into `field`. `half` is scratch of length at least `n_x·m_y`.
-    pub fn expand<T: Scalar>(&self, c: &[T], half: &mut [T], field: &mut [T]) {
+    /// The field with coefficients `c`, into `field`, by the memory `half`.
+    pub fn expand<T: Scalar>(&self, c: &[T], half: &mut Vec<T>, field: &mut [T]) {
         let ([nx, ny], [px, py]) = (self.counts(), self.points);
-        let half = &mut half[..nx * py];
-        half.fill(T::zero());
+        half.clear();
+        half.resize(nx * py, T::zero());
         for (row, c) in half.chunks_exact_mut(py).zip(c.chunks_exact(ny.max(1))) {
             for (c, y) in c.iter().zip(self.y.chunks_exact(py)) {
                 add_multiple(row, *c, y);
@@ -93,10 +93,10 @@ impl Product<'_> {
     }
 
     /// Adds to `c` the sums of `field` times each product of functions (weights are the field's).
-    pub fn project<T: Scalar>(&self, field: &[T], half: &mut [T], c: &mut [T]) {
+    pub fn project<T: Scalar>(&self, field: &[T], half: &mut Vec<T>, c: &mut [T]) {
         let ([nx, ny], [px, py]) = (self.counts(), self.points);
-        let half = &mut half[..nx * py];
-        half.fill(T::zero());
+        half.clear();
+        half.resize(nx * py, T::zero());
         for (row, x) in half.chunks_exact_mut(py).zip(self.x.chunks_exact(px)) {
             for (field, x) in field.chunks_exact(py).zip(x) {
                 add_scaled(row, field, *x);

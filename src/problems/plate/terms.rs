@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Which terms of the strains count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Theory {
     /// Bending only; `α₁` has no influence.
     Linear,
@@ -16,6 +17,7 @@ pub enum Theory {
 /// How the equation of motion is projected on the functions of a reduced-order model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Projection {
     /// As it stands: Galerkin's method, the load `λ⟨φ/(1−w)²⟩` by Gauss quadrature. The residual is
     /// the gradient of the potential energy.

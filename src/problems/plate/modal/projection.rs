@@ -1,12 +1,17 @@
 //! The two projections on the modes.
 
+use super::membrane;
+use super::settings::ModalSettings;
 use super::spectrum::FlatModes;
 use super::tables::{Nodes, at};
-use super::{ModalError, ModalSettings, membrane};
 use crate::core::scalar::Scalar;
 use crate::problems::plate::discretisation::LARGEST_DEFLECTION;
+use crate::problems::plate::edges::Support;
+use crate::problems::plate::error::PlateError;
+use crate::problems::plate::membrane_form::MembraneForm;
+use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::{Rule, dot};
-use crate::problems::plate::{MembraneForm, Parameters, Support, Theory};
+use crate::problems::plate::terms::Theory;
 
 /// Up to which deflection, how many nodes in each half direction for the load; and how many more for each
 /// half wave of the highest mode, which enters by itself (deflections are mostly the lowest mode). With twenty
@@ -45,7 +50,7 @@ pub(super) struct Multiplied {
 fn membrane_form(
     settings: &ModalSettings,
     flat: &mut FlatModes,
-) -> Result<Option<MembraneForm>, ModalError> {
+) -> Result<Option<MembraneForm>, PlateError> {
     if settings.plate.theory == Theory::Linear {
         return Ok(None);
     }
@@ -85,7 +90,7 @@ impl Linear {
 }
 
 impl Direct {
-    pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Direct, ModalError> {
+    pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Direct, PlateError> {
         let form = membrane_form(settings, flat)?.map(|form| form.quartic);
         let loads = LOAD_NODES.map(|(largest, base)| {
             let rules = halves(settings, flat, base, LOAD_NODES_PER_WAVE);
@@ -136,7 +141,7 @@ impl Direct {
 }
 
 impl Multiplied {
-    pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Multiplied, ModalError> {
+    pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Multiplied, PlateError> {
         // Integrands are products of six modes or slopes. The rule for products of four is made for the
         // polynomials' degrees, twice what the modes themselves need.
         let (rules, stress) = match membrane_form(settings, flat)? {

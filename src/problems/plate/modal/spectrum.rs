@@ -1,10 +1,14 @@
 //! The flat plate's modes, accurate to what is asked for and in a reproducible order.
 
-use super::ModalSettings;
-use super::error::ModalError;
+use super::settings::ModalSettings;
 use super::tables::Nodes;
+use crate::problems::plate::discretisation::RitzSettings;
+use crate::problems::plate::error::PlateError;
+use crate::problems::plate::modes::Modes;
+use crate::problems::plate::orders::Orders;
+use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::tensor::Rule;
-use crate::problems::plate::{Modes, Orders, PlateError, Ritz, RitzSettings, Theory};
+use crate::problems::plate::terms::Theory;
 use faer::{Mat, Side};
 
 /// The most transverse functions tried: the eigenproblem of the next rung would take seconds.
@@ -29,7 +33,7 @@ pub(super) struct FlatModes {
 impl FlatModes {
     /// As many modes as the settings ask for. Without orders in the settings, rung after rung of the
     /// ladder of orders until two agree; with them, their modes must agree with the next rung's.
-    pub fn new(settings: &ModalSettings) -> Result<FlatModes, ModalError> {
+    pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
         let mut coarse = Rung::new(settings, orders)?;
@@ -48,7 +52,7 @@ impl FlatModes {
             if settings.plate.orders.is_some() || x * y > LARGEST_RUNG {
                 let good = (0..asked)
                     .take_while(|&k| coarse.error(&fine, k + 1) <= settings.mode_accuracy);
-                return Err(ModalError::Accuracy {
+                return Err(PlateError::Accuracy {
                     modes: asked,
                     accuracy: settings.mode_accuracy,
                     error,
@@ -84,7 +88,7 @@ struct Rung {
 }
 
 impl Rung {
-    fn new(settings: &ModalSettings, orders: Orders) -> Result<Rung, ModalError> {
+    fn new(settings: &ModalSettings, orders: Orders) -> Result<Rung, PlateError> {
         let bending = RitzSettings {
             theory: Theory::Linear,
             // Bending alone: no in-plane functions are wanted, and these are the fewest.
@@ -93,7 +97,7 @@ impl Rung {
         };
         let mut plate = Ritz::new(bending)?;
         let (aspect, count) = (settings.plate.aspect, settings.modes + BEYOND);
-        let modes = plate.flat_modes(aspect, settings.nu, count).map_err(PlateError::from)?;
+        let modes = plate.flat_modes(aspect, settings.nu, count)?;
         Ok(Rung { plate, modes })
     }
 
@@ -110,7 +114,7 @@ impl Rung {
     /// Chooses among modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending order.
     /// The eigenproblem leaves their combination to rounding; a supported square plate's become
     /// (1,3), (3,1). Signs are such that the first of some moments that is not zero is positive.
-    fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, ModalError> {
+    fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, PlateError> {
         let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
         let rules = bending.model.product_rules();
         let nodes =

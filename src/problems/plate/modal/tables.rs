@@ -1,6 +1,6 @@
 //! Modes at the nodes of tensor rules.
 
-use crate::problems::plate::Ritz;
+use crate::problems::plate::ritz::Ritz;
 use crate::problems::plate::tensor::Rule;
 
 /// Modes at nodes, all modes of one node together.

@@ -1,12 +1,12 @@
 //! Small vibrations about an equilibrium, in the modes of the flat plate.
 
-use super::{Modal, Projected};
+use super::model::{Modal, Projected};
+use crate::core::dense::Dense;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{LeftDomain, ZeroProblem};
-use crate::problems::plate::modes::{Modes, extreme};
+use crate::problems::plate::modes::{Eigenproblem, Modes, extreme};
 use crate::problems::plate::tensor::dot;
-use crate::problems::plate::vibration::{Lowest, Vibrates, lowest_general, lowest_symmetric};
-use faer::{Mat, Side};
+use crate::problems::plate::vibration::{Lowest, Vibrates};
 use nalgebra::DMatrix;
 
 impl Modal {
@@ -26,23 +26,15 @@ impl Modal {
         };
         match &self.projected {
             Projected::Direct(_) => {
-                let stiffness = self.stiffness(z, p);
-                let n = z.len();
-                let matrix = Mat::from_fn(n, n, |i, k| stiffness[(i, k)]);
-                let eigen = matrix.self_adjoint_eigen(Side::Lower).map_err(|_| none())?;
-                let lowest = 0..count.min(n);
-                Ok(Modes {
-                    squares: lowest.clone().map(|mode| eigen.S()[mode]).collect(),
-                    shapes: lowest
-                        .map(|mode| positive((0..n).map(|i| eigen.U()[(i, mode)]).collect()))
-                        .collect(),
-                })
+                let modes = Eigenproblem::new(self.mass(z)).solved(&self.stiffness(z, p));
+                Ok(modes.ok_or_else(none)?.lowest(count))
             }
             Projected::Multiplied(_) => {
                 let vectors = self.lowest(z, p).ok_or_else(none)?;
                 let square = self.frequency_squared(z, p, &vectors);
                 let norm = vectors.right.iter().map(|c| c * c).sum::<f64>().sqrt();
-                let shape = positive(vectors.right.iter().map(|c| c / norm).collect());
+                let scale = extreme(vectors.right.iter().copied()).signum() / norm;
+                let shape = vectors.right.iter().map(|c| scale * c).collect();
                 let mut modes = Modes { squares: vec![square], shapes: vec![shape] };
                 modes.squares.truncate(count);
                 modes.shapes.truncate(count);
@@ -51,18 +43,17 @@ impl Modal {
         }
     }
 
-    fn stiffness(&self, z: &[f64], p: &[f64]) -> DMatrix<f64> {
-        let mut entries = vec![0.0; z.len() * z.len()];
-        self.assemble(z, p, &mut entries);
-        DMatrix::from_vec(z.len(), z.len(), entries)
+    /// The model as a system, with `F_z` assembled from tables.
+    pub fn into_system(self) -> Dense<Modal> {
+        Dense::new(self).tabulated(Modal::assemble)
     }
 
     /// `∂r/∂z`, one column after the other.
-    pub(super) fn assemble(&self, z: &[f64], p: &[f64], out: &mut [f64]) {
+    fn assemble(&self, z: &[f64], p: &[f64], out: &mut [f64]) {
         let plate = self.parameters(p);
         match &self.projected {
             Projected::Direct(direct) => {
-                direct.stiffness(&self.linear, z, &plate, self.grid.largest(z).0, out);
+                direct.stiffness(&self.linear, z, &plate, self.on_grid(z).0, out);
             }
             Projected::Multiplied(multiplied) => {
                 multiplied.stiffness(&self.linear, z, &plate, out);
@@ -72,15 +63,19 @@ impl Modal {
 }
 
 impl Vibrates for Modal {
-    fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
-        let stiffness = self.stiffness(z, p);
+    fn mass(&self, z: &[f64]) -> Vec<f64> {
         match &self.projected {
-            Projected::Direct(_) => {
-                let mass = DMatrix::identity(z.len(), z.len());
-                lowest_symmetric(&stiffness, &mass, self.linear.squares[0])
-            }
-            Projected::Multiplied(multiplied) => lowest_general(&stiffness, &multiplied.mass(z)),
+            Projected::Direct(_) => DMatrix::identity(z.len(), z.len()),
+            Projected::Multiplied(multiplied) => multiplied.mass(z),
         }
+        .as_slice()
+        .into()
+    }
+
+    fn stiffness(&self, z: &[f64], p: &[f64]) -> Vec<f64> {
+        let mut entries = vec![0.0; z.len() * z.len()];
+        self.assemble(z, p, &mut entries);
+        entries
     }
 
     fn inertia<T: Scalar>(&self, z: &[T], Lowest { left, right }: &Lowest) -> T {
@@ -89,11 +84,4 @@ impl Vibrates for Modal {
             Projected::Multiplied(multiplied) => multiplied.inertia(z, left, right),
         }
     }
-}
-
-/// The sign that makes the largest coefficient positive.
-fn positive(mut shape: Vec<f64>) -> Vec<f64> {
-    let sign = extreme(shape.iter().copied()).signum();
-    shape.iter_mut().for_each(|c| *c *= sign);
-    shape
 }

@@ -1,23 +1,50 @@
 //! The two projections of eq. 3.12 on the sines.
 
-use super::SinePlate;
+use super::airy::{self, Airy};
 use super::basis::{Grid, LARGEST, row, wave};
 use crate::core::scalar::Scalar;
-use crate::problems::plate::Parameters;
+use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::dot;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-impl SinePlate {
+/// The sines of a plate: their couplings, and their values at the nodes of a quadrature.
+#[derive(Clone, Debug)]
+pub(super) struct Sines {
+    /// `((m−1)/2, (n−1)/2)`.
+    pub modes: Vec<(usize, usize)>,
+    /// Absent from linear theory.
+    pub airy: Option<Airy>,
+    pub grid: Grid,
+    /// Whether edges that do not move stretch the deflected plate.
+    pub held: bool,
+}
+
+impl Sines {
+    /// `Σ z_i sin m_iπξ sin n_iπη`.
+    pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
+        self.modes.iter().zip(z).fold(T::zero(), |sum, (&(k, l), &z)| {
+            sum + z * ((wave(k) * x).sin() * (wave(l) * y).sin())
+        })
+    }
+
+    /// `(κp_x, κp_y)` between edges that do not move, eqs. 3.22–3.23.
+    pub fn held_tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
+        if !self.held {
+            return [T::zero(); 2];
+        }
+        airy::edge_tension(&self.modes, z, [plate.gap_ratio, plate.aspect, plate.nu])
+    }
+
     /// `(κp_x − P_x, κp_y − P_y/α²)`: what multiplies `w_ξξ` and `w_ηη`, the uniform part of the
     /// in-plane forces.
-    pub(super) fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
+    fn tension<T: Scalar>(&self, z: &[T], plate: &Parameters<T>) -> [T; 2] {
         let [x, y] = self.held_tension(z, plate);
         [x - plate.compression_x, y - plate.compression_y / (plate.aspect * plate.aspect)]
     }
 
     /// `ω_mn = π²(m² + n²/α²)`, of the flat plate without forces in its plane.
-    pub(super) fn flat_frequency<T: Scalar>((k, l): (usize, usize), aspect: T) -> T {
+    pub fn flat_frequency<T: Scalar>((k, l): (usize, usize), aspect: T) -> T {
         (aspect * aspect).recip() * wave(l).powi(2) + wave(k).powi(2)
     }
 
@@ -27,7 +54,7 @@ impl SinePlate {
     }
 
     /// `r_i = ∫∫ φ_i [L(w) − κΦ(w,F) − pressure − λ/(1−w)²]`: all exact but the electrostatic load.
-    pub(super) fn direct<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
+    pub fn direct<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         let [tension_x, tension_y] = self.tension(z, plate);
         for ((&mode, &z), r) in self.modes.iter().zip(z).zip(r.iter_mut()) {
             let (k, l) = mode;
@@ -60,7 +87,7 @@ impl SinePlate {
 
     /// `r_i = ∫∫ φ_i {(1−w)² [L(w) − κΦ(w,F) − pressure] − λ}`, eq. 3.26 without its tensors: the
     /// trigonometric polynomial is integrated at points enough to be exact to rounding.
-    pub(super) fn multiplied<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
+    pub fn multiplied<T: Scalar>(&self, z: &[T], plate: &Parameters<T>, r: &mut [T]) {
         for (&mode, r) in self.modes.iter().zip(r.iter_mut()) {
             *r = -plate.load * Self::mean(mode);
         }
@@ -102,7 +129,7 @@ impl SinePlate {
     }
 
     /// `∫∫ φ_ℓ φ_r (1−w)²` for two fields given by their coefficients: the inertia of eq. 3.26.
-    pub(super) fn multiplied_inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
+    pub fn inertia<T: Scalar>(&self, z: &[T], left: &[f64], right: &[f64]) -> T {
         let grid = &self.grid;
         let mut sum = T::zero();
         for y in 0..grid.points.len() {
@@ -119,8 +146,8 @@ impl SinePlate {
         sum
     }
 
-    /// The matrix of [`multiplied_inertia`](Self::multiplied_inertia): `∫∫ φ_i φ_j (1−w)²`.
-    pub(super) fn multiplied_mass(&self, z: &[f64]) -> DMatrix<f64> {
+    /// The matrix of [`inertia`](Self::inertia): `∫∫ φ_i φ_j (1−w)²`.
+    pub fn mass(&self, z: &[f64]) -> DMatrix<f64> {
         let grid = &self.grid;
         let count = grid.points.len();
         let scaled = DMatrix::from_fn(count * count, 1, |point, _| {
@@ -138,7 +165,7 @@ impl SinePlate {
     }
 
     /// The largest deflection at the quadrature points and the centre, and where: `(w, x, y)`.
-    pub(super) fn largest(&self, z: &[f64]) -> (f64, f64, f64) {
+    pub fn largest(&self, z: &[f64]) -> (f64, f64, f64) {
         let grid = &self.grid;
         let mut largest = (self.deflection(z, 0.5, 0.5), 0.5, 0.5);
         for y in 0..grid.points.len() {
@@ -174,8 +201,8 @@ impl<T: Scalar> Line<T> {
     }
 
     /// The line through point `y` of the grid.
-    fn cut(&mut self, plate: &SinePlate, y: usize, z: &[T], bending: &[T], stress: &[T]) {
-        let (modes, grid) = (&plate.modes, &plate.grid);
+    fn cut(&mut self, sines: &Sines, y: usize, z: &[T], bending: &[T], stress: &[T]) {
+        let (modes, grid) = (&sines.modes, &sines.grid);
         let (in_y, slope_in_y) = (grid.sines(y), grid.cosines(y));
         self.w = row(modes, z, |l| in_y[l]);
         self.w_y = row(modes, z, |l| slope_in_y[l] * wave(l));

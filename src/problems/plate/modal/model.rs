@@ -1,0 +1,228 @@
+//! A plate in its own flat modes as a [`ZeroProblem`].
+
+use super::projection::{Direct, Linear, Multiplied};
+use super::settings::{MOST_MODES, ModalSettings};
+use super::spectrum::FlatModes;
+use super::tables::Nodes;
+use crate::core::scalar::Scalar;
+use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
+use crate::problems::plate::discretisation::LARGEST_DEFLECTION;
+use crate::problems::plate::error::PlateError;
+use crate::problems::plate::modes::signed_root;
+use crate::problems::plate::parameters::Parameters;
+use crate::problems::plate::ritz::Ritz;
+use crate::problems::plate::shape::{self, Search};
+use crate::problems::plate::tensor::{Rule, dot};
+use crate::problems::plate::terms::Projection;
+use crate::problems::plate::vibration::{Vibrates, reals};
+use crate::problems::plate::{domain, monitors, profile};
+
+/// How far `α` and `ν` may be from those of the modes, relatively: rounding of `b/a`.
+const SAME: f64 = 1e-12;
+
+/// A plate in `N` of its flat modes.
+///
+/// A [`ZeroProblem`] with the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
+/// parameters of [`Units`](crate::problems::plate::Units) and the monitors of [all plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
+/// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the source's
+/// method, the equation is multiplied by `(1−w)²` before it is projected.
+///
+/// ```
+/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::problems::plate::modal::{Modal, ModalSettings};
+/// let one_mode = ModalSettings { modes: 1, ..ModalSettings::new("CCCC".parse()?) };
+/// let plate = Modal::new(one_mode)?;
+/// assert!((plate.frequencies()[0] - 35.985191115).abs() < 1e-6);
+/// let branch = Continuation::of(&mut plate.into_system())
+///     .at("aspect", 1.0)
+///     .at("nu", 0.3)
+///     .at("gap_ratio", 1.0)
+///     .along("load", 0.0..=400.0)
+///     .bound("max_deflection", 0.0..=0.9)
+///     .trace()?;
+/// let pull_in = branch.of_kind(Kind::LP).next().map(|fold| fold.parameters[0]);
+/// assert!((pull_in.unwrap_or_default() - 191.3655).abs() < 1e-4); // 191.9151 with all modes
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Modal {
+    settings: ModalSettings,
+    plate: Ritz,
+    /// Coefficients of the modes in the unknowns of `plate`.
+    shapes: Vec<Vec<f64>>,
+    pub(super) linear: Linear,
+    pub(super) projected: Projected,
+    /// The modes at the nodes on which the largest deflection is searched.
+    search: Nodes,
+    places: [Rule; 2],
+}
+
+pub(super) enum Projected {
+    Direct(Box<Direct>),
+    Multiplied(Multiplied),
+}
+
+impl Modal {
+    /// Finds the flat plate's modes and condenses its response in the plane.
+    ///
+    /// # Errors
+    /// [`PlateError`] for a number of modes or an accuracy out of range, for modes that do not
+    /// meet the accuracy, and for a plate that cannot be set up.
+    pub fn new(settings: ModalSettings) -> Result<Modal, PlateError> {
+        let (modes, accuracy) = (settings.modes, settings.mode_accuracy);
+        PlateError::check("modes", modes, [1, MOST_MODES])?;
+        if !(1e-12..=0.1).contains(&accuracy) {
+            return Err(PlateError::AccuracyRange { accuracy });
+        }
+        let mut flat = FlatModes::new(&settings)?;
+        let linear = Linear::new(&settings, &flat);
+        let projected = match settings.projection {
+            Projection::Direct => Projected::Direct(Box::new(Direct::new(&settings, &mut flat)?)),
+            Projection::Multiplied => Projected::Multiplied(Multiplied::new(&settings, &mut flat)?),
+        };
+        let FlatModes { plate, shapes, .. } = flat;
+        let places = plate.model.symmetric.map(|symmetric| {
+            let nodes = shape::search_nodes(symmetric);
+            Rule { weights: vec![0.0; nodes.len()], nodes }
+        });
+        let search = Nodes::new(&plate, &shapes, &places, settings.plate.aspect);
+        Ok(Modal { settings, plate, shapes, linear, projected, search, places })
+    }
+
+    /// `ω_i a²√(ρh/D)` of the modes of the flat plate, ascending.
+    pub fn frequencies(&self) -> Vec<f64> {
+        self.linear.squares.iter().map(|square| signed_root(*square)).collect()
+    }
+
+    /// `Σ z_i φ_i`, the deflection over the gap that coefficients `z` (a solution's unknowns, or a
+    /// mode's) describe, at a point of the plate: `x` and `y` from 0 to 1 along the sides.
+    ///
+    /// ```
+    /// use tangency::problems::plate::modal::{Modal, ModalSettings};
+    /// let plate = Modal::new(ModalSettings { modes: 1, ..ModalSettings::new("SSSS".parse()?) })?;
+    /// // φ = 2 sin πx sin πy has mean square 1.
+    /// assert!((plate.deflection(&[0.1], 0.5, 1.0 / 6.0) - 0.1_f64).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
+        let mut values = vec![0.0; self.shapes.len()];
+        self.modes_at([x, y], &mut values);
+        dot(z, &values)
+    }
+
+    /// `φ_i` of all modes at a point.
+    fn modes_at(&self, [x, y]: [f64; 2], out: &mut [f64]) {
+        let mut products = vec![0.0; self.plate.model.unknowns()];
+        let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
+        shape::products(&self.plate.model, at, &mut Default::default(), &mut products);
+        for (out, shape) in out.iter_mut().zip(&self.shapes) {
+            *out = dot(shape, &products);
+        }
+    }
+
+    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
+    pub fn centre_line(&self, z: &[f64], points: usize) -> Vec<(f64, f64)> {
+        self.plate.centre_line(&self.coefficients(z), points)
+    }
+
+    /// `Σ z_i φ_i` in the unknowns of the plate that the modes are taken from.
+    fn coefficients(&self, z: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.plate.model.unknowns()];
+        for (shape, z) in self.shapes.iter().zip(z) {
+            sum.iter_mut().zip(shape).for_each(|(sum, c)| *sum += z * c);
+        }
+        sum
+    }
+
+    pub(super) fn parameters<T: Scalar>(&self, p: &[T]) -> Parameters<T> {
+        self.settings.plate.units.parameters(p)
+    }
+
+    /// The largest deflection at the nodes searched and its `ξ`, `ζ`; not a number if any is not.
+    pub(super) fn on_grid(&self, z: &[f64]) -> (f64, [f64; 2]) {
+        let deflections = self.search.values.chunks_exact(z.len()).map(|values| dot(z, values));
+        let (k, largest) = shape::highest(deflections);
+        let [x, y] = &self.places;
+        (largest, [x.nodes[k / y.len()], y.nodes[k % y.len()]])
+    }
+
+    /// The largest deflection and where it is, along the sides from 0 to 1.
+    fn largest(&self, z: &[f64]) -> [f64; 3] {
+        let (best, [xi, zeta]) = self.on_grid(z);
+        let model = &self.plate.model;
+        let held = model.symmetric;
+        let (w, xi, zeta) = if best.is_nan() || (held == [true; 2] && xi == 0.0 && zeta == 0.0) {
+            (best, xi, zeta)
+        } else {
+            Search::new(model).largest(model, &self.coefficients(z))
+        };
+        [w, 0.5 + 0.5 * xi, 0.5 + 0.5 * zeta]
+    }
+
+    /// Refuses parameters without meaning, or other than those of the modes.
+    fn check_parameters(&self, p: &[f64]) -> Result<(), LeftDomain> {
+        let settings = &self.settings;
+        let plate = domain::parameters(settings.plate.units, p)?;
+        let fixed =
+            [("aspect", plate.aspect, settings.plate.aspect), ("nu", plate.nu, settings.nu)];
+        for (name, value, of_modes) in fixed {
+            if (value - of_modes).abs() > SAME * of_modes.abs() {
+                let remedy = format!(
+                    "the modes belong to {of_modes}; hold it there, make the modal model anew, or use \
+                     the full model to vary it"
+                );
+                return Err(LeftDomain::new(name, value, remedy));
+            }
+        }
+        self.plate.model.check_shear(plate.shear)
+    }
+}
+
+impl ZeroProblem for Modal {
+    fn names(&self) -> Names {
+        monitors::names(self.settings.plate.units, self.shapes.len())
+    }
+
+    /// At the aspect ratio and Poisson's ratio of the modes.
+    fn defaults(&self) -> Vec<f64> {
+        let ModalSettings { plate, nu, .. } = self.settings;
+        plate.units.defaults_at(plate.aspect, nu)
+    }
+
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        let plate = self.parameters(p);
+        match &self.projected {
+            Projected::Direct(direct) => {
+                let largest = self.on_grid(&reals(z)).0;
+                direct.residual(&self.linear, z, &plate, largest, r);
+            }
+            Projected::Multiplied(multiplied) => multiplied.residual(&self.linear, z, &plate, r),
+        }
+    }
+
+    fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
+        let [_, x, y] = self.largest(&reals(z));
+        let deflections = [self.deflection(z, 0.5, 0.5), self.deflection(z, x, y)];
+        let flat = T::constant(signed_root(self.linear.squares[0]));
+        let frequencies = [self.frequency(z, p), flat];
+        monitors::fill(self.settings.plate.units, p, deflections, frequencies, values);
+    }
+
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+        self.check_parameters(p)?;
+        // Polynomials need no limit but contact; the load is integrated to ten digits up to the other.
+        let limit = match self.settings.projection {
+            Projection::Direct => LARGEST_DEFLECTION,
+            Projection::Multiplied => 1.0,
+        };
+        domain::clear(self.on_grid(z).0, limit)
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        self.settings.projection.dynamics()
+    }
+
+    /// The deflection and the first mode shape along the centre line.
+    fn profiles(&self, z: &[f64], p: &[f64]) -> Vec<Profile> {
+        profile::with_lowest_mode(self, z, p, |z, x| self.deflection(z, x, 0.5))
+    }
+}
