@@ -2,7 +2,7 @@
 
 use super::RobustnessError;
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Method, Shooting};
+use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Shooting};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::field::{Forcing, VectorField};
 use crate::core::newton::NewtonError;
@@ -42,10 +42,7 @@ const DIGITS: f64 = 1e-9;
 const HONEST: f64 = 10.0;
 
 /// The branch over the amplitude, from a guess that is off by some hundredths.
-fn judged<M: Method + Clone + 'static>(
-    system: Result<BoundarySystem<M>, BoundaryError>,
-    multiplier: f64,
-) -> Found {
+fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Found {
     let mut system = match system {
         Ok(system) => system,
         Err(cause) => return Found::reported("no such mesh", cause),

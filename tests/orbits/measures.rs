@@ -102,7 +102,7 @@ fn value(system: &mut dyn System, x: &[f64], name: &str) -> f64 {
     values[names.monitor(name).unwrap()]
 }
 
-fn by_both(orbit: &HybridOrbit) -> (BoundarySystem<Collocation>, BoundarySystem<Shooting>) {
+fn by_both(orbit: &HybridOrbit) -> (BoundarySystem, BoundarySystem) {
     let fine = vec![Mesh::uniform(60 * orbit.itinerary().periods)];
     let collocation = BoundarySystem::new(orbit.clone(), Collocation::new(7).unwrap(), fine);
     let shooting = BoundarySystem::new(orbit.clone(), Shooting::default(), vec![Mesh::uniform(1)]);

@@ -15,9 +15,9 @@
 
 mod basis;
 
+use super::erased::Number;
 use super::interpolation::lagrange;
-use super::method::left_domain;
-use super::{Block, Interval, Method, Number, Watchlist};
+use super::interval::{Block, Interval, Watchlist, left_domain};
 use crate::core::chunk::{parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
@@ -179,14 +179,18 @@ impl Collocation {
     }
 }
 
-impl Method for Collocation {
-    type Work<T: Scalar> = CollocationWork<T>;
-
-    fn places(&self) -> &[f64] {
+/// The method's part of [`Method`](super::Method), where everything is explained.
+impl Collocation {
+    /// The places of the nodes in an interval.
+    pub fn places(&self) -> &[f64] {
         &self.basis.nodes
     }
 
-    fn residual<T: Number>(
+    /// The residual of an interval.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut CollocationWork<T>,
@@ -217,23 +221,31 @@ impl Method for Collocation {
         Ok(())
     }
 
-    fn value<T: Number>(
-        &self,
-        interval: Interval<T>,
-        place: f64,
-        _work: &mut CollocationWork<T>,
-        x: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    /// The states at a place in an interval (from 0 to 1).
+    pub fn value<T: Number>(&self, interval: Interval<T>, place: f64, x: &mut [T]) {
         let count = self.basis.nodes.len();
         let mut coefficients = [0.0; MOST_POINTS + 1];
         for (j, coefficient) in coefficients[..count].iter_mut().enumerate() {
             *coefficient = lagrange(&self.basis.nodes, j, place);
         }
         combine(&coefficients[..count], interval.nodes, x);
-        Ok(())
     }
 
-    fn linearise(
+    /// As [`Method::trajectory`](super::Method).
+    pub(super) fn trajectory(
+        &self,
+        interval: Interval<f64>,
+        count: usize,
+        visit: &mut dyn FnMut(f64, &[f64]),
+    ) {
+        let mut x = vec![0.0; interval.nodes.len() / self.basis.nodes.len()];
+        for place in (0..count).map(|k| k as f64 / count as f64) {
+            self.value(interval, place, &mut x);
+            visit(place, &x);
+        }
+    }
+
+    pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
         active: &[usize],
@@ -247,8 +259,13 @@ impl Method for Collocation {
         }
     }
 
-    fn extrema(
-        &mut self,
+    /// What is watched in an interval, by its number, at places from 0 to 1; and the residual, where that is
+    /// asked for.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    pub fn extrema(
+        &self,
         interval: Interval<f64>,
         watched: Watchlist,
         residual: Option<&mut [f64]>,
@@ -282,28 +299,28 @@ impl Method for Collocation {
     }
 
     /// At the Gauss points: integrals have the order that states have at the ends of intervals.
-    fn quadrature<T: Number>(
+    pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut CollocationWork<T>,
         visit: &mut dyn FnMut(T, T, &[T]),
-    ) -> Result<(), LeftDomain> {
+    ) {
         let (duration, h) = (interval.duration(), interval.length());
         work.x.resize(interval.nodes.len() / self.basis.nodes.len(), T::zero());
         for (c, (place, weight)) in self.basis.gauss.iter().zip(&self.basis.weights).enumerate() {
             combine(self.basis.row(&self.basis.values, c), interval.nodes, &mut work.x);
             visit(duration * (h * weight), duration * (interval.span.start + h * place), &work.x);
         }
-        Ok(())
     }
 
-    fn error_constant(&self) -> Option<f64> {
-        Some(self.basis.error_constant)
+    /// The largest value of `|P|`.
+    pub fn error_constant(&self) -> f64 {
+        self.basis.error_constant
     }
 
-    fn finer(&self) -> Option<(Self, usize)> {
-        let finest = Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() };
-        Some((finest, 2))
+    /// As many points as there may be, on half the intervals' length.
+    pub(crate) fn finer(&self) -> (Self, usize) {
+        (Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() }, 2)
     }
 }
 

@@ -4,9 +4,8 @@ mod lookout;
 mod variation;
 
 use super::erased::Number;
-use super::method::{Block, Interval, Method, Watchlist};
+use super::interval::{Block, Interval, Watchlist};
 use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
-use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 use lookout::{Lookout, Search};
 use std::ops::ControlFlow;
@@ -134,16 +133,12 @@ fn times<T: Number>(interval: &Interval<T>) -> (T, T) {
     (duration * interval.span.start, duration * interval.length())
 }
 
-impl Method for Shooting {
-    type Work<T: Scalar> = Flow<T>;
-
-    fn places(&self) -> &[f64] {
-        &[0.0, 1.0]
-    }
-
-    const EXTREMA_WITH_RESIDUAL: bool = true;
-
-    fn residual<T: Number>(
+impl Shooting {
+    /// The residual of an interval.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut Flow<T>,
@@ -157,7 +152,11 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn value<T: Number>(
+    /// The states at a place in an interval (from 0 to 1).
+    ///
+    /// # Errors
+    /// As [`residual`](Self::residual).
+    pub fn value<T: Number>(
         &self,
         interval: Interval<T>,
         place: f64,
@@ -170,7 +169,7 @@ impl Method for Shooting {
     }
 
     /// From the dense output of one flow.
-    fn trajectory(
+    pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
         count: usize,
@@ -197,16 +196,12 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn linearise(
-        &mut self,
-        interval: Interval<f64>,
-        active: &[usize],
-        block: Block,
-    ) -> Result<(), LeftDomain> {
-        self.linearise_watching(interval, active, block, Watchlist::default(), &mut |_, _, _| {})
-    }
-
-    fn linearise_watching(
+    /// The residual of an interval with its derivatives by the nodes and by the active components of `q`, and
+    /// with what [`extrema`](Self::extrema) visits.
+    ///
+    /// # Errors
+    /// As [`residual`](Self::residual).
+    pub fn linearise(
         &mut self,
         interval: Interval<f64>,
         active: &[usize],
@@ -215,7 +210,7 @@ impl Method for Shooting {
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         if !(watched.is_empty() || self.settings.scheme.is_explicit()) {
-            self.linearise(interval, active, block)?;
+            self.linearise(interval, active, block, Watchlist::default(), visit)?;
             return self.extrema(interval, watched, None, visit);
         }
         let n = interval.nodes.len() / 2;
@@ -239,12 +234,18 @@ impl Method for Shooting {
         flowed.and_then(|()| growth(block.nodes, n))
     }
 
-    fn allow(&mut self, error: f64) -> bool {
+    /// As [`Method::allow`](super::Method).
+    pub(super) fn allow(&mut self, error: f64) -> bool {
         self.allowed = error;
         error > 0.0
     }
 
-    fn extrema(
+    /// What is watched in an interval, by its number, at places from 0 to 1; and the residual, where that is
+    /// asked for.
+    ///
+    /// # Errors
+    /// As [`residual`](Self::residual).
+    pub fn extrema(
         &mut self,
         interval: Interval<f64>,
         watched: Watchlist,
@@ -272,7 +273,7 @@ impl Method for Shooting {
     }
 
     /// By dense output in every step of one flow.
-    fn quadrature<T: Number>(
+    pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut Flow<T>,
@@ -289,13 +290,14 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn finer(&self) -> Option<(Self, usize)> {
+    /// A hundredth of the tolerance, as far as rounding allows; `None` there.
+    pub fn finer(&self) -> Option<Self> {
         // A power of ten remains one.
         let digits = (1.0 / self.settings.relative).round();
         let tolerance = (1.0 / (100.0 * digits)).max(SMALLEST_TOLERANCE);
         let ratio = tolerance / self.settings.relative;
         let absolute = self.settings.absolute * ratio;
         let settings = Settings { relative: tolerance, absolute, ..self.settings };
-        (ratio < 1.0).then(|| (Shooting { settings, ..Shooting::default() }, 1))
+        (ratio < 1.0).then(|| Shooting { settings, ..Shooting::default() })
     }
 }

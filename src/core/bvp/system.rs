@@ -83,8 +83,8 @@ const MOST_REFINEMENTS: usize = 5;
 /// assert!((fold.parameters[0] - 3.51383071912516).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct BoundarySystem<M: Method> {
-    equations: Discretised<M>,
+pub struct BoundarySystem {
+    equations: Discretised,
     names: Names,
     linearisation: Linearisation,
     factors: [Factorisation; 2],
@@ -102,15 +102,15 @@ pub struct BoundarySystem<M: Method> {
     trial: (f64, f64),
     /// The sign of the leading coefficient of the multipliers' polynomial.
     orientation: f64,
-    plain: Work<f64, M>,
+    plain: Work<f64>,
     /// Where `plain` holds the accurate residual; empty if it is none.
     evaluated: Vec<f64>,
-    first: Work<Dual64, M>,
-    second: Work<HyperDual64, M>,
-    third: Work<HyperHyperDual64, M>,
-    chunk: Passes<Chunk, M>,
-    nested: Passes<Dual<Chunk>, M>,
-    nested_twice: Passes<Dual2<Chunk>, M>,
+    first: Work<Dual64>,
+    second: Work<HyperDual64>,
+    third: Work<HyperHyperDual64>,
+    chunk: Passes<Chunk>,
+    nested: Passes<Dual<Chunk>>,
+    nested_twice: Passes<Dual2<Chunk>>,
     /// Monitors that are positive on admissible solutions.
     grazings: Vec<usize>,
     /// Components of `q` by which a gradient is taken.
@@ -121,17 +121,17 @@ pub struct BoundarySystem<M: Method> {
     refinements: usize,
 }
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The system of a problem on one mesh for each segment.
     ///
     /// # Errors
     /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit together.
     pub fn new(
         problem: impl IntoEquations,
-        method: M,
+        method: impl Into<Method>,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let equations = Discretised::new(problem.into_equations(), method, meshes)?;
+        let equations = Discretised::new(problem.into_equations(), method.into(), meshes)?;
         let Discretised { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.numbers()).collect();
         let names = names_of(&**problem, method, layout);
@@ -301,7 +301,7 @@ impl<M: Method> BoundarySystem<M> {
 
 /// Names of unknowns, parameters and monitors. States of several segments that share a name are told
 /// apart by the segment's number.
-fn names_of<M: Method>(problem: &dyn Equations, method: &M, layout: &Layout) -> Names {
+fn names_of(problem: &dyn Equations, method: &Method, layout: &Layout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();
     for (s, states) in segments.iter().enumerate() {

@@ -107,7 +107,7 @@ impl LocalOrbit {
     ///
     /// # Errors
     /// [`BoundaryError`] if there is no iterate.
-    pub fn system(self) -> Result<BoundarySystem<Shooting>, BoundaryError> {
+    pub fn system(self) -> Result<BoundarySystem, BoundaryError> {
         let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
         // Any method is exact where nothing moves.
         BoundarySystem::new(self, Shooting::default(), meshes)

@@ -2,7 +2,7 @@
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
-use crate::core::bvp::{BoundarySystem, Equations, Method, Residual};
+use crate::core::bvp::{BoundarySystem, Equations, Residual};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
 use crate::core::hybrid::{guard_scale, rate, time_scale};
@@ -135,8 +135,8 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn at<M: Method>(
-        orbits: &mut BoundarySystem<M>,
+    pub fn at(
+        orbits: &mut BoundarySystem,
         state: &[f64],
         parameters: &[f64],
     ) -> Result<Self, GrazingError> {

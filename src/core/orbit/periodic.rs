@@ -37,7 +37,7 @@ pub fn by_collocation<F: VectorField + 'static>(
     field: F,
     intervals: usize,
     method: Collocation,
-) -> Result<BoundarySystem<Collocation>, BoundaryError> {
+) -> Result<BoundarySystem, BoundaryError> {
     discretised(field, intervals, method)
 }
 
@@ -68,7 +68,7 @@ pub fn by_shooting<F: VectorField + 'static>(
     field: F,
     segments: usize,
     method: Shooting,
-) -> Result<BoundarySystem<Shooting>, BoundaryError> {
+) -> Result<BoundarySystem, BoundaryError> {
     discretised(field, segments, method)
 }
 
@@ -102,21 +102,21 @@ pub fn by_shooting<F: VectorField + 'static>(
 /// # Errors
 /// [`EvaluationError`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
 /// domain of its field.
-pub fn from_cycle<M: Method + Clone + 'static>(
+pub fn from_cycle(
     system: impl HybridEquations + 'static,
     cycle: &Cycle,
     p: &[f64],
-    method: M,
+    method: impl Into<Method>,
     intervals: usize,
-) -> Result<(BoundarySystem<M>, Vec<f64>), EvaluationError> {
+) -> Result<(BoundarySystem, Vec<f64>), EvaluationError> {
     HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
 }
 
-fn discretised<F: VectorField + 'static, M: Method>(
-    field: F,
+fn discretised(
+    field: impl VectorField + 'static,
     intervals: usize,
-    method: M,
-) -> Result<BoundarySystem<M>, BoundaryError> {
+    method: impl Into<Method>,
+) -> Result<BoundarySystem, BoundaryError> {
     if intervals == 0 {
         return Err(BoundaryError::NoIntervals { segment: 0 });
     }

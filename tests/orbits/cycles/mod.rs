@@ -13,10 +13,7 @@ use tangency::core::orbit::{Smooth, by_collocation, by_shooting};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::Names;
 
-pub fn collocated(
-    field: impl VectorField + 'static,
-    intervals: usize,
-) -> BoundarySystem<Collocation> {
+pub fn collocated(field: impl VectorField + 'static, intervals: usize) -> BoundarySystem {
     by_collocation(field, intervals, collocation(4)).unwrap()
 }
 
@@ -36,14 +33,11 @@ pub fn cycle_of(
     search.find(&mut flow, HybridState { mode: 0, time: 0.0, x: start.to_vec() }, p)
 }
 
-pub fn shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem<Shooting> {
+pub fn shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem {
     by_shooting(field, segments, Shooting::default()).unwrap()
 }
 
-pub fn precisely_shot(
-    field: impl VectorField + 'static,
-    segments: usize,
-) -> BoundarySystem<Shooting> {
+pub fn precisely_shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem {
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     by_shooting(field, segments, method).unwrap()
 }

@@ -3,10 +3,10 @@
 use super::carry::Onto;
 use super::layout::Layout;
 use super::{BoundarySystem, MOST_INTERVALS};
-use crate::core::bvp::{BoundaryError, Mesh, Method};
+use crate::core::bvp::{BoundaryError, Mesh};
 use crate::core::zero::LeftDomain;
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The estimated error of a solution that its mesh causes: the largest of any state anywhere, in units of
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///

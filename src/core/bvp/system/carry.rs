@@ -3,7 +3,7 @@
 use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
 use crate::core::bvp::interpolation::lagrange;
-use crate::core::bvp::{Mesh, Method, Number};
+use crate::core::bvp::{Mesh, Number};
 use crate::core::zero::LeftDomain;
 
 /// The nodes on which a solution is wanted.
@@ -47,11 +47,11 @@ impl Transfer {
     }
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// The states at a place in an interval, at the arguments of `work`.
     pub fn value<T: Number>(
         &self,
-        work: &mut Work<T, M>,
+        work: &mut Work<T>,
         (segment, interval): (usize, usize),
         place: f64,
         out: &mut [T],
@@ -93,7 +93,7 @@ impl<M: Method> Discretised<M> {
         argument: impl Fn(usize) -> T,
         mut put: impl FnMut(usize, T),
     ) -> Result<(), LeftDomain> {
-        let mut work: Work<T, M> = Work::new(&self.layout);
+        let mut work: Work<T> = Work::new(&self.layout);
         work.load(&self.layout, argument);
         for (s, j) in onto.layout.intervals() {
             let (span, n) = (span(onto.meshes, s, j), onto.layout.segments[s].states);

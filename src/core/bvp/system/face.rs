@@ -5,7 +5,7 @@ use super::equations::Discretised;
 use super::factorisation::Form;
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::{Mesh, Method};
+use crate::core::bvp::Mesh;
 use crate::core::chunk::Chunk;
 use crate::core::condition::EvaluationError;
 use crate::core::motion::Oscillation;
@@ -19,7 +19,7 @@ use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 /// converges, not where to.
 const GRADIENT: f64 = 1e-8;
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -59,7 +59,7 @@ impl<M: Method> BoundarySystem<M> {
     }
 }
 
-impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
+impl System for BoundarySystem {
     fn names(&self) -> &Names {
         &self.names
     }

@@ -49,9 +49,9 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub fn new<M: Method>(
+    pub fn new(
         problem: &dyn Equations,
-        method: &M,
+        method: &Method,
         meshes: &[Mesh],
     ) -> Result<Self, BoundaryError> {
         let names = problem.segments();

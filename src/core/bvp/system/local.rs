@@ -2,7 +2,7 @@
 
 use super::equations::{Discretised, Local};
 use super::layout::Layout;
-use crate::core::bvp::{Method, Number};
+use crate::core::bvp::Number;
 use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -32,14 +32,14 @@ impl Dependence<'_> {
 }
 
 /// Arguments and values of a part of the equations, kept so that nothing is allocated twice.
-pub(super) struct Passes<T: Scalar, M: Method> {
+pub(super) struct Passes<T: Scalar> {
     pub unknowns: Vec<T>,
     pub q: Vec<T>,
     pub r: Vec<T>,
-    pub local: Local<T, M>,
+    pub local: Local<T>,
 }
 
-impl<T: Scalar, M: Method> Passes<T, M> {
+impl<T: Scalar> Passes<T> {
     pub fn new(layout: &Layout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
         let most = each.max(layout.boundary).max(layout.integrals);
@@ -88,12 +88,12 @@ pub(super) struct Weighted<'a, T> {
     pub take: fn(&T) -> Chunk,
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// Adds the gradient of a weighted sum of all left sides to `out` (as long as `x`).
     pub fn add_gradient<T: Number>(
         &self,
         weighted: &Weighted<T>,
-        passes: &mut Passes<T, M>,
+        passes: &mut Passes<T>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let layout = &self.layout;
@@ -134,13 +134,13 @@ impl<T: Scalar> Weighted<'_, T> {
     }
 
     /// Adds the gradient of one part of the equations.
-    fn add<M: Method>(
+    fn add(
         &self,
         layout: &Layout,
         dependence: Dependence,
-        passes: &mut Passes<T, M>,
+        passes: &mut Passes<T>,
         out: &mut [f64],
-        mut evaluate: impl FnMut(&mut Passes<T, M>) -> Result<Chunk, LeftDomain>,
+        mut evaluate: impl FnMut(&mut Passes<T>) -> Result<Chunk, LeftDomain>,
     ) -> Result<(), LeftDomain> {
         let directions = dependence.len();
         for start in (0..directions).step_by(CHUNK) {

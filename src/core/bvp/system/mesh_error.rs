@@ -18,7 +18,6 @@
 
 use super::equations::{Discretised, Work};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::Method;
 use crate::core::chunk::Chunk;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -31,7 +30,7 @@ pub(super) struct LargestError {
     pub error: f64,
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// The largest estimated error; `None` if the method has none, or all states vanish.
     pub fn largest_error(&self, nodes: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
@@ -110,8 +109,8 @@ impl<M: Method> Discretised<M> {
     pub fn add_error_gradient(
         &mut self,
         x: &[f64],
-        work: &Work<f64, M>,
-        passes: &mut Passes<Chunk, M>,
+        work: &Work<f64>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let Some(LargestError { segment, state, interval, .. }) = self.largest_error(&work.nodes)

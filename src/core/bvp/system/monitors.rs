@@ -4,8 +4,9 @@ use super::equations::{Discretised, Work, gather_ends};
 use super::extremes::Sighting;
 use super::layout::span;
 use super::local::{Dependence, Passes};
+use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
-    EndFunctions, Ends, Equations, Interval, Method, Monitor, Number, WatchNumber, Watched,
+    EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
 };
 use crate::core::chunk::{CHUNK, Chunk, parts};
 use crate::core::measure::Integral;
@@ -21,11 +22,11 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 /// A scalar at a place, with the factor by which it counts.
 type Term = (Watched, Sighting, f64);
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// The values of all monitors at the arguments of `work`.
     pub fn evaluate_monitors(
         &mut self,
-        work: &mut Work<f64, M>,
+        work: &mut Work<f64>,
         values: &mut [f64],
     ) -> Result<(), LeftDomain> {
         for (monitor, value) in values.iter_mut().enumerate() {
@@ -38,7 +39,7 @@ impl<M: Method> Discretised<M> {
     pub fn evaluate_monitor(
         &mut self,
         monitor: usize,
-        work: &mut Work<f64, M>,
+        work: &mut Work<f64>,
     ) -> Result<f64, LeftDomain> {
         self.watch_for(monitor, work)?;
         Ok(match self.monitors.get(monitor) {
@@ -62,18 +63,14 @@ impl<M: Method> Discretised<M> {
     }
 
     /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
-    pub fn check_ends(&self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+    pub fn check_ends(&self, work: &mut Work<f64>) -> Result<(), LeftDomain> {
         gather_ends(&self.layout, &work.nodes, &mut work.ends);
         let (start, end) = work.ends.split_at(self.layout.states);
         self.problem.check_ends(Ends { start, end }, &work.q)
     }
 
     /// Finds the extremes, if a monitor asks for them.
-    pub(super) fn watch_for(
-        &mut self,
-        monitor: usize,
-        work: &Work<f64, M>,
-    ) -> Result<(), LeftDomain> {
+    pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), LeftDomain> {
         match self.monitors.get(monitor) {
             None | Some(Monitor::Duration | Monitor::Ends(_) | Monitor::Integral(..)) => Ok(()),
             Some(_) => self.find_extremes(&work.nodes, &work.q, None),
@@ -86,8 +83,8 @@ impl<M: Method> Discretised<M> {
         &mut self,
         monitor: usize,
         (x, numbers): (&[f64], &[usize]),
-        work: &mut Work<f64, M>,
-        passes: &mut Passes<Chunk, M>,
+        work: &mut Work<f64>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         self.watch_for(monitor, work)?;
@@ -138,7 +135,7 @@ impl<M: Method> Discretised<M> {
         &self,
         integral: Integral,
         watched: &[Watched],
-        work: &mut Work<f64, M>,
+        work: &mut Work<f64>,
     ) -> Result<[f64; 2], LeftDomain> {
         let Work { nodes, q, local, .. } = work;
         let mut sum = 0.0;
@@ -155,7 +152,7 @@ impl<M: Method> Discretised<M> {
         integral: Integral,
         watched: &[Watched],
         interval: Interval<T>,
-        work: &mut M::Work<T>,
+        work: &mut MethodWork<T>,
     ) -> Result<T, LeftDomain> {
         let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
         self.method.quadrature(interval, work, &mut |weight, t, x| {
@@ -172,7 +169,7 @@ impl<M: Method> Discretised<M> {
         integral: Integral,
         watched: &[Watched],
         (x, numbers): (&[f64], &[usize]),
-        (work, passes): (&mut Work<f64, M>, &mut Passes<Chunk, M>),
+        (work, passes): (&mut Work<f64>, &mut Passes<Chunk>),
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let [sum, time] = self.sum_and_time(integral, watched, work)?;
@@ -280,7 +277,7 @@ impl<M: Method> Discretised<M> {
         segment: usize,
         (interval, place): (usize, f64),
         observables: [Observable; 2],
-        work: &mut Work<f64, M>,
+        work: &mut Work<f64>,
     ) -> Result<[Dual64; 2], LeftDomain> {
         let n = self.layout.segments[segment].states;
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
@@ -306,7 +303,7 @@ impl<M: Method> Discretised<M> {
         (segment, sighting): (usize, Sighting),
         ([through, value], ratio): ([Observable; 2], f64),
         at: (&[f64], &[usize]),
-        passes: &mut Passes<Chunk, M>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let watched = |observable| Watched { segment, observable };
@@ -320,7 +317,7 @@ impl<M: Method> Discretised<M> {
         &self,
         (watched, sighting, factor): &Term,
         (x, numbers): (&[f64], &[usize]),
-        passes: &mut Passes<Chunk, M>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let (layout, segment) = (&self.layout, watched.segment);
@@ -342,9 +339,9 @@ impl<M: Method> Discretised<M> {
         &self,
         dependence: Dependence,
         x: &[f64],
-        passes: &mut Passes<Chunk, M>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
-        mut function: impl FnMut(&mut Passes<Chunk, M>) -> Result<Chunk, LeftDomain>,
+        mut function: impl FnMut(&mut Passes<Chunk>) -> Result<Chunk, LeftDomain>,
     ) -> Result<(), LeftDomain> {
         for start in (0..dependence.len()).step_by(CHUNK) {
             passes.load(&self.layout, dependence, start, x, |_, seeded| seeded);

@@ -11,10 +11,10 @@
 //! chains of intervals are condensed in real arithmetic as they are; only what is left of them, a small
 //! dense matrix, is complex for `μ = e^{iω}`.
 
+use super::BoundarySystem;
 use super::factorisation::{Factorisation, Form};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
-use super::{BoundarySystem, Method};
 use crate::core::bvp::{Number, Unknown};
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::motion::Oscillation;
@@ -142,7 +142,7 @@ impl Rotating {
     }
 }
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
     /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever multiplying them
     /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
@@ -372,7 +372,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl<M: Method> Oscillation for BoundarySystem<M> {
+impl Oscillation for BoundarySystem {
     fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
         self.rotating.factor(&self.equations.layout, &self.linearisation, omega, column, row)
     }

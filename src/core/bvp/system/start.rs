@@ -27,7 +27,7 @@ impl From<BoundaryError> for EvaluationError {
     }
 }
 
-impl<M: Method + Clone + 'static> BoundarySystem<M> {
+impl BoundarySystem {
     /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses accuracy. A
     /// solution of another method is carried over to this mesh.
     pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, EvaluationError> {
@@ -193,7 +193,7 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         )))
     }
 
-    /// A solution saved on other meshes, by a method with `degree` nodes an interval, on this one's.
+    /// A solution saved on other meshes, by a method with `degree` nodes an interval beyond its first, on this one's.
     fn resampled(
         &self,
         solution: &Solution,
@@ -202,27 +202,19 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     ) -> Result<Vec<f64>, EvaluationError> {
         let problem = self.problem().clone();
         let x = [&solution.state[..], &solution.parameters[..]].concat();
-        if degree == 1 {
-            self.sampled_from(BoundarySystem::new(problem, Shooting::default(), meshes)?, &x)
-        } else {
-            let method =
-                Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
-            self.sampled_from(BoundarySystem::new(problem, method, meshes)?, &x)
-        }
-    }
-
-    /// A solution `x = (z, p)` of another system of the same problem, as this one has it.
-    fn sampled_from<N: Method + Clone + 'static>(
-        &self,
-        mut from: BoundarySystem<N>,
-        x: &[f64],
-    ) -> Result<Vec<f64>, EvaluationError> {
+        let method = match degree {
+            1 => Method::from(Shooting::default()),
+            _ => {
+                Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?.into()
+            }
+        };
+        let mut from = BoundarySystem::new(problem, method, meshes)?;
         let layout = &from.equations.layout;
         let extras = &x[layout.values()..layout.dimension];
         let mut outcome = Ok(());
         let z = self.sampled(extras, |segment, tau, out| {
             if outcome.is_ok() {
-                match from.states(x, segment, tau) {
+                match from.states(&x, segment, tau) {
                     Ok(states) => out.copy_from_slice(&states),
                     Err(cause) => outcome = Err(cause),
                 }
@@ -301,12 +293,12 @@ impl<P: IntoEquations> Birth<P> {
     ///
     /// # Errors
     /// [`EvaluationError`] if there is no interval, or where a trajectory leaves the domain of its field.
-    pub fn discretised<M: Method + Clone + 'static>(
+    pub fn discretised(
         self,
         p: &[f64],
-        method: M,
+        method: impl Into<Method>,
         intervals: usize,
-    ) -> Result<(BoundarySystem<M>, Vec<f64>), EvaluationError> {
+    ) -> Result<(BoundarySystem, Vec<f64>), EvaluationError> {
         let Birth { problem, starts, extras } = self.erased();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         let system = BoundarySystem::new(problem, method, meshes)?;
