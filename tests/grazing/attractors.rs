@@ -125,7 +125,7 @@ fn maps_that_are_left_say_so() {
     let refused = Iterated::of(map.clone(), &["frequency".into()], &[]);
     assert!(matches!(refused.err(), Some(GrazingError::Parameter { .. })));
     let refused = Iterated::of(map.clone(), &["voltage".into()], &["depth".into()]);
-    assert!(matches!(refused.err(), Some(GrazingError::NoMeasure { .. })));
+    assert!(matches!(refused.err(), Some(GrazingError::NoMeasure(_))));
     let mut iterated = Iterated::of(map, &["voltage".into()], &[]).unwrap();
     let left = iterated.advance(&mut at(&[0.5, 0.9]), &[grazing + 3.0]).unwrap_err();
     assert!(

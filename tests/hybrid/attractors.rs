@@ -301,10 +301,10 @@ proptest! {
 #[test]
 fn plans_without_meaning_are_refused() {
     let refused = |plan: &Plan| plan.check().unwrap_err();
-    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing { what: "a count" });
+    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing("a count"));
     let mut grid = plan(Order::Up, 1, 3);
     grid.axes.push(grid.axes[0]);
-    assert_eq!(refused(&grid), PlanError::Followed { axes: 2 });
+    assert_eq!(refused(&grid), PlanError::Followed(2));
     grid.order = Order::Anew;
     assert_eq!((grid.runs(), grid.check()), (9, Ok(())));
     grid.axes[0].high = f64::NAN;

@@ -1,8 +1,8 @@
 //! Where an attractor is lost.
 
-use super::StroboscopicMap;
 use super::error::StroboscopicError;
 use super::search::{Attractor, AttractorSearch};
+use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::HybridState;
 
 /// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves it for good.

@@ -4,6 +4,7 @@ use crate::core::hybrid::HybridError;
 
 /// Why a motion cannot be followed period by period.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StroboscopicError {
     /// The hybrid motion ends.
     #[error(transparent)]

@@ -1,34 +1,31 @@
 //! The largest Lyapunov exponent.
 
-use super::StroboscopicMap;
 use super::error::StroboscopicError;
+use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::HybridState;
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::zero::Border;
 use num_dual::Dual64;
-use std::ops::ControlFlow;
 
 /// A largest Lyapunov exponent, per period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponent {
     /// The exponent; `−∞` where motion forgets its past completely.
     pub value: f64,
-    /// Its standard error: of the means of [`BATCHES`](Exponent::BATCHES) batches, or, of a periodic motion, what
-    /// the last improvement of the orbit has changed.
+    /// Its standard error: of the means of 20 batches, or, of a periodic motion, what the last improvement of the
+    /// orbit has changed.
     pub error: f64,
 }
 
-impl Exponent {
-    /// The number of batches from whose means the standard error is computed.
-    pub const BATCHES: usize = 20;
-}
+/// The number of batches from whose means the standard error is computed.
+const BATCHES: usize = 20;
 
 /// The growth of a tangent vector, period by period, from which the exponent is found.
 pub(super) struct Growth {
     /// The periods in a batch. The vector turns into the direction of fastest growth in one more batch before.
     batch: usize,
     periods: usize,
-    means: [f64; Exponent::BATCHES],
+    means: [f64; BATCHES],
     /// The tangent vector has vanished.
     forgotten: bool,
 }
@@ -36,12 +33,12 @@ pub(super) struct Growth {
 impl Growth {
     /// The growth over a number of periods.
     pub fn over(periods: usize) -> Self {
-        let batch = periods.div_ceil(Exponent::BATCHES).max(1);
-        Growth { batch, periods: 0, means: [0.0; Exponent::BATCHES], forgotten: false }
+        let batch = periods.div_ceil(BATCHES).max(1);
+        Growth { batch, periods: 0, means: [0.0; BATCHES], forgotten: false }
     }
 
-    /// Takes in a tangent vector after a period, and gives it the length 1. Ends with the last period.
-    pub fn push(&mut self, x: &mut [Dual64]) -> ControlFlow<()> {
+    /// Takes in a tangent vector after a period, and gives it the length 1; false with the last period.
+    pub fn push(&mut self, x: &mut [Dual64]) -> bool {
         let growth = normalised(x);
         self.forgotten = growth == 0.0;
         if let Some(k) = self.periods.checked_sub(self.batch)
@@ -50,10 +47,7 @@ impl Growth {
             *mean += growth.ln() / self.batch as f64;
         }
         self.periods += 1;
-        match self.forgotten || self.periods >= (Exponent::BATCHES + 1) * self.batch {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        !self.forgotten && self.periods < (BATCHES + 1) * self.batch
     }
 
     /// The exponent.
@@ -61,7 +55,7 @@ impl Growth {
         if self.forgotten {
             return Exponent { value: f64::NEG_INFINITY, error: 0.0 };
         }
-        let count = Exponent::BATCHES as f64;
+        let count = BATCHES as f64;
         let value = self.means.iter().sum::<f64>() / count;
         let squares = self.means.iter().map(|mean| (mean - value).powi(2));
         let variance = squares.sum::<f64>() / (count - 1.0);

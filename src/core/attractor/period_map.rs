@@ -2,7 +2,7 @@
 
 use super::error::StroboscopicError;
 use super::period::{Period, Recorder, Recording};
-use super::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};
+use super::stroboscopic::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};
 use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{

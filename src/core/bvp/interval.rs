@@ -1,7 +1,7 @@
 //! Intervals of meshes with their data, and the equations and scalars that belong to them.
 
 use super::erased::{Equations, Number, Watching};
-use super::problem::Watched;
+use super::terms::Watched;
 use crate::core::scalar_field::FieldRef;
 use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
@@ -46,6 +46,12 @@ impl<'a, T: Number> Interval<'a, T> {
     /// The duration of its segment.
     pub fn duration(&self) -> T {
         T::residual(self.problem).duration_in(self.span.segment, self.q)
+    }
+
+    /// The time at which it starts, and its length in time.
+    pub(super) fn times(&self) -> (T, T) {
+        let duration = self.duration();
+        (duration * self.span.start, duration * self.length())
     }
 }
 

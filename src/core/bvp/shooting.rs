@@ -103,7 +103,7 @@ fn flow_to<T: Number>(
     place: f64,
     x: &mut [T],
 ) -> Result<(), LeftDomain> {
-    let (start, length) = times(&interval);
+    let (start, length) = interval.times();
     let field = interval.field();
     flow.advance(&field, start, length * place, x, interval.q)?;
     Ok(())
@@ -125,12 +125,6 @@ fn growth(nodes: &[f64], n: usize) -> Result<(), LeftDomain> {
         verdict: "leaves no digit of its end",
         remedy: "take more segments, or collocation".into(),
     })
-}
-
-/// The time at which an interval starts, and its length in time.
-fn times<T: Number>(interval: &Interval<T>) -> (T, T) {
-    let duration = interval.duration();
-    (duration * interval.span.start, duration * interval.length())
 }
 
 impl Shooting {
@@ -181,7 +175,7 @@ impl Shooting {
         let Settings { relative, absolute, .. } = self.settings;
         let (relative, absolute) = (relative.max(DRAWN), absolute.max(DRAWN));
         work.settings = Settings { relative, absolute, ..self.settings };
-        let (start, length) = times(&interval);
+        let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {
             let (start, end) = step.span();
@@ -261,7 +255,7 @@ impl Shooting {
         lookout.end(&interval, 0.0, left);
         x.clear();
         x.extend_from_slice(left);
-        let (start, length) = times(&interval);
+        let (start, length) = interval.times();
         let field = interval.field();
         plain
             .observe(&field, start, length, x, interval.q, |step| lookout.real(&interval, step))?;
@@ -281,7 +275,7 @@ impl Shooting {
     ) -> Result<(), LeftDomain> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         work.settings = self.present();
-        let (start, length) = times(&interval);
+        let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {
             step.quadrature(1.0, &mut *visit);

@@ -13,9 +13,10 @@ mod mesh_error;
 mod monitors;
 mod periodic;
 mod profiles;
+mod rotating;
 mod start;
 
-use super::erased::Stated;
+use super::stated::Stated;
 use super::{BoundaryError, BoundaryProblem, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
@@ -25,7 +26,7 @@ use layout::Layout;
 use linearisation::Linearisation;
 use local::Passes;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
-use periodic::Rotating;
+use rotating::Rotating;
 use std::any::Any;
 use std::sync::Arc;
 

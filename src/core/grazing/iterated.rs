@@ -1,12 +1,13 @@
 //! The local map as a motion that is looked at once in every period.
 
 use super::error::GrazingError;
-use super::iteration::Buffers;
+use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::attractor::{EventRecord, Layout, Period, StroboscopicError, StroboscopicMap};
 use crate::core::hybrid::{HybridState, Mode};
 use crate::core::measure::Measure;
 use num_dual::Dual64;
+use std::sync::Arc;
 
 /// Beyond this deviation a polynomial in deviations means nothing.
 const MOST: f64 = 1.0;
@@ -42,13 +43,13 @@ const IMPACT: usize = 0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Iterated {
-    map: LocalMap,
+    map: Arc<LocalMap>,
     /// The positions of the map's parameters among all, and their deviations.
     positions: Vec<usize>,
     p: Vec<f64>,
     layout: Layout,
-    real: Buffers<f64>,
-    dual: Buffers<Dual64>,
+    real: Iteration<Arc<LocalMap>, f64>,
+    dual: Iteration<Arc<LocalMap>, Dual64>,
     /// Parameters on dual numbers.
     fixed: Vec<Dual64>,
 }
@@ -64,16 +65,13 @@ impl Iterated {
         parameters: &[String],
         measures: &[String],
     ) -> Result<Self, GrazingError> {
-        let position = |name: &String| {
-            let found = parameters.iter().position(|known| known == name);
-            let (name, known) = (name.clone(), parameters.join(", "));
-            found.ok_or(GrazingError::Parameter { name, known })
-        };
+        let position = |name: &String| GrazingError::position(name, parameters);
         let positions = map.parameters().iter().map(position).collect::<Result<_, _>>()?;
         if let Some(name) = measures.iter().find(|name| *name != Measure::PENETRATION) {
-            return Err(GrazingError::NoMeasure { name: name.clone() });
+            return Err(GrazingError::NoMeasure(name.clone()));
         }
         let order = map.space().order();
+        let map = Arc::new(map);
         Ok(Iterated {
             positions,
             p: Vec::new(),
@@ -82,8 +80,8 @@ impl Iterated {
                 events: vec!["impact".into()],
                 measures: measures.to_vec(),
             },
-            real: Buffers::new(order),
-            dual: Buffers::new(order),
+            real: Iteration::new(map.clone(), order),
+            dual: Iteration::new(map.clone(), order),
             fixed: Vec::new(),
             map,
         })
@@ -104,7 +102,7 @@ impl Iterated {
     /// The image of a state in its place, and the penetration before.
     fn image(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<f64, StroboscopicError> {
         self.load(p);
-        let penetration = self.real.apply(&self.map, &mut state.x, &self.p);
+        let penetration = self.real.apply(&mut state.x, &self.p);
         self.check(&state.x)?;
         Ok(penetration)
     }
@@ -156,10 +154,10 @@ impl StroboscopicMap for Iterated {
         p: &[f64],
     ) -> Result<(), StroboscopicError> {
         self.load(p);
-        let Iterated { map, dual, fixed, .. } = self;
+        let Iterated { dual, fixed, p, .. } = self;
         fixed.clear();
-        fixed.extend(self.p.iter().map(|p| Dual64::from(*p)));
-        dual.apply(map, &mut state.x, fixed);
+        fixed.extend(p.iter().map(|p| Dual64::from(*p)));
+        dual.apply(&mut state.x, fixed);
         let real: Vec<f64> = state.x.iter().map(|x| x.re).collect();
         self.check(&real)
     }

@@ -1,6 +1,5 @@
 //! Fixed and periodic points of local maps, as a boundary-value problem.
 
-use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::bvp::{
     Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh,
@@ -171,7 +170,7 @@ impl BoundaryProblem for LocalOrbit {
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         let (n, count) = (self.size(), self.impacts.len());
         let p = &self.deviations(q);
-        let mut iteration: Iteration<T> = self.map.iteration_to(self.order);
+        let mut iteration = self.map.iteration_to::<T>(self.order);
         for (k, (x, impact, extra)) in self.points(ends.end, q).enumerate() {
             let next = (k + 1) % count;
             let rows = n * next..n * (next + 1);
@@ -181,7 +180,8 @@ impl BoundaryProblem for LocalOrbit {
                 iteration.apply_regular(&z, p, &mut b[rows.clone()]);
                 x[self.map.normal()] - entry
             } else {
-                iteration.apply_smooth(x, p, &mut b[rows.clone()]);
+                b[rows.clone()].copy_from_slice(x);
+                iteration.apply_smooth(&mut b[rows.clone()], p);
                 iteration.penetration(x, p) + extra
             };
             for i in rows {

@@ -21,13 +21,6 @@ pub struct Found {
     pub crisis: Option<[f64; 2]>,
 }
 
-impl Found {
-    /// The state from which the next run of its strand goes on.
-    fn end(&self) -> Option<HybridState<f64>> {
-        self.attractor.as_ref().ok().map(|attractor| attractor.end.clone())
-    }
-}
-
 /// Sees a run that is done; the sweep may be ended.
 pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
 
@@ -160,7 +153,7 @@ impl<'m> Batch<'_, 'm> {
                 let crisis = outcome.as_ref().ok().and_then(|(_, crisis)| *crisis);
                 let attractor = outcome.map(|(attractor, _)| attractor);
                 let found = Found { run, values: self.plan.values(run), attractor, crisis };
-                *before = found.end();
+                *before = found.attractor.as_ref().ok().map(|found| found.end.clone());
                 if sender.send(found).is_err() {
                     return;
                 }

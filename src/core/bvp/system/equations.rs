@@ -2,14 +2,12 @@
 
 use super::extremes::Extremes;
 use super::layout::{Layout, span};
-use super::mesh_error::highest_derivative;
-use crate::core::bvp::interpolation::lagrange;
+use crate::core::bvp::interpolation::{highest_derivative, node_weights};
 use crate::core::bvp::interval::left_domain;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     BoundaryError, Ends, Equations, Interval, Mesh, Method, Monitor, Number, Span,
 };
-use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::zero::LeftDomain;
@@ -343,18 +341,4 @@ pub(super) fn gather_ends<T: Scalar>(layout: &Layout, nodes: &[T], ends: &mut [T
         start[place.clone()].copy_from_slice(&nodes[s.values..s.values + s.states]);
         end[place].copy_from_slice(&nodes[last..last + s.states]);
     }
-}
-
-/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their Lagrange
-/// polynomials.
-fn node_weights(places: &[f64]) -> Vec<f64> {
-    let (points, weights) = gauss_legendre(places.len());
-    let integral = |j: usize| -> f64 {
-        points
-            .iter()
-            .zip(&weights)
-            .map(|(y, w)| 0.5 * w * lagrange(places, j, 0.5 * (1.0 + y)))
-            .sum()
-    };
-    (0..places.len()).map(integral).collect()
 }

@@ -13,6 +13,7 @@
 
 use super::layout::Layout;
 use super::linearisation::Linearisation;
+use crate::core::bvp::Unknown;
 use crate::core::linear::{BorderedLu, Chain};
 use crate::core::zero::{Border, Singular};
 
@@ -336,5 +337,18 @@ impl Factorisation {
     pub fn determinant_sign(&self) -> f64 {
         self.chains.iter().map(Chain::determinant_sign).product::<f64>()
             * self.lu.determinant_sign()
+    }
+}
+
+/// What becomes of integral and phase conditions.
+pub(super) fn form_of(layout: &Layout) -> Form {
+    if layout.closes() { Form::Twisted } else { Form::Jacobian }
+}
+
+/// The column of an unknown in the rows of boundary conditions, and in the dense matrix.
+pub(super) fn column_of(layout: &Layout, unknown: Unknown) -> usize {
+    match unknown {
+        Unknown::Start(i) => i,
+        Unknown::Extra(e) => 2 * layout.states + e,
     }
 }

@@ -168,13 +168,3 @@ impl Discretised {
         1.1 * self.meshes[segment].integral(density) * (2.0 * constant / tolerance).powf(exponent)
     }
 }
-
-/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of the
-/// polynomial through them.
-pub(super) fn highest_derivative(places: &[f64]) -> Vec<f64> {
-    let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
-    let product = |j: usize| -> f64 {
-        (0..places.len()).filter(|i| *i != j).map(|i| places[j] - places[i]).product()
-    };
-    (0..places.len()).map(|j| factorial / product(j)).collect()
-}
