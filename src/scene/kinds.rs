@@ -185,7 +185,7 @@ impl Model for Hybrid {
                 reason: cause.to_string(),
             })?,
         };
-        let orbits = watched(settings, HybridOrbit::shared(self.0.clone(), itinerary));
+        let orbits = watched(settings, HybridOrbit::of(self.0.clone(), itinerary));
         settings.discretisation().system(orbits)
     }
 

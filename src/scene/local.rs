@@ -181,7 +181,7 @@ fn grazing_point(
     branch: &Branch,
     special: &SpecialPoint,
 ) -> Result<GrazingPoint, GrazingError> {
-    let orbit = HybridOrbit::shared(system.clone(), Itinerary::smooth(0, 1));
+    let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1));
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
         .map_err(EvaluationError::from)?;
     let solution = Solution {

@@ -38,11 +38,7 @@ impl Orbit<'_> {
 
     /// The state at the end of a leg.
     fn end(&self, leg: usize) -> Result<Vec<f64>, GrazingError> {
-        let modes = self.problem.system().modes();
-        let sizes = |legs: &[Leg]| legs.iter().map(|leg| modes[leg.mode].states.len()).sum();
-        let first: usize = sizes(&self.legs()[..leg]);
-        let size: usize = sizes(&self.legs()[leg..=leg]);
-        let mut x = self.starts[first..first + size].to_vec();
+        let mut x = self.starts[self.problem.of_leg(leg)].to_vec();
         let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
         Flow::<f64>::default()
             .advance(&field, 0.0, self.times().1[leg], &mut x, self.q)

@@ -3,15 +3,13 @@
 use super::hybrid::HybridOrbit;
 use super::itinerary::Itinerary;
 use crate::core::bvp::{
-    Birth, EndFunctions, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown,
-    Watched, Watches,
+    Birth, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown, Watched, Watches,
 };
 use crate::core::condition::EvaluationError;
 use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, MeasureNumber};
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
 use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
-use num_dual::Dual;
 use std::sync::Arc;
 
 impl IntoEquations for HybridOrbit {
@@ -74,17 +72,6 @@ impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
             Observable::State(i) => x[i],
             Observable::Function(function) => self.function_on(segment, function, t, x, q),
         }
-    }
-}
-
-impl<T> EndFunctions<T> for HybridOrbit
-where
-    T: EventNumber + MeasureNumber,
-    Dual<T>: FieldNumber + GuardNumber,
-    Dual<Dual<T>>: GuardNumber,
-{
-    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        self.number(function, ends, q)
     }
 }
 

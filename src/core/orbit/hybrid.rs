@@ -4,7 +4,9 @@ use super::itinerary::{Itinerary, Leg};
 use super::smooth::Smooth;
 use crate::core::bvp::Ends;
 use crate::core::field::VectorField;
-use crate::core::hybrid::{EventNumber, Guard, GuardNumber, HybridEquations, MeasureNumber, Mode};
+use crate::core::hybrid::{
+    EventNumber, Guard, GuardNumber, HybridEquations, HybridSystem, MeasureNumber, Mode,
+};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
 use std::sync::Arc;
@@ -36,22 +38,36 @@ pub struct HybridOrbit {
     /// Where the states of each leg begin among those of all legs, and their number at the end.
     pub(super) places: Vec<usize>,
     /// Whether the penetration is recorded.
-    penetration: bool,
+    pub(super) penetration: bool,
+}
+
+/// What orbits belong to: a [`HybridSystem`], or one that is shared.
+pub trait IntoHybrid {
+    /// The system behind its object-safe face.
+    fn into_hybrid(self) -> Arc<dyn HybridEquations>;
+}
+
+impl<S: HybridSystem + 'static> IntoHybrid for S {
+    fn into_hybrid(self) -> Arc<dyn HybridEquations> {
+        Arc::new(self)
+    }
+}
+
+impl IntoHybrid for Arc<dyn HybridEquations> {
+    fn into_hybrid(self) -> Arc<dyn HybridEquations> {
+        self
+    }
 }
 
 impl HybridOrbit {
-    /// The orbits of a system with an itinerary.
-    pub fn of(system: impl HybridEquations + 'static, itinerary: Itinerary) -> Self {
-        HybridOrbit::shared(Arc::new(system), itinerary)
-    }
-
     /// The periodic orbits of a vector field, over several periods of its forcing.
     pub fn smooth_of(field: impl VectorField + 'static, periods: usize) -> Self {
         HybridOrbit::of(Smooth(field), Itinerary::smooth(0, periods))
     }
 
-    /// The orbits of a system that is shared, with an itinerary.
-    pub fn shared(system: Arc<dyn HybridEquations>, itinerary: Itinerary) -> Self {
+    /// The orbits of a system with an itinerary.
+    pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Self {
+        let system = system.into_hybrid();
         let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
         let forced = system.forcing().is_periodic();
         let mut places = vec![0];
@@ -77,14 +93,9 @@ impl HybridOrbit {
         self
     }
 
-    /// Whether the penetration is recorded.
-    pub(super) fn records_penetration(&self) -> bool {
-        self.penetration
-    }
-
     /// Orbits of the same system with another itinerary.
     pub(super) fn like(&self, itinerary: Itinerary) -> Self {
-        let orbit = HybridOrbit::shared(self.system.clone(), itinerary);
+        let orbit = HybridOrbit::of(self.system.clone(), itinerary);
         HybridOrbit { penetration: self.penetration, ..orbit }
     }
 
@@ -102,21 +113,6 @@ impl HybridOrbit {
     pub(super) fn guards_in(&self, mode: usize) -> impl Iterator<Item = usize> + '_ {
         let guards = self.guards.iter().enumerate();
         guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
-    }
-
-    /// The name of a guard.
-    pub(super) fn guard_name(&self, guard: usize) -> &str {
-        &self.guards[guard].name
-    }
-
-    /// The name of a mode.
-    pub(super) fn mode_name(&self, mode: usize) -> &str {
-        &self.modes[mode].name
-    }
-
-    /// The number of states of a mode.
-    pub(super) fn states_of(&self, mode: usize) -> usize {
-        self.modes[mode].states.len()
     }
 
     /// A function at a time since the beginning of a leg: a guard, or after all guards a monitor.
@@ -144,7 +140,7 @@ impl HybridOrbit {
     }
 
     /// The states of a leg among those of all legs.
-    pub(super) fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
+    pub(in crate::core) fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
         self.places[leg]..self.places[leg + 1]
     }
 

@@ -1,7 +1,7 @@
 //! What is recorded along branches of hybrid orbits: the system's measures, and what says where they graze.
 
 use super::hybrid::HybridOrbit;
-use crate::core::bvp::{Ends, Monitor, Watched};
+use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
     EventNumber, FieldNumber, GuardNumber, MeasureNumber, Passage, guard_scale, rate, time_scale,
     virtual_point,
@@ -33,12 +33,12 @@ impl HybridOrbit {
         let [approach, shortest, distance] = GRAZINGS.map(String::from);
         let mut monitors = vec![("period".to_string(), Monitor::Duration)];
         monitors.extend(known);
-        if !self.itinerary().is_smooth() {
+        if !self.smooth() {
             monitors.push((approach, Monitor::Ends(APPROACH)));
             monitors.push((shortest, Monitor::Ends(SHORTEST)));
         }
         let guards = self.watched_guards();
-        if self.records_penetration() {
+        if self.penetration {
             monitors.push((Measure::PENETRATION.into(), self.monitor(&Measure::Penetration)));
         }
         if !guards.is_empty() {
@@ -59,12 +59,12 @@ impl HybridOrbit {
         let (system, time) = (self.system(), time_scale(self.system(), p));
         let scale = |mode: usize| {
             let mut x = system.scales_of(mode, p);
-            x.resize(self.states_of(mode), 1.0);
+            x.resize(self.modes[mode].states.len(), 1.0);
             x.iter_mut().for_each(|x| *x *= 0.5);
             let guards = self.guards_in(mode);
             guards.map(move |guard| guard_scale(system, (guard, mode), (0.0, &x), p))
         };
-        let modes = self.itinerary().legs.iter().map(|leg| leg.mode);
+        let modes = self.legs().iter().map(|leg| leg.mode);
         let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
         match self.all_monitors().swap_remove(monitor).1 {
             Monitor::Ends(SHORTEST) => time,
@@ -91,9 +91,7 @@ impl HybridOrbit {
             Measure::Integral(integral, names) => {
                 Monitor::Integral(*integral, names.iter().flat_map(all).collect())
             }
-            Measure::Penetration if self.itinerary().is_smooth() => {
-                Monitor::Penetration(self.watched_guards())
-            }
+            Measure::Penetration if self.smooth() => Monitor::Penetration(self.watched_guards()),
             Measure::Penetration => Monitor::Ends(PENETRATION),
             Measure::Cycle(k) => Monitor::Ends(OWN + k),
         }
@@ -111,12 +109,12 @@ impl HybridOrbit {
 
     /// All guards along the legs, and whether they belong to the events that begin and end the leg.
     fn watched_guards(&self) -> Vec<(Watched, [bool; 2])> {
-        let legs = &self.itinerary().legs;
+        let legs = self.legs();
         let mut watched = Vec::new();
         for (s, leg) in legs.iter().enumerate() {
-            let entry = legs[(s + legs.len() - 1) % legs.len()].exit.map(|g| self.guard_name(g));
+            let entry = legs[(s + legs.len() - 1) % legs.len()].exit.map(|g| &self.guards[g].name);
             for guard in self.guards_in(leg.mode) {
-                let own = [entry == Some(self.guard_name(guard)), leg.exit == Some(guard)];
+                let own = [entry == Some(&self.guards[guard].name), leg.exit == Some(guard)];
                 watched.push((Watched::function(s, guard), own));
             }
         }
@@ -126,7 +124,7 @@ impl HybridOrbit {
     /// Refuses an orbit with an event that leads to another mode than the itinerary says. At an event that
     /// is tangent, or virtual, nothing can be told.
     pub(super) fn check_events(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
-        let ((p, extras), legs) = (self.split(q), &self.itinerary().legs);
+        let ((p, extras), legs) = (self.split(q), self.legs());
         for (s, leg) in legs.iter().enumerate() {
             let Some(guard) = leg.exit else { continue };
             let (x, time) =
@@ -139,15 +137,14 @@ impl HybridOrbit {
                 approach > SURE * scale / time_scale(self.system(), p)
             };
             if next != meant && sure() {
-                let (event, mode) = (self.guard_name(guard), self.mode_name(leg.mode));
+                let (event, mode) = (&self.guards[guard].name, &self.modes[leg.mode].name);
                 return Err(LeftDomain {
                     quantity: format!("the time of the event `{event}` of mode `{mode}`, leg {s},"),
                     value: time,
                     verdict: "leads to another mode than the itinerary says",
                     remedy: format!(
                         "it leads to `{}`, not to `{}`: write an itinerary that closes, or let a simulation find it",
-                        self.mode_name(next),
-                        self.mode_name(meant)
+                        self.modes[next].name, self.modes[meant].name
                     ),
                 });
             }
@@ -162,7 +159,7 @@ impl HybridOrbit {
         q: &'a [T],
     ) -> impl Iterator<Item = ((usize, usize), T, &'a [T])> + 'a {
         let durations = self.durations(self.split(q).1);
-        self.itinerary().legs.iter().enumerate().filter_map(move |(s, leg)| {
+        self.legs().iter().enumerate().filter_map(move |(s, leg)| {
             let time = self.time(s, q) + durations[s];
             Some(((leg.exit?, leg.mode), time, &ends.end[self.of_leg(s)]))
         })
@@ -187,14 +184,15 @@ impl HybridOrbit {
         });
         turn.unwrap_or_else(T::zero)
     }
+}
 
-    /// A function of the states at the ends of all legs.
-    pub(super) fn number<T>(&self, function: usize, ends: Ends<T>, q: &[T]) -> T
-    where
-        T: EventNumber + MeasureNumber,
-        Dual<T>: FieldNumber + GuardNumber,
-        Dual<Dual<T>>: GuardNumber,
-    {
+impl<T> EndFunctions<T> for HybridOrbit
+where
+    T: EventNumber + MeasureNumber,
+    Dual<T>: FieldNumber + GuardNumber,
+    Dual<Dual<T>>: GuardNumber,
+{
+    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
         let (p, extras) = self.split(q);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
@@ -211,8 +209,7 @@ impl HybridOrbit {
                     let (start, end) = (&ends.start[self.of_leg(s)], &ends.end[self.of_leg(s)]);
                     Passage { mode: leg.mode, exit: leg.exit, start, end }
                 };
-                let legs: Vec<Passage<T>> =
-                    self.itinerary().legs.iter().enumerate().map(passage).collect();
+                let legs: Vec<Passage<T>> = self.legs().iter().enumerate().map(passage).collect();
                 let periods = self.itinerary().periods;
                 self.system().measure(own - OWN, &legs, periods, p)
             }

@@ -21,7 +21,7 @@ mod measures;
 mod periodic;
 mod smooth;
 
-pub use hybrid::HybridOrbit;
+pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub use periodic::{by_collocation, by_shooting, from_cycle};
 pub use smooth::Smooth;

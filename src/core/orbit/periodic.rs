@@ -1,10 +1,10 @@
 //! Periodic orbits of vector fields, discretised.
 
-use super::hybrid::HybridOrbit;
+use super::hybrid::{HybridOrbit, IntoHybrid};
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Mesh, Method, Shooting};
 use crate::core::condition::EvaluationError;
 use crate::core::field::VectorField;
-use crate::core::hybrid::{Cycle, HybridEquations};
+use crate::core::hybrid::Cycle;
 
 /// Periodic orbits by collocation on a number of intervals.
 ///
@@ -103,7 +103,7 @@ pub fn by_shooting<F: VectorField + 'static>(
 /// [`EvaluationError`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
 /// domain of its field.
 pub fn from_cycle(
-    system: impl HybridEquations + 'static,
+    system: impl IntoHybrid,
     cycle: &Cycle,
     p: &[f64],
     method: impl Into<Method>,
