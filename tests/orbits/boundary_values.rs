@@ -218,8 +218,8 @@ fn sizes_are_checked() {
         refused(wrong(true, 0, 2, 0)).contains("return 0 (of 1, counted from 0) has no meaning")
     );
     assert!(refused(wrong(false, 0, 1, 3)).contains("state 3 on segment 0, which does not exist"));
-    assert_eq!(points(&[0.0]), Err(MeshError::Empty { points: 1 }));
-    assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start { start: 0.5 }));
+    assert_eq!(points(&[0.0]), Err(MeshError::Empty(1)));
+    assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start(0.5)));
     let order = MeshError::Order { index: 2, before: 0.5, next: 0.5 };
     assert_eq!(points(&[0.0, 0.5, 0.5, 1.0]), Err(order));
     assert!(points(&[0.0, f64::NAN]).is_err());

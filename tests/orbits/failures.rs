@@ -231,7 +231,7 @@ fn a_field_that_leaves_its_domain() {
 fn bad_input_is_refused() {
     let method = Collocation::new(4).unwrap();
     let none = by_collocation(Lure, 0, method).err().unwrap();
-    assert_eq!(none, BoundaryError::NoIntervals { segment: 0 });
+    assert_eq!(none, BoundaryError::NoIntervals(0));
     assert!(by_shooting(Lure, 0, Shooting::default()).is_err());
     let mut system = collocated(Lure, 10);
     let outcome = Continuation::of(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();

@@ -44,11 +44,8 @@ pub struct Collocation {
 
 /// A number of Gauss points out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("collocation at {points} Gauss points an interval: the number must be between 2 and 7")]
-pub struct PointsError {
-    /// The number asked for.
-    pub points: usize,
-}
+#[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
+pub struct PointsError(pub usize);
 
 /// The largest number of Gauss points: beyond it, more intervals are better than a higher degree.
 const MOST_POINTS: usize = 7;
@@ -60,7 +57,7 @@ impl Collocation {
     /// [`PointsError`] unless it is between 2 and 7.
     pub fn new(points: usize) -> Result<Self, PointsError> {
         if !(2..=MOST_POINTS).contains(&points) {
-            return Err(PointsError { points });
+            return Err(PointsError(points));
         }
         Ok(Collocation {
             basis: Basis::new(points),

@@ -86,21 +86,12 @@ pub trait Equations:
     /// The itinerary of the solutions, in words.
     fn itinerary(&self) -> String;
     /// The problem whose solutions have a saved itinerary.
-    ///
-    /// # Errors
-    /// [`EvaluationError`] if it has no meaning for this problem.
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError>;
     /// The problem of solutions of two periods, if it is another one.
     fn doubled(&self) -> Option<Arc<dyn Equations>>;
     /// The branch that emanates where a solution touches a surface.
-    ///
-    /// # Errors
-    /// [`EvaluationError`] if it cannot be determined.
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError>;
     /// Checks that each segment leads to the next one.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] with the segment's end, its time, and where it leads.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
 }
 

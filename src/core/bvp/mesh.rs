@@ -16,19 +16,14 @@ pub struct Mesh {
 
 /// Breakpoints that are no mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// There is no interval.
-    #[error("the mesh has {points} breakpoints, but needs at least 2")]
-    Empty {
-        /// The number of breakpoints.
-        points: usize,
-    },
+    #[error("the mesh has {0} breakpoints, but needs at least 2")]
+    Empty(usize),
     /// The mesh does not begin at 0.
-    #[error("the mesh begins at {start}, but must begin at 0")]
-    Start {
-        /// Where it begins.
-        start: f64,
-    },
+    #[error("the mesh begins at {0}, but must begin at 0")]
+    Start(f64),
     /// The breakpoints do not increase.
     #[error(
         "breakpoint {index} of the mesh is {next}, not above {before}: breakpoints must increase"
@@ -50,10 +45,10 @@ impl Mesh {
     /// [`MeshError`] unless they increase from 0 and are finite.
     pub fn new(points: Vec<f64>) -> Result<Self, MeshError> {
         if points.len() < 2 {
-            return Err(MeshError::Empty { points: points.len() });
+            return Err(MeshError::Empty(points.len()));
         }
         if points[0] != 0.0 {
-            return Err(MeshError::Start { start: points[0] });
+            return Err(MeshError::Start(points[0]));
         }
         let rises = |k: &usize| points[k - 1] < points[*k] && points[*k].is_finite();
         match (1..points.len()).find(|k| !rises(k)) {
@@ -131,12 +126,7 @@ impl Mesh {
     }
 
     /// The integral of a density that is constant on each interval.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// assert_eq!(Mesh::uniform(2).integral(&[3.0, 1.0]), 2.0);
-    /// ```
-    pub fn integral(&self, density: &[f64]) -> f64 {
+    pub(super) fn integral(&self, density: &[f64]) -> f64 {
         self.lengths().zip(density).map(|(h, density)| h * density).sum()
     }
 

@@ -118,7 +118,7 @@ fn discretised(
     method: impl Into<Method>,
 ) -> Result<BoundarySystem, BoundaryError> {
     if intervals == 0 {
-        return Err(BoundaryError::NoIntervals { segment: 0 });
+        return Err(BoundaryError::NoIntervals(0));
     }
     let orbit = HybridOrbit::smooth_of(field, 1);
     BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])

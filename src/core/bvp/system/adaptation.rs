@@ -11,19 +11,6 @@ impl BoundarySystem {
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
-    ///
-    /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
-    /// # use tangency::problems::classic::Decay;
-    /// // x' = −rate·x, x(0) = 1.
-    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
-    /// x.push(1.0);
-    /// // A cubic on each of four intervals.
-    /// let error = system.error_estimate(&x);
-    /// assert!(error > 1e-6 && error < 1e-4);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.largest_error(&self.plain.nodes).map_or(0.0, |largest| largest.error)
@@ -96,6 +83,9 @@ impl BoundarySystem {
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
     /// x.push(1.0);
+    /// // A cubic on each of four intervals.
+    /// let error = system.error_estimate(&x);
+    /// assert!(error > 1e-6 && error < 1e-4);
     /// let (mut fine, x) = system.with_error(&x, 1e-6)?;
     /// assert!(fine.meshes()[0].intervals() > 4);
     /// assert!(fine.error_estimate(&x) < 1e-4);

@@ -1,11 +1,11 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
 use super::carry::Onto;
-use super::equations::Discretised;
+use super::equations::{Discretised, Work};
 use super::factorisation::Form;
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::Mesh;
+use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
 use crate::core::condition::EvaluationError;
 use crate::core::motion::Oscillation;
@@ -145,33 +145,25 @@ impl System for BoundarySystem {
                 return self.linearisation.column(&self.equations.layout, parameter, out);
             }
         }
-        self.first.load(&self.equations.layout, |i| Dual64::new(x[i], d[i]));
-        let outcome = self.equations.residual(&mut self.first);
-        write(outcome, self.first.r.iter().map(|r| r.eps), out);
+        let argument = |i: usize| Dual64::new(x[i], d[i]);
+        self.equations.derivative(&mut self.first, argument, |r| r.eps, out);
     }
 
     fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
         let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-        self.second.load(&self.equations.layout, argument);
-        let outcome = self.equations.residual(&mut self.second);
-        write(outcome, self.second.r.iter().map(|r| r.eps1eps2), out);
+        self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out);
     }
 
     fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
         let argument = |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-        self.third.load(&self.equations.layout, argument);
-        let outcome = self.equations.residual(&mut self.third);
-        write(outcome, self.third.r.iter().map(|r| r.eps1eps2eps3), out);
+        self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out);
     }
 
     fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
         self.release(released, out);
         let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
         let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.eps };
-        self.equations.method.allow(GRADIENT);
-        let outcome = self.equations.add_gradient(&weighted, &mut self.nested, out);
-        self.equations.method.allow(0.0);
-        not_a_number(outcome, out);
+        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, &mut self.nested, out));
     }
 
     fn second_gradient(
@@ -186,10 +178,8 @@ impl System for BoundarySystem {
         let make =
             |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), Chunk::from(0.0));
         let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.v2 };
-        self.equations.method.allow(GRADIENT);
-        let outcome = self.equations.add_gradient(&weighted, &mut self.nested_twice, out);
-        self.equations.method.allow(0.0);
-        not_a_number(outcome, out);
+        let passes = &mut self.nested_twice;
+        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out));
     }
 
     fn dynamics(&self) -> Dynamics {
@@ -244,12 +234,10 @@ impl System for BoundarySystem {
         let Self { equations, plain, chunk, numbers, .. } = self;
         // Where extremes are is known as well as can be.
         let watched = equations.watch_for(monitor, plain);
-        equations.method.allow(GRADIENT);
-        let outcome = watched.and_then(|()| {
+        equations.gradient(out, |equations, out| {
+            watched?;
             equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out)
         });
-        equations.method.allow(0.0);
-        not_a_number(outcome, out);
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
@@ -294,10 +282,32 @@ impl System for BoundarySystem {
     }
 }
 
-/// Writes derivatives, or that there are none.
-fn write(outcome: Result<(), LeftDomain>, values: impl Iterator<Item = f64>, out: &mut [f64]) {
-    out.iter_mut().zip(values).for_each(|(out, value)| *out = value);
-    not_a_number(outcome, out);
+impl Discretised {
+    /// A derivative of the residual, a part of it at arguments that carry directions.
+    fn derivative<T: Number>(
+        &self,
+        work: &mut Work<T>,
+        argument: impl Fn(usize) -> T,
+        part: fn(&T) -> f64,
+        out: &mut [f64],
+    ) {
+        work.load(&self.layout, argument);
+        let outcome = self.residual(work);
+        out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = part(r));
+        not_a_number(outcome, out);
+    }
+
+    /// Computes a gradient, which may err by a little.
+    fn gradient(
+        &mut self,
+        out: &mut [f64],
+        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), LeftDomain>,
+    ) {
+        self.method.allow(GRADIENT);
+        let outcome = add(self, out);
+        self.method.allow(0.0);
+        not_a_number(outcome, out);
+    }
 }
 
 /// Derivatives outside the domain are no numbers: whoever uses them refuses the point.

@@ -17,7 +17,7 @@
 //! negligible.
 
 use super::equations::{Discretised, Work};
-use super::local::{Dependence, Passes};
+use super::local::{Dependence, Passes, plain};
 use crate::core::chunk::Chunk;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -127,7 +127,7 @@ impl Discretised {
         positions
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, numbers: &[] };
-        let outcome = self.add_slopes(dependence, x, passes, out, |passes| {
+        let outcome = passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
             let size = largest * largest.re.signum();
             Ok(self.error(segment, interval, size, |k| passes.unknowns[k - first]))

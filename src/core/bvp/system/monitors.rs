@@ -3,12 +3,12 @@
 use super::equations::{Discretised, Work, gather_ends};
 use super::extremes::Sighting;
 use super::layout::span;
-use super::local::{Dependence, Passes};
+use super::local::{Dependence, Passes, plain};
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
 };
-use crate::core::chunk::{CHUNK, Chunk, parts};
+use crate::core::chunk::Chunk;
 use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
@@ -91,13 +91,13 @@ impl Discretised {
         match self.monitors.get(monitor) {
             Some(Monitor::Duration) => {
                 let dependence = Dependence { unknowns: &[], numbers };
-                self.add_slopes(dependence, x, passes, out, |passes| {
+                passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
                     Ok(self.duration(&passes.q, |_| true))
                 })
             }
             Some(Monitor::Ends(function)) => {
                 let dependence = Dependence { unknowns: &self.layout.ends, numbers };
-                self.add_slopes(dependence, x, passes, out, |passes| {
+                passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
                     Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
                 })
             }
@@ -178,14 +178,20 @@ impl Discretised {
         let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
         for (s, j) in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
             let unknowns = &self.layout.order[self.layout.interval(s, j)];
-            self.add_slopes(Dependence { unknowns, numbers }, x, passes, out, |passes| {
-                let Passes { unknowns, q, local, .. } = passes;
-                let interval = self.interval((s, j), unknowns, q);
-                Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
-            })?;
+            passes.add_gradient(
+                &self.layout,
+                Dependence { unknowns, numbers },
+                (x, &plain),
+                out,
+                |passes| {
+                    let Passes { unknowns, q, local, .. } = passes;
+                    let interval = self.interval((s, j), unknowns, q);
+                    Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
+                },
+            )?;
         }
         let dependence = Dependence { unknowns: &[], numbers };
-        self.add_slopes(dependence, x, passes, out, |passes| {
+        passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
             Ok(self.duration(&passes.q, |s| on_segment(watched, s)) * by_time)
         })
     }
@@ -324,7 +330,7 @@ impl Discretised {
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
         let dependence = Dependence { unknowns, numbers };
-        self.add_slopes(dependence, x, passes, out, |passes| {
+        passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
             let Passes { unknowns, q, local, .. } = passes;
             let (interval, x) = (self.interval(at, unknowns, q), &mut local.x[..n]);
             self.method.value(interval, sighting.place, &mut local.method, x)?;
@@ -332,25 +338,6 @@ impl Discretised {
                 interval.duration() * (interval.span.start + interval.length() * sighting.place);
             Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
         })
-    }
-
-    /// Adds the gradient of a function of some unknowns and numbers.
-    pub fn add_slopes(
-        &self,
-        dependence: Dependence,
-        x: &[f64],
-        passes: &mut Passes<Chunk>,
-        out: &mut [f64],
-        mut function: impl FnMut(&mut Passes<Chunk>) -> Result<Chunk, LeftDomain>,
-    ) -> Result<(), LeftDomain> {
-        for start in (0..dependence.len()).step_by(CHUNK) {
-            passes.load(&self.layout, dependence, start, x, |_, seeded| seeded);
-            let slopes = parts(&function(passes)?);
-            for (k, slope) in (start..dependence.len()).zip(slopes) {
-                out[dependence.position(&self.layout, k)] += slope;
-            }
-        }
-        Ok(())
     }
 }
 

@@ -26,32 +26,16 @@ impl BoundarySystem {
     /// multiplier 1 is among them.
     ///
     /// ```
-    /// use std::f64::consts::TAU;
-    /// use tangency::core::bvp::Collocation;
-    /// use tangency::core::{field::VectorField, orbit::by_collocation, scalar::Scalar};
-    /// use tangency::core::zero::{Names, System};
-    /// /// `r' = r (1 − r²), θ' = 1`: the circle r = 1 has the multipliers 1 and exp(−4π).
-    /// #[derive(Clone)]
-    /// struct Circle;
-    /// impl VectorField for Circle {
-    ///     fn names(&self) -> Names {
-    ///         Names::new(["x", "y"], ["p"])
-    ///     }
-    ///     fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-    ///         let growth = T::one() - x[0] * x[0] - x[1] * x[1];
-    ///         f[0] = growth * x[0] - x[1];
-    ///         f[1] = growth * x[1] + x[0];
-    ///     }
+    /// use tangency::core::{bvp::Collocation, orbit::by_collocation, zero::System};
+    /// use tangency::problems::mita::Block;
+    /// // At rest without a voltage: |μ|² = exp(−c T) with a damping c = 0.04 and the period T = π/ω.
+    /// let mut orbits = by_collocation(Block, 20, Collocation::new(4)?)?;
+    /// let z = orbits.sampled(&[], |_, _, x| x.fill(0.0));
+    /// orbits.assemble(&[&z[..], &[0.0, 0.5, 0.04]].concat())?;
+    /// let exact = -0.04 * std::f64::consts::PI / 0.5;
+    /// for (re, im) in orbits.multipliers()? {
+    ///     assert!(((re * re + im * im).ln() - exact).abs() < 1e-9);
     /// }
-    /// let mut orbits = by_collocation(Circle, 20, Collocation::new(4)?)?;
-    /// let z = orbits.sampled(&[TAU], |_, tau, x| {
-    ///     let (sine, cosine) = (TAU * tau).sin_cos();
-    ///     x.copy_from_slice(&[cosine, sine]);
-    /// });
-    /// orbits.assemble(&[&z[..], &[0.0]].concat())?;
-    /// let multipliers = orbits.multipliers()?;
-    /// assert!((multipliers[0].0 - 1.0).abs() < 1e-9);
-    /// assert!((multipliers[1].0 / (-2.0 * TAU).exp() - 1.0).abs() < 1e-7);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -131,17 +115,17 @@ impl BoundarySystem {
     /// in it grows.
     fn returning_multipliers(&mut self) -> Option<Spectrum> {
         let k = self.equations.layout.returns.len();
-        let mut best = f64::INFINITY;
+        // The trial multiplier, the sign of its determinant, and the size of Q.
+        let (mut trial, mut determinant, mut best) = (0.0, 1.0, f64::INFINITY);
         for mu in TRIAL_MULTIPLIERS {
             let Ok(size) = self.return_matrix(mu) else { continue };
             if size < best {
-                best = size;
+                (trial, determinant, best) = (mu, self.condensed.determinant_sign(), size);
                 let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
                 let [p, q] = &mut self.pencil;
                 p.clear();
                 p.extend(self.returned.iter().enumerate().map(|(i, q)| identity(i) - mu * q));
                 q.clone_from(&self.returned);
-                self.trial = (mu, self.condensed.determinant_sign());
             }
             if best < MODERATE {
                 break;
@@ -153,8 +137,7 @@ impl BoundarySystem {
         let [p, q] = &self.pencil;
         let found = multipliers(p, q, k);
         // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
-        let (mu, determinant) = self.trial;
-        let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (mu - re).signum() } else { 1.0 };
+        let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (trial - re).signum() } else { 1.0 };
         self.orientation = determinant * found.iter().map(factor).product::<f64>();
         Some(found)
     }
