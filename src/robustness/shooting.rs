@@ -6,7 +6,7 @@ use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Shooting};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::field::{Forcing, VectorField};
 use crate::core::newton::NewtonError;
-use crate::core::orbit::{by_collocation, by_shooting};
+use crate::core::orbit::periodic_orbits;
 use crate::core::scalar::Scalar;
 use crate::core::zero::Names;
 use crate::output::RobustnessMap;
@@ -100,11 +100,11 @@ pub(super) fn draw() -> Result<RobustnessMap, RobustnessError> {
             1 => "shooting".to_string(),
             _ => format!("{segments} segments"),
         };
-        let shooting = || by_shooting(Saddle, segments, Shooting::default());
+        let shooting = || periodic_orbits(Saddle, segments, Shooting::default());
         panel = panel.row((&name, false), &multipliers, |x| judged(shooting(), x));
     }
     panel = panel.row(("collocation", false), &multipliers, |x| match Collocation::new(4) {
-        Ok(method) => judged(by_collocation(Saddle, 40, method), x),
+        Ok(method) => judged(periodic_orbits(Saddle, 40, method), x),
         Err(cause) => Found::reported("no such method", cause),
     });
     Ok(map("shooting", vec![panel]))

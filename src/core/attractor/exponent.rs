@@ -1,8 +1,7 @@
 //! The largest Lyapunov exponent.
 
-use super::error::StroboscopicError;
 use super::stroboscopic::StroboscopicMap;
-use crate::core::hybrid::HybridState;
+use crate::core::hybrid::{HybridState, Member};
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::zero::Border;
 use num_dual::Dual64;
@@ -75,44 +74,38 @@ fn normalised(x: &mut [Dual64]) -> f64 {
     length
 }
 
-/// A state with a tangent vector.
+/// A motion with a tangent vector.
 pub(super) fn with_tangent(
-    HybridState { mode, time, x }: &HybridState<f64>,
+    Member { state: HybridState { mode, time, x }, p }: &Member<f64>,
     tangent: impl Fn(usize) -> f64,
-) -> HybridState<Dual64> {
+) -> Member<Dual64> {
     let x = x.iter().enumerate().map(|(i, x)| Dual64::new(*x, tangent(i))).collect();
-    HybridState { mode: *mode, time: (*time).into(), x }
+    let state = HybridState { mode: *mode, time: (*time).into(), x };
+    Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
 
-/// The motion linearised over a cycle.
-pub(super) struct Monodromy {
-    /// The matrix `∂F^q/∂x`, one row after the other.
-    pub matrix: Vec<f64>,
-    /// The state `F^q(x)`.
-    pub end: HybridState<f64>,
-}
-
-/// The motion linearised over `q` periods; `None` if it ends in another mode.
+/// The motion linearised over `q` periods: the matrix `∂F^q/∂x`, one row after the other, and the states `F^q(x)`;
+/// `None` if it ends, or in another mode.
 pub(super) fn monodromy(
     map: &mut dyn StroboscopicMap,
-    start: &HybridState<f64>,
-    p: &[f64],
+    start: &Member<f64>,
     q: usize,
-) -> Result<Option<Monodromy>, StroboscopicError> {
-    let n = start.x.len();
-    let (mut matrix, mut end) = (vec![0.0; n * n], start.clone());
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let n = start.state.x.len();
+    let (mut matrix, mut end) = (vec![0.0; n * n], start.state.x.clone());
     for column in 0..n {
         let mut moving = with_tangent(start, |i| f64::from(u8::from(i == column)));
         for _ in 0..q {
-            map.push_forward(&mut moving, p)?;
+            map.push_forward(&mut moving).ok()?;
         }
-        if moving.mode != start.mode {
-            return Ok(None);
+        if moving.state.mode != start.state.mode {
+            return None;
         }
-        (0..n).for_each(|i| matrix[i * n + column] = moving.x[i].eps);
-        end.x.iter_mut().zip(&moving.x).for_each(|(end, x)| *end = x.re);
+        for (i, x) in moving.state.x.iter().enumerate() {
+            (matrix[i * n + column], end[i]) = (x.eps, x.re);
+        }
     }
-    Ok(Some(Monodromy { matrix, end }))
+    Some((matrix, end))
 }
 
 /// Entry `k` of the `n × n` identity, one row after the other.

@@ -1,9 +1,7 @@
 //! Following motions until it is known which attractors they are on.
 
 use super::error::StroboscopicError;
-use super::exponent::{
-    Exponent, Growth, Monodromy, correction, monodromy, of_matrix, with_tangent,
-};
+use super::exponent::{Exponent, Growth, correction, monodromy, of_matrix, with_tangent};
 use super::period::Period;
 use super::stroboscopic::{Layout, StroboscopicMap, advance_each, push_forward_each};
 use crate::core::hybrid::{HybridState, Member, Repetition, distance, size};
@@ -82,12 +80,6 @@ const NEAR: f64 = 0.03;
 /// Periodic points this near to each other, in units of their size, are the same.
 const SAME: f64 = 1e-8;
 
-/// A stable periodic point.
-struct Cycle {
-    start: HybridState<f64>,
-    exponent: Exponent,
-}
-
 /// A motion on its way to an attractor.
 struct Run {
     member: Member<f64>,
@@ -133,9 +125,8 @@ impl Run {
         let Some(q) = self.candidate.take() else { return };
         // Where motion is slow but does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
-        let Member { state, p } = &self.member;
-        if let Some(cycle) = improved(map, state, p, q) {
-            self.outcome = Some(periodic(map, cycle, p, q));
+        if let Some((start, exponent)) = improved(map, &self.member, q) {
+            self.outcome = Some(periodic(map, start, exponent, q));
         }
     }
 
@@ -213,10 +204,7 @@ impl Following<'_> {
     fn exponents(&mut self, periods: usize, runs: &mut [Run]) {
         let mut aperiodic: Vec<&mut Run> =
             runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
-        let ahead = |run: &&mut Run| Member {
-            state: with_tangent(&run.member.state, |_| 1.0),
-            p: run.member.p.iter().map(|p| Dual64::from(*p)).collect(),
-        };
+        let ahead = |run: &&mut Run| with_tangent(&run.member, |_| 1.0);
         let mut members: Vec<Member<Dual64>> = aperiodic.iter().map(ahead).collect();
         let mut growths: Vec<Growth> = members.iter().map(|_| Growth::over(periods)).collect();
         let goes_on = self.goes_on;
@@ -271,13 +259,13 @@ impl AttractorSearch {
 /// One cycle of `q` periods as what a motion has settled on.
 fn periodic(
     map: &mut dyn StroboscopicMap,
-    Cycle { start, exponent }: Cycle,
-    p: &[f64],
+    mut member: Member<f64>,
+    exponent: Exponent,
     q: usize,
 ) -> Result<Attractor, StroboscopicError> {
-    let mut state = start.clone();
+    let start = member.state.clone();
     let mut records: Vec<Period> =
-        (0..q).map(|_| map.record(&mut state, p)).collect::<Result<_, _>>()?;
+        (0..q).map(|_| map.record(&mut member)).collect::<Result<_, _>>()?;
     let same = |period: &Period| {
         let near = distance(&period.start.x, &start.x) <= SAME * size(&start.x);
         period.start.mode == start.mode && near
@@ -303,23 +291,23 @@ fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f
     (events, mean(all().filter(|e| e.accumulation).count()))
 }
 
-/// The stable point of period `q` near a state, by Newton's method; `None` if there is none. A motion that ends on
-/// the way says no more than that.
+/// The stable point of period `q` near a state, and its exponent, by Newton's method; `None` if there is none. A
+/// motion that ends on the way says no more than that.
 fn improved(
     map: &mut dyn StroboscopicMap,
-    near: &HybridState<f64>,
-    p: &[f64],
+    near: &Member<f64>,
     q: usize,
-) -> Option<Cycle> {
-    let (mut start, n) = (near.clone(), near.x.len());
-    let largest = size(&near.x).max(f64::MIN_POSITIVE);
+) -> Option<(Member<f64>, Exponent)> {
+    let (mut member, near) = (near.clone(), &near.state.x);
+    let largest = size(near).max(f64::MIN_POSITIVE);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let Monodromy { matrix, end } = monodromy(map, &start, p, q).ok()??;
-        let value = of_matrix(&matrix, n, q);
-        let step = correction(&matrix, &start.x, &end.x)?;
+        let (matrix, end) = monodromy(map, &member, q)?;
+        let value = of_matrix(&matrix, near.len(), q);
+        let x = &mut member.state.x;
+        let step = correction(&matrix, x, &end)?;
         let away: Vec<f64> =
-            start.x.iter().zip(&step).zip(&near.x).map(|((x, s), near)| x + s - near).collect();
+            x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
         if size(&away) > NEAR * largest {
             return None;
         }
@@ -327,9 +315,9 @@ fn improved(
             // What is left of the orbit's error moves the exponent less than the last step did.
             let moved = (value - last).abs();
             let error = if moved.is_finite() { moved } else { 0.0 };
-            return (value < 0.0).then_some(Cycle { start, exponent: Exponent { value, error } });
+            return (value < 0.0).then_some((member, Exponent { value, error }));
         }
-        start.x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+        x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
         last = value;
     }
     None

@@ -41,29 +41,20 @@ pub trait StroboscopicMap {
     ///
     /// # Errors
     /// [`StroboscopicError`] if the motion ends before.
-    fn advance(&mut self, state: &mut HybridState<f64>, p: &[f64])
-    -> Result<(), StroboscopicError>;
+    fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError>;
 
     /// Follows the motion for one period and keeps what happens in it.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
-    fn record(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<Period, StroboscopicError>;
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError>;
 
     /// Follows the motion for one period with a tangent vector, the derivatives of the state, which becomes its
-    /// image: `v ↦ ∂F/∂x v`.
+    /// image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
-    fn push_forward(
-        &mut self,
-        state: &mut HybridState<Dual64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError>;
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
     /// Follows many trajectories period by period, each until `each` ends it. What becomes of a trajectory does not
     /// depend on the others, to the last bit. By default they are followed one by one.
@@ -76,8 +67,7 @@ pub trait StroboscopicMap {
         advance_each(self, members, recorded, each)
     }
 
-    /// Follows many trajectories with a tangent vector each, as [`advance_all`](Self::advance_all). Parameters have
-    /// no derivatives.
+    /// Follows many trajectories with a tangent vector each, as [`advance_all`](Self::advance_all).
     fn push_forward_all(
         &mut self,
         members: &mut [Member<Dual64>],
@@ -94,12 +84,12 @@ pub(super) fn advance_each(
     recorded: bool,
     each: &mut EachPeriod,
 ) -> Outcomes {
-    let follow = |(k, Member { state, p }): (usize, &mut Member<f64>)| loop {
+    let follow = |(k, member): (usize, &mut Member<f64>)| loop {
         let period = match recorded {
-            true => Some(map.record(state, p)?),
-            false => map.advance(state, p).map(|()| None)?,
+            true => Some(map.record(member)?),
+            false => map.advance(member).map(|()| None)?,
         };
-        if each(k, period, state).is_break() {
+        if each(k, period, &member.state).is_break() {
             return Ok(());
         }
     };
@@ -112,13 +102,10 @@ pub(super) fn push_forward_each(
     members: &mut [Member<Dual64>],
     each: &mut EachTangent,
 ) -> Outcomes {
-    let follow = |(k, Member { state, p }): (usize, &mut Member<Dual64>)| {
-        let p: Vec<f64> = p.iter().map(|p| p.re).collect();
-        loop {
-            map.push_forward(state, &p)?;
-            if each(k, state).is_break() {
-                return Ok(());
-            }
+    let follow = |(k, member): (usize, &mut Member<Dual64>)| loop {
+        map.push_forward(member)?;
+        if each(k, &mut member.state).is_break() {
+            return Ok(());
         }
     };
     members.iter_mut().enumerate().map(follow).collect()

@@ -13,7 +13,7 @@ use std::ops::Deref;
 ///
 /// On dual numbers it gives the Jacobian of the map, whose entries grow like `1/y` near grazing.
 pub struct Iteration<M, T> {
-    map: M,
+    pub(super) map: M,
     /// Terms beyond this order do not count.
     order: usize,
     monomials: Monomials<T>,

@@ -3,77 +3,22 @@
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
-    EventNumber, FieldNumber, GuardNumber, MeasureNumber, Passage, guard_scale, rate, time_scale,
-    virtual_point,
+    EventNumber, FieldNumber, GuardNumber, MeasureNumber, Passage, rate, virtual_point,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
-use crate::core::zero::LeftDomain;
 use num_dual::Dual;
 
 /// Functions of the states at the ends: the least approach speed, the shortest duration, the penetration of the
 /// event that is approached most slowly, and from here on the system's own.
-const APPROACH: usize = 0;
-const SHORTEST: usize = 1;
+pub(super) const APPROACH: usize = 0;
+pub(super) const SHORTEST: usize = 1;
 const PENETRATION: usize = 2;
 const OWN: usize = 3;
 
-/// What follows an event that is approached faster, in units of the scales, is beyond doubt.
-const SURE: f64 = 1e-4;
-
-/// Names of the monitors that are positive on admissible orbits.
-const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
-
 impl HybridOrbit {
-    /// All monitors by name. Guards are the functions that are watched.
-    pub(super) fn all_monitors(&self) -> Vec<(String, Monitor)> {
-        let measures = self.system().measures();
-        let known = measures.iter().map(|(name, measure)| (name.clone(), self.monitor(measure)));
-        let [approach, shortest, distance] = GRAZINGS.map(String::from);
-        let mut monitors = vec![("period".to_string(), Monitor::Duration)];
-        monitors.extend(known);
-        if !self.smooth() {
-            monitors.push((approach, Monitor::Ends(APPROACH)));
-            monitors.push((shortest, Monitor::Ends(SHORTEST)));
-        }
-        let guards = self.watched_guards();
-        if self.penetration {
-            monitors.push((Measure::PENETRATION.into(), self.monitor(&Measure::Penetration)));
-        }
-        if !guards.is_empty() {
-            monitors.push((distance, Monitor::Distance(guards)));
-        }
-        monitors
-    }
-
-    /// The positions of those that are positive on admissible orbits.
-    pub(super) fn grazing_monitors(&self) -> Vec<usize> {
-        let names = self.all_monitors().into_iter().map(|(name, _)| name).enumerate();
-        names.filter(|(_, name)| GRAZINGS.contains(&name.as_str())).map(|(k, _)| k).collect()
-    }
-
-    /// The typical size of one of them: that of the guards where states have half their scales, of their rates, or of
-    /// time.
-    pub(super) fn scale_of_grazing(&self, monitor: usize, p: &[f64]) -> f64 {
-        let (system, time) = (self.system(), time_scale(self.system(), p));
-        let scale = |mode: usize| {
-            let mut x = system.scales_of(mode, p);
-            x.resize(self.modes[mode].states.len(), 1.0);
-            x.iter_mut().for_each(|x| *x *= 0.5);
-            let guards = self.guards_in(mode);
-            guards.map(move |guard| guard_scale(system, (guard, mode), (0.0, &x), p))
-        };
-        let modes = self.legs().iter().map(|leg| leg.mode);
-        let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
-        match self.all_monitors().swap_remove(monitor).1 {
-            Monitor::Ends(SHORTEST) => time,
-            Monitor::Ends(APPROACH) => least() / time,
-            _ => least(),
-        }
-    }
-
-    fn monitor(&self, measure: &Measure) -> Monitor {
+    pub(super) fn monitor(&self, measure: &Measure) -> Monitor {
         let all = |name: &String| -> Vec<Watched> {
             let on_legs = self.scalars_on_legs(name).into_iter().enumerate();
             on_legs.filter_map(|(segment, o)| Some(Watched { segment, observable: o? })).collect()
@@ -108,7 +53,7 @@ impl HybridOrbit {
     }
 
     /// All guards along the legs, and whether they belong to the events that begin and end the leg.
-    fn watched_guards(&self) -> Vec<(Watched, [bool; 2])> {
+    pub(super) fn watched_guards(&self) -> Vec<(Watched, [bool; 2])> {
         let legs = self.legs();
         let mut watched = Vec::new();
         for (s, leg) in legs.iter().enumerate() {
@@ -119,37 +64,6 @@ impl HybridOrbit {
             }
         }
         watched
-    }
-
-    /// Refuses an orbit with an event that leads to another mode than the itinerary says. At an event that
-    /// is tangent, or virtual, nothing can be told.
-    pub(super) fn check_events(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
-        let ((p, extras), legs) = (self.split(q), self.legs());
-        for (s, leg) in legs.iter().enumerate() {
-            let Some(guard) = leg.exit else { continue };
-            let (x, time) =
-                (&ends.end[self.of_leg(s)], self.time(s, q) + self.durations(extras)[s]);
-            let approach = -rate(self.system(), (guard, leg.mode), time, x, p);
-            let meant = legs[(s + 1) % legs.len()].mode;
-            let next = self.system().next_mode(guard, leg.mode, time, x, p);
-            let sure = || {
-                let scale = guard_scale(self.system(), (guard, leg.mode), (time, x), p);
-                approach > SURE * scale / time_scale(self.system(), p)
-            };
-            if next != meant && sure() {
-                let (event, mode) = (&self.guards[guard].name, &self.modes[leg.mode].name);
-                return Err(LeftDomain {
-                    quantity: format!("the time of the event `{event}` of mode `{mode}`, leg {s},"),
-                    value: time,
-                    verdict: "leads to another mode than the itinerary says",
-                    remedy: format!(
-                        "it leads to `{}`, not to `{}`: write an itinerary that closes, or let a simulation find it",
-                        self.modes[next].name, self.modes[meant].name
-                    ),
-                });
-            }
-        }
-        Ok(())
     }
 
     /// Guard and mode of each event, its time, and the state at which it is reached.

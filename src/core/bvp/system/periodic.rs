@@ -26,10 +26,10 @@ impl BoundarySystem {
     /// multiplier 1 is among them.
     ///
     /// ```
-    /// use tangency::core::{bvp::Collocation, orbit::by_collocation, zero::System};
+    /// use tangency::core::{bvp::Collocation, orbit::periodic_orbits, zero::System};
     /// use tangency::problems::mita::Block;
     /// // At rest without a voltage: |μ|² = exp(−c T) with a damping c = 0.04 and the period T = π/ω.
-    /// let mut orbits = by_collocation(Block, 20, Collocation::new(4)?)?;
+    /// let mut orbits = periodic_orbits(Block, 20, Collocation::new(4)?)?;
     /// let z = orbits.sampled(&[], |_, _, x| x.fill(0.0));
     /// orbits.assemble(&[&z[..], &[0.0, 0.5, 0.04]].concat())?;
     /// let exact = -0.04 * std::f64::consts::PI / 0.5;
