@@ -209,20 +209,6 @@ impl Collocation {
         combine(&coefficients[..count], interval.nodes, x);
     }
 
-    /// As [`Method::trajectory`](super::Method).
-    pub(super) fn trajectory(
-        &self,
-        interval: Interval<f64>,
-        count: usize,
-        visit: &mut dyn FnMut(f64, &[f64]),
-    ) {
-        let mut x = vec![0.0; interval.nodes.len() / self.basis.nodes.len()];
-        for place in (0..count).map(|k| k as f64 / count as f64) {
-            self.value(interval, place, &mut x);
-            visit(place, &x);
-        }
-    }
-
     pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -237,18 +223,13 @@ impl Collocation {
         }
     }
 
-    /// What is watched in an interval, by its number, at places from 0 to 1; and the residual, where that is
-    /// asked for.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    /// What is watched in an interval, by its number, at places from 0 to 1.
     pub fn extrema(
         &self,
         interval: Interval<f64>,
         watched: Watchlist,
-        residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain> {
+    ) {
         let (basis, nodes) = (&self.basis, interval.nodes);
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
         for (k, &observable) in watched.extrema.iter().enumerate() {
@@ -269,10 +250,6 @@ impl Collocation {
                 let place = self.zero(&interval, through, [0.0, 1.0], (-1.0, |h| [h.re, h.v1]));
                 visit(k, place, self.sight(&interval, value, place).re);
             }
-        }
-        match residual {
-            Some(r) => self.residual(interval, &mut CollocationWork::default(), r),
-            None => Ok(()),
         }
     }
 

@@ -98,7 +98,11 @@ impl Method {
     ) -> Result<(), LeftDomain> {
         match self {
             Method::Collocation(method) => {
-                method.trajectory(interval, count, visit);
+                let mut x = vec![0.0; interval.nodes.len() / method.places().len()];
+                for place in (0..count).map(|k| k as f64 / count as f64) {
+                    method.value(interval, place, &mut x);
+                    visit(place, &x);
+                }
                 Ok(())
             }
             Method::Shooting(method) => method.trajectory(interval, count, &mut work.flow, visit),
@@ -117,8 +121,8 @@ impl Method {
     ) -> Result<(), LeftDomain> {
         match self {
             Method::Collocation(method) => {
-                method.linearise(interval, active, block)?;
-                method.extrema(interval, watched, None, visit)
+                method.extrema(interval, watched, visit);
+                method.linearise(interval, active, block)
             }
             Method::Shooting(method) => method.linearise(interval, active, block, watched, visit),
         }
@@ -135,7 +139,7 @@ impl Method {
     }
 
     /// Calls `visit` with number, place (from 0 to 1) and value of what is watched: at every local extremum inside
-    /// an interval and at its ends, and at every rise; and writes the residual, where that is asked for.
+    /// an interval and at its ends, and at every rise. Shooting writes the residual, where that is asked for.
     pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -144,7 +148,10 @@ impl Method {
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         match self {
-            Method::Collocation(method) => method.extrema(interval, watched, residual, visit),
+            Method::Collocation(method) => {
+                method.extrema(interval, watched, visit);
+                Ok(())
+            }
             Method::Shooting(method) => method.extrema(interval, watched, residual, visit),
         }
     }

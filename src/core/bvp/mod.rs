@@ -18,7 +18,7 @@ mod stated;
 mod system;
 mod terms;
 
-pub use collocation::{Collocation, CollocationWork, PointsError};
+pub use collocation::{Collocation, PointsError};
 pub use erased::{
     Birth, EndFunctions, Equations, IntoEquations, Number, Residual, WatchNumber, Watches,
 };

@@ -4,7 +4,6 @@ use super::erased::{Birth, Equations};
 use super::terms::{Ends, Monitor, Return};
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
@@ -111,21 +110,6 @@ pub trait BoundaryProblem: Send + Sync {
     /// A function of the problem's own, at time `t` from the beginning of a segment.
     fn watch<T: Scalar>(&self, _function: usize, _segment: usize, _t: T, _x: &[T], _q: &[T]) -> T {
         T::zero()
-    }
-
-    /// A scalar at time `t` from the beginning of a segment.
-    fn observe<T: Scalar>(
-        &self,
-        observable: Observable,
-        segment: usize,
-        t: T,
-        x: &[T],
-        q: &[T],
-    ) -> T {
-        match observable {
-            Observable::State(i) => x[i],
-            Observable::Function(k) => self.watch(k, segment, t, x, q),
-        }
     }
 
     /// A function of the problem's own, of the states at the ends and the numbers.

@@ -32,6 +32,9 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// assert_eq!(shooting.settings().relative, 1e-10);
 /// assert!(Shooting::new(Scheme::DormandPrince8, 0.0).is_err());
 /// ```
+///
+/// The default is the method of order 8 with a tolerance of 1e-12.
+#[derive(Default)]
 pub struct Shooting {
     settings: Settings,
     /// The error that is allowed on the way to a solution.
@@ -66,26 +69,16 @@ impl Shooting {
         &self.settings
     }
 
-    /// The settings with the error that is allowed at present.
-    fn present(&self) -> Settings {
+    /// The settings with an error that is allowed.
+    fn allowing(&self, error: f64) -> Settings {
         let Settings { relative, absolute, .. } = self.settings;
-        let (relative, absolute) = (relative.max(self.allowed), absolute.max(self.allowed));
+        let (relative, absolute) = (relative.max(error), absolute.max(error));
         Settings { relative, absolute, ..self.settings }
     }
-}
 
-impl Default for Shooting {
-    /// The method of order 8 with a tolerance of 1e-12.
-    fn default() -> Self {
-        Shooting {
-            settings: Settings::default(),
-            allowed: 0.0,
-            four: Variation::default(),
-            eight: Variation::default(),
-            plain: Flow::default(),
-            search: Search::default(),
-            x: Vec::new(),
-        }
+    /// The settings with the error that is allowed at present.
+    fn present(&self) -> Settings {
+        self.allowing(self.allowed)
     }
 }
 
@@ -94,19 +87,6 @@ impl Clone for Shooting {
     fn clone(&self) -> Self {
         Shooting { settings: self.settings, ..Shooting::default() }
     }
-}
-
-/// A flow from the start of an interval to a place in it, `x` being the states there.
-fn flow_to<T: Number>(
-    flow: &mut Flow<T>,
-    interval: Interval<T>,
-    place: f64,
-    x: &mut [T],
-) -> Result<(), LeftDomain> {
-    let (start, length) = interval.times();
-    let field = interval.field();
-    flow.advance(&field, start, length * place, x, interval.q)?;
-    Ok(())
 }
 
 /// A segment over which a deviation grows by more leaves but one or two digits: rounding grows alike.
@@ -138,18 +118,13 @@ impl Shooting {
         work: &mut Flow<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain> {
-        let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
-        r.copy_from_slice(left);
-        work.settings = self.present();
-        flow_to(work, interval, 1.0, r)?;
+        self.value(interval, 1.0, work, r)?;
+        let right = &interval.nodes[r.len()..];
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
         Ok(())
     }
 
     /// The states at a place in an interval (from 0 to 1).
-    ///
-    /// # Errors
-    /// As [`residual`](Self::residual).
     pub fn value<T: Number>(
         &self,
         interval: Interval<T>,
@@ -159,7 +134,12 @@ impl Shooting {
     ) -> Result<(), LeftDomain> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
         work.settings = self.present();
-        if place == 0.0 { Ok(()) } else { flow_to(work, interval, place, x) }
+        if place > 0.0 {
+            let (start, length) = interval.times();
+            let field = interval.field();
+            work.advance(&field, start, length * place, x, interval.q)?;
+        }
+        Ok(())
     }
 
     /// From the dense output of one flow.
@@ -172,9 +152,7 @@ impl Shooting {
     ) -> Result<(), LeftDomain> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         let (mut next, mut between) = (0, x.clone());
-        let Settings { relative, absolute, .. } = self.settings;
-        let (relative, absolute) = (relative.max(DRAWN), absolute.max(DRAWN));
-        work.settings = Settings { relative, absolute, ..self.settings };
+        work.settings = self.allowing(DRAWN);
         let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {
@@ -192,9 +170,6 @@ impl Shooting {
 
     /// The residual of an interval with its derivatives by the nodes and by the active components of `q`, and
     /// with what [`extrema`](Self::extrema) visits.
-    ///
-    /// # Errors
-    /// As [`residual`](Self::residual).
     pub fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -236,9 +211,6 @@ impl Shooting {
 
     /// What is watched in an interval, by its number, at places from 0 to 1; and the residual, where that is
     /// asked for.
-    ///
-    /// # Errors
-    /// As [`residual`](Self::residual).
     pub fn extrema(
         &mut self,
         interval: Interval<f64>,

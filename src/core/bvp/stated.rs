@@ -6,6 +6,7 @@ use super::terms::{Ends, Monitor, Return, Watched};
 use crate::core::condition::EvaluationError;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
+use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
@@ -54,7 +55,10 @@ impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
 
 impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
     fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
-        self.0.observe(observable, segment, t, x, q)
+        match observable {
+            Observable::State(i) => x[i],
+            Observable::Function(k) => self.0.watch(k, segment, t, x, q),
+        }
     }
 }
 

@@ -35,6 +35,7 @@ impl Watched {
 
 /// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not of the mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Monitor {
     /// The duration of all segments together, in time.
     Duration,
@@ -52,13 +53,9 @@ pub enum Monitor {
     Distance(Vec<(Watched, [bool; 2])>),
     /// Less the same: how far a trajectory would penetrate a surface that is not there.
     Penetration(Vec<(Watched, [bool; 2])>),
-    /// The largest value of a scalar where another one rises through zero; 0 where none does.
-    Rising {
-        /// Which scalar rises, on each segment.
-        through: Vec<Watched>,
-        /// Which one is taken, on the same segments.
-        value: Vec<Observable>,
-    },
+    /// The largest value of a scalar where another one rises through zero, for pairs of the one that rises and the
+    /// one that is taken, on the same segment; 0 where none rises.
+    Rising(Vec<(Watched, Observable)>),
     /// An integral over time of several scalars together, on all segments that have any of them.
     Integral(Integral, Vec<Watched>),
     /// A function of the states at the ends and the numbers ([`BoundaryProblem::of_ends`](super::BoundaryProblem::of_ends)), by number.
@@ -87,7 +84,7 @@ impl Monitor {
             Monitor::Distance(watched) | Monitor::Penetration(watched) => {
                 watched.iter().map(|(watched, _)| *watched).collect()
             }
-            Monitor::Rising { through, .. } => through.clone(),
+            Monitor::Rising(pairs) => pairs.iter().map(|(through, _)| *through).collect(),
         }
     }
 }

@@ -35,11 +35,16 @@ use std::sync::Arc;
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// let settings = MapSettings { order: 3, ..MapSettings::default() };
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
-/// let mut orbits = LocalOrbit::of(map, &[true]).system()?;
+/// let mut orbits = LocalOrbit::of(map.clone(), &[true]).system()?;
 /// let start = orbits.flowed(&[0.0, 0.0], &[0.0], &[0.0])?;
 /// let branch = Continuation::of(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
 /// assert!((0.1 + fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
+/// // The same with the amplitude itself in place of deviations.
+/// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
+/// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1).trace()?;
+/// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+/// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -66,25 +71,6 @@ impl LocalOrbit {
 
     /// With parameters and monitors of the system in place of deviations, so that branches lie beside those of
     /// the flow. Coordinates among the unknowns remain deviations, which have more digits.
-    ///
-    /// ```
-    /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
-    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
-    /// # use tangency::problems::classic::ImpactOscillator;
-    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
-    /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
-    /// // The oscillator of the example of `LocalMap`: from A = 0.1, where it grazes at x = 1.
-    /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
-    /// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
-    /// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1);
-    /// let branch = branch.trace()?;
-    /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
-    /// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-6);
-    /// let displacement = fold.value(branch.column("max_displacement").expect("a monitor"));
-    /// assert!(displacement.is_some_and(|x| (x - 1.0).abs() < 1e-2 && x > 1.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn in_place(mut self) -> Self {
         self.in_place = true;
         self
@@ -94,11 +80,6 @@ impl LocalOrbit {
     pub fn to_order(mut self, order: usize) -> Self {
         self.order = order;
         self
-    }
-
-    /// The map.
-    pub fn map(&self) -> &LocalMap {
-        &self.map
     }
 
     /// The problem as a system. Its unknowns are made by

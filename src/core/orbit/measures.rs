@@ -30,8 +30,7 @@ impl HybridOrbit {
             Measure::Rising { through, value } => {
                 let values = self.scalars_on_legs(value);
                 let both = |w: Watched| Some((w, values[w.segment]?));
-                let (through, value) = all(through).into_iter().filter_map(both).unzip();
-                Monitor::Rising { through, value }
+                Monitor::Rising(all(through).into_iter().filter_map(both).collect())
             }
             Measure::Integral(integral, names) => {
                 Monitor::Integral(*integral, names.iter().flat_map(all).collect())

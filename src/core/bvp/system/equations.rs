@@ -227,6 +227,7 @@ impl Discretised {
         for (s, j) in layout.intervals() {
             let (span, n) = (self.span(s, j), layout.segments[s].states);
             let duration = self.duration_of(s, &work.q);
+            let field = f64::residual(&*self.problem).on_segment(s, &work.q);
             let f = &mut work.local.x[..n];
             let nodes = layout.interval(s, j);
             let values = work.nodes[nodes.clone()].chunks_exact(n);
@@ -234,7 +235,12 @@ impl Discretised {
                 places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
             {
                 let t = duration * (span.start + (span.end - span.start) * place);
-                self.flow(s, t, x, &work.q, f)?;
+                let refuse = |cause| left_domain(cause, s, t);
+                field.domain(x, &work.q).map_err(refuse)?;
+                field.slope(t, x, &work.q, f);
+                if let Some(i) = first_not_finite(f) {
+                    return Err(refuse(self.not_finite(s, i, f[i])));
+                }
                 order.iter().zip(f.iter()).for_each(|(&z, f)| motion[z] = duration * f);
             }
         }
@@ -266,25 +272,6 @@ impl Discretised {
         self.phase.row = row;
         self.phase.reference.clear();
         self.phase.reference.extend_from_slice(x);
-    }
-
-    /// The field of a segment where it has a meaning.
-    fn flow(
-        &self,
-        segment: usize,
-        t: f64,
-        x: &[f64],
-        q: &[f64],
-        f: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        let refuse = |cause| left_domain(cause, segment, t);
-        let field = f64::residual(&*self.problem).on_segment(segment, q);
-        field.domain(x, q).map_err(refuse)?;
-        field.slope(t, x, q, f);
-        match first_not_finite(f) {
-            Some(i) => Err(refuse(self.not_finite(segment, i, f[i]))),
-            None => Ok(()),
-        }
     }
 
     /// Refuses a residual that is not finite.

@@ -52,8 +52,8 @@ impl Discretised {
                 let [sum, time] = self.sum_and_time(*integral, watched, work)?;
                 integral.of(sum, time)
             }
-            Some(monitor @ Monitor::Rising { .. }) => {
-                self.rising(monitor).map_or(0.0, |(_, place)| place.value)
+            Some(Monitor::Rising(pairs)) => {
+                self.rising(pairs).map_or(0.0, |(_, place)| place.value)
             }
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
@@ -104,15 +104,16 @@ impl Discretised {
             Some(Monitor::Integral(integral, watched)) => {
                 self.add_integral(*integral, watched, (x, numbers), (work, passes), out)
             }
-            Some(Monitor::Rising { through, value }) => {
-                let Some((k, sighting)) = self.rising(&self.monitors[monitor]) else {
+            Some(Monitor::Rising(pairs)) => {
+                let Some(((through, value), sighting)) = self.rising(pairs) else {
                     return Ok(());
                 };
-                let pair = [through[k].observable, value[k]];
-                let at = (through[k].segment, sighting);
-                let [height, level] =
-                    self.rates(at.0, (sighting.interval, sighting.place), pair, work)?;
-                self.add_rising(at, (pair, level.eps / height.eps), (x, numbers), passes, out)
+                let value = Watched { observable: value, ..through };
+                let [height, level] = self.rates(sighting, [through, value], work)?;
+                // The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
+                let ratio = level.eps / height.eps;
+                self.add_term(&(value, sighting, 1.0), (x, numbers), passes, out)?;
+                self.add_term(&(through, sighting, -ratio), (x, numbers), passes, out)
             }
             Some(monitor) => self
                 .terms(monitor)
@@ -270,51 +271,31 @@ impl Discretised {
     }
 
     /// Which scalar rises through zero, of those on all segments with the largest value of another one, and where.
-    fn rising(&self, monitor: &Monitor) -> Option<(usize, Sighting)> {
-        let Monitor::Rising { through, value } = monitor else { return None };
-        let each = through.iter().zip(value).enumerate();
-        let risen = each.filter_map(|(k, (w, value))| Some((k, self.extremes.risen(*w, *value)?)));
+    fn rising(&self, pairs: &[(Watched, Observable)]) -> Option<((Watched, Observable), Sighting)> {
+        let sighting = |pair: &(Watched, Observable)| self.extremes.risen(pair.0, pair.1);
+        let risen = pairs.iter().filter_map(|pair| Some((*pair, sighting(pair)?)));
         risen.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
     }
 
-    /// Two scalars at a place of an interval, and their rates.
+    /// Two scalars at a place of a segment, and their rates.
     fn rates(
         &self,
-        segment: usize,
-        (interval, place): (usize, f64),
-        observables: [Observable; 2],
+        Sighting { interval, place, .. }: Sighting,
+        watched: [Watched; 2],
         work: &mut Work<f64>,
     ) -> Result<[Dual64; 2], LeftDomain> {
+        let segment = watched[0].segment;
         let n = self.layout.segments[segment].states;
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
         let at = self.interval((segment, interval), nodes, &work.q);
-        let mut x = vec![0.0; n];
+        let (mut x, mut f) = (vec![0.0; n], vec![0.0; n]);
         self.method.value(at, place, &mut work.local.method, &mut x)?;
         let t = at.duration() * (at.span.start + at.length() * place);
-        let mut f = vec![0.0; n];
-        let field = at.field();
-        field.slope(t, &x, &work.q, &mut f);
+        at.field().slope(t, &x, &work.q, &mut f);
         let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
         let q: Vec<Dual64> = work.q.iter().map(|q| Dual64::from(*q)).collect();
-        let t = Dual64::new(t, 1.0);
-        Ok(observables.map(|observable| {
-            let watched = Watched { segment, observable };
-            Dual64::watches(&*self.problem).watch_in(watched, t, &moving, &q)
-        }))
-    }
-
-    /// The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
-    fn add_rising(
-        &self,
-        (segment, sighting): (usize, Sighting),
-        ([through, value], ratio): ([Observable; 2], f64),
-        at: (&[f64], &[usize]),
-        passes: &mut Passes<Chunk>,
-        out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        let watched = |observable| Watched { segment, observable };
-        self.add_term(&(watched(value), sighting, 1.0), at, passes, out)?;
-        self.add_term(&(watched(through), sighting, -ratio), at, passes, out)
+        let problem = Dual64::watches(&*self.problem);
+        Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
