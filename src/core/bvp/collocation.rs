@@ -122,39 +122,35 @@ impl Collocation {
         for right in (1..=count).map(|c| c as f64 / count as f64) {
             let right = (right, self.sight(interval, observable, right));
             if left.1.v1 * right.1.v1 < 0.0 {
-                let slope = (left.1.v1, (|h: Dual2_64| [h.v1, h.v2]) as fn(Dual2_64) -> [f64; 2]);
-                let place = self.zero(interval, observable, [left.0, right.0], slope);
+                let place = zero([left.0, right.0], left.1.v1, |place| {
+                    let slope = self.sight(interval, observable, place);
+                    [slope.v1, slope.v2]
+                });
                 visit(k, place, self.sight(interval, observable, place).re);
             }
             left = right;
         }
         visit(k, 1.0, left.1.re);
     }
+}
 
-    /// Where a scalar or its slope vanishes between two places of which it has the sign of `low` at the first:
-    /// Newton's method, kept inside by bisection. `of` takes what is to vanish, and its rate.
-    fn zero(
-        &self,
-        interval: &Interval<f64>,
-        observable: Observable,
-        [mut low, mut high]: [f64; 2],
-        (sign, of): (f64, fn(Dual2_64) -> [f64; 2]),
-    ) -> f64 {
-        let mut place = 0.5 * (low + high);
-        for _ in 0..ROUNDS {
-            let [value, rate] = of(self.sight(interval, observable, place));
-            *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
-            let newton = place - value / rate;
-            let inside = newton > low && newton < high;
-            let next = if inside { newton } else { 0.5 * (low + high) };
-            let moved = (next - place).abs();
-            place = next;
-            if moved < 1e-14 {
-                break;
-            }
+/// Where a function vanishes between two places, of which it has a sign at the first: Newton's method with its value
+/// and rate, kept inside by bisection.
+fn zero([mut low, mut high]: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
+    let mut place = 0.5 * (low + high);
+    for _ in 0..ROUNDS {
+        let [value, rate] = of(place);
+        *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
+        let newton = place - value / rate;
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        let moved = (next - place).abs();
+        place = next;
+        if moved < 1e-14 {
+            break;
         }
-        place
     }
+    place
 }
 
 /// The method's part of [`Method`](super::Method), where everything is explained.
@@ -247,7 +243,10 @@ impl Collocation {
         for (k, &[through, value]) in (watched.extrema.len()..).zip(watched.rises) {
             let ends = [0.0, 1.0].map(|place| self.sight(&interval, through, place).re);
             if ends[0] <= 0.0 && ends[1] > 0.0 {
-                let place = self.zero(&interval, through, [0.0, 1.0], (-1.0, |h| [h.re, h.v1]));
+                let place = zero([0.0, 1.0], -1.0, |place| {
+                    let height = self.sight(&interval, through, place);
+                    [height.re, height.v1]
+                });
                 visit(k, place, self.sight(&interval, value, place).re);
             }
         }

@@ -21,7 +21,7 @@ use super::{BoundaryError, BoundaryProblem, Equations, IntoEquations, Mesh, Meth
 use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
 use equations::{Discretised, Work};
-use factorisation::{Factorisation, Form};
+use factorisation::{Bordered, Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
 use local::Passes;
@@ -244,7 +244,8 @@ impl BoundarySystem {
         }
         let pencil = &mut self.pencil;
         if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {
-            self.condensed.condense(layout, assembled, Form::Jacobian, Border::NONE)?;
+            let (form, border) = (Form::Jacobian, Border::NONE);
+            self.condensed.condense(Bordered { layout, assembled, form, border })?;
             self.condensed.pencil(layout, assembled, pencil);
         }
         let [p, q] = &self.pencil;

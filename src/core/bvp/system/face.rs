@@ -2,7 +2,7 @@
 
 use super::carry::Onto;
 use super::equations::{Discretised, Work};
-use super::factorisation::Form;
+use super::factorisation::{Bordered, Form};
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
@@ -102,8 +102,8 @@ impl System for BoundarySystem {
 
     fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let (boundary, form) = (&assembled.boundary, Form::Jacobian);
-        self.factors[slot as usize].factor(layout, assembled, boundary, form, border)
+        let of = Bordered { layout, assembled, form: Form::Jacobian, border };
+        self.factors[slot as usize].factor(of, &assembled.boundary)
     }
 
     fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {

@@ -12,7 +12,7 @@
 //! dense matrix, is complex for `μ = e^{iω}`.
 
 use super::BoundarySystem;
-use super::factorisation::{column_of, form_of};
+use super::factorisation::{Bordered, column_of, form_of};
 use crate::core::bvp::Number;
 use crate::core::linear::multipliers;
 use crate::core::motion::Oscillation;
@@ -96,8 +96,8 @@ impl BoundarySystem {
     pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
         self.twist(-1.0);
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let form = form_of(layout);
-        self.factors[slot as usize].factor(layout, assembled, &self.twisted, form, border)
+        let of = Bordered { layout, assembled, form: form_of(layout), border };
+        self.factors[slot as usize].factor(of, &self.twisted)
     }
 
     /// The rows of the boundary conditions for a multiplier.
@@ -145,9 +145,10 @@ impl BoundarySystem {
     /// Computes `Q` for a trial multiplier, and its size.
     fn return_matrix(&mut self, mu: f64) -> Result<f64, Singular> {
         self.twist(mu);
-        let Self { equations, linearisation, condensed, twisted, returned, right, .. } = self;
+        let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
         let layout = &equations.layout;
-        condensed.factor(layout, linearisation, twisted, form_of(layout), Border::NONE)?;
+        let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
+        condensed.factor(of, &self.twisted)?;
         let k = layout.returns.len();
         returned.clear();
         returned.resize(k * k, 0.0);

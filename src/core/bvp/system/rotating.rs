@@ -1,6 +1,6 @@
 //! Linearisations of complex multipliers.
 
-use super::factorisation::{Factorisation, column_of, form_of};
+use super::factorisation::{Bordered, Factorisation, column_of, form_of};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use crate::core::linear::BorderedLu;
@@ -36,9 +36,9 @@ impl Rotating {
         row: &[f64],
     ) -> Result<(), Singular> {
         let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
-        let form = form_of(layout);
-        self.factors.condense(layout, assembled, form, border)?;
-        self.factors.place(layout, assembled, &assembled.boundary, form, border);
+        let of = Bordered { layout, assembled, form: form_of(layout), border };
+        self.factors.condense(of)?;
+        self.factors.place(of, &assembled.boundary);
         let last = self.factors.dense().len() - 2;
         let size = last + 1;
         self.matrix.clear();

@@ -100,18 +100,12 @@ impl BoundarySystem {
     ) -> Result<(), EvaluationError> {
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(solution, &meshes)?;
-        let segments = self.equations.layout.segments.iter().zip(&meshes);
-        let values: usize =
-            segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum();
+        let values = self.values_on(&meshes, degree);
         let once = self.equations.layout.extras - meshes.len();
-        let twice = |z: &[f64]| -> Vec<f64> {
+        in_unknowns(solution, |z| {
             let (values, extras) = z.split_at(values);
             [values, values, extras, &extras[once..]].concat()
-        };
-        solution.state = twice(&solution.state);
-        if let Some((z, _)) = &mut solution.tangent {
-            *z = twice(z);
-        }
+        });
         solution.mesh.extend_from_within(..);
         self.change_to(problem)
     }
@@ -166,27 +160,25 @@ impl BoundarySystem {
         Ok(z)
     }
 
+    /// How many values there are on meshes with `degree` nodes an interval beyond its first.
+    fn values_on(&self, meshes: &[Mesh], degree: usize) -> usize {
+        let segments = self.equations.layout.segments.iter().zip(meshes);
+        segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
+    }
+
     /// How many nodes an interval has, beyond its first, in a saved solution.
     fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, EvaluationError> {
         let layout = &self.equations.layout;
-        let fits = |degree: &usize| {
-            let values = layout
-                .segments
-                .iter()
-                .zip(meshes)
-                .map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states)
-                .sum::<usize>();
-            values + layout.extras == solution.state.len()
-        };
+        let length = solution.state.len();
+        let fits = |degree: &usize| self.values_on(meshes, *degree) + layout.extras == length;
         if meshes.len() == layout.segments.len()
             && let Some(degree) = (1..=MOST_NODES).find(fits)
         {
             return Ok(degree);
         }
         Err(not_applicable(format!(
-            "the start has {} unknowns on {} segments, the problem {} segments of {} states: was it made \
+            "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
              with another problem?",
-            solution.state.len(),
             meshes.len(),
             layout.segments.len(),
             layout.states
@@ -228,15 +220,11 @@ impl BoundarySystem {
     fn double(&self, solution: &mut Solution) {
         let layout = &self.equations.layout;
         let nodes = (solution.state.len() - layout.extras) / layout.states;
-        let twice = |z: &[f64]| -> Vec<f64> {
+        in_unknowns(solution, |z| {
             let (values, extras) = z.split_at(nodes * layout.states);
             let groups = values.chunks_exact(nodes).flat_map(|v| v.iter().chain(&v[1..]));
             groups.chain(extras).copied().collect()
-        };
-        solution.state = twice(&solution.state);
-        if let Some((z, _)) = &mut solution.tangent {
-            *z = twice(z);
-        }
+        });
         let end = solution.mesh.last().copied().unwrap_or_default();
         let second: Vec<f64> = solution.mesh.iter().skip(1).map(|tau| end + tau).collect();
         solution.mesh.extend(second);
@@ -304,6 +292,14 @@ impl<P: IntoEquations> Birth<P> {
         let system = BoundarySystem::new(problem, method, meshes)?;
         let z = system.flowed(&starts, &extras, p)?;
         Ok((system, z))
+    }
+}
+
+/// Replaces the unknowns of a solution, and those of its direction.
+fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
+    solution.state = new(&solution.state);
+    if let Some((z, _)) = &mut solution.tangent {
+        *z = new(z);
     }
 }
 
