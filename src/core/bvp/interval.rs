@@ -18,6 +18,7 @@ pub struct Span {
 }
 
 /// An interval with its data: what its equations are evaluated at.
+#[derive(Clone, Copy)]
 pub struct Interval<'a, T> {
     /// The problem.
     pub problem: &'a dyn Equations,
@@ -28,14 +29,6 @@ pub struct Interval<'a, T> {
     /// All numbers `q = (p, e)`.
     pub q: &'a [T],
 }
-
-impl<T> Clone for Interval<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Interval<'_, T> {}
 
 impl<'a, T: Number> Interval<'a, T> {
     /// The field of its segment.

@@ -27,29 +27,8 @@ pub enum GrazingError {
         known: String,
     },
     /// A grazing point that does not belong to the system.
-    #[error(
-        "the grazing point does not belong to the system: {what} {found}, where {expected} {meant}"
-    )]
-    Mismatch {
-        /// What does not fit.
-        what: &'static str,
-        /// The number that was found.
-        found: usize,
-        /// The number that it should be, or below which it should be.
-        expected: usize,
-        /// What that number is.
-        meant: &'static str,
-    },
-    /// A leg of a grazing point, or the point itself, is in a mode that its guard does not end.
-    #[error(
-        "the grazing point does not belong to the system: guard `{guard}` does not end mode `{mode}`"
-    )]
-    NoEnd {
-        /// The guard.
-        guard: String,
-        /// The mode.
-        mode: String,
-    },
+    #[error("the grazing point does not belong to the system: {0}")]
+    Foreign(String),
     /// Deviations of another number than there are coordinates or parameters.
     #[error("{found} deviations of {what} are given, there are {expected}")]
     Length {

@@ -198,10 +198,7 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let watched = |k: usize, i: usize| match self.in_place {
-            true => Watched::function(k, i),
-            false => Watched::state(k, i),
-        };
+        let watched = if self.in_place { Watched::function } else { Watched::state };
         let all = |i: usize| (0..self.impacts.len()).map(|k| watched(k, i)).collect();
         let names = self.map.coordinates().iter().enumerate();
         let mut monitors: Vec<(String, Monitor)> =

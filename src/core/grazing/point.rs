@@ -51,37 +51,23 @@ impl GrazingPoint {
             return Err(GrazingError::Phase(phase));
         }
         let (modes, guards) = (system.modes(), system.guards());
-        let (all_modes, all_guards) = (modes.len(), guards.len());
+        let fits = |holds: bool, refused: &dyn Fn() -> String| {
+            if holds { Ok(()) } else { Err(GrazingError::Foreign(refused())) }
+        };
+        let touch = Leg { mode: self.mode, exit: Some(self.guard) };
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
-        let fits = |holds, what, found, expected, meant| match holds {
-            true => Ok(()),
-            false => Err(GrazingError::Mismatch { what, found, expected, meant }),
-        };
-        let below = |what, found, all, meant| fits(found < all, what, found, all, meant);
-        let same =
-            |what, found, expected, meant| fits(found == expected, what, found, expected, meant);
-        let ends = |guard: usize, mode: usize| match guards[guard].ends(mode) {
-            true => Ok(()),
-            false => Err(GrazingError::NoEnd {
-                guard: guards[guard].name.clone(),
-                mode: modes[mode].name.clone(),
-            }),
-        };
-        for leg in legs {
-            below("a leg is in mode", leg.mode, all_modes, "is the number of modes")?;
-            let Some(exit) = leg.exit else { continue };
-            below("a leg ends by guard", exit, all_guards, "is the number of guards")?;
-            ends(exit, leg.mode)?;
+        for &Leg { mode, exit } in legs.chain([&touch]) {
+            fits(mode < modes.len(), &|| format!("there is no mode {mode} of {}", modes.len()))?;
+            let (Some(exit), ended) = (exit, &modes[mode].name) else { continue };
+            let guard = guards.get(exit).map_or("", |guard| &guard.name);
+            let ends = guards.get(exit).is_some_and(|guard| guard.ends(mode));
+            fits(ends, &|| format!("guard {exit} `{guard}` does not end mode `{ended}`"))?;
         }
-        below("it is in mode", self.mode, all_modes, "is the number of modes")?;
-        below("it touches guard", self.guard, all_guards, "is the number of guards")?;
-        ends(self.guard, self.mode)?;
-        let states = modes[self.mode].states.len();
-        same("its states number", self.x.len(), states, "are those of the mode")?;
-        let parameters = system.parameters().len();
-        same("its parameters number", self.p.len(), parameters, "are those of the system")?;
-        // A point without a leg is as one whose first leg is in no mode.
-        let first = self.legs.first().map_or(all_modes, |(leg, _)| leg.mode);
-        same("its first leg is in mode", first, self.mode, "is the touched one")
+        let (states, parameters) = (modes[self.mode].states.len(), system.parameters().len());
+        let (x, p) = (self.x.len(), self.p.len());
+        fits(x == states, &|| format!("it has {x} states, its mode {states}"))?;
+        fits(p == parameters, &|| format!("it has {p} parameters, the system {parameters}"))?;
+        let first = self.legs.first().map(|(leg, _)| leg.mode);
+        fits(first == Some(self.mode), &|| "its first leg is in another mode".into())
     }
 }

@@ -100,10 +100,8 @@ impl LocalMap {
             let direct = if j < n { 0.0 } else { smooth(i, j) };
             (0..n).map(|k| smooth(i, k) * jump(k, j)).sum::<f64>() + direct
         };
-        let place = |i: usize, j: usize| match i == normal {
-            true => slope(self.entry(), j),
-            false => unit(i, j),
-        };
+        let place =
+            |i: usize, j: usize| if i == normal { slope(self.entry(), j) } else { unit(i, j) };
         let difference = |i: usize, j: usize| image(i, j) - place(i, j);
         let with = solved(n, difference, |i| -difference(i, p))?;
         let without = solved(n, |i, j| unit(i, j) - smooth(i, j), |i| smooth(i, p))?;

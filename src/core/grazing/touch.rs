@@ -21,18 +21,11 @@ struct Orbit<'a> {
 }
 
 impl Orbit<'_> {
-    fn legs(&self) -> &[Leg] {
-        &self.problem.itinerary().legs
-    }
-
-    fn parameters(&self) -> &[f64] {
-        &self.q[..self.problem.parameters().len()]
-    }
-
     /// When the first leg begins (under forcing), and how long each lasts.
     fn times(&self) -> (f64, &[f64]) {
-        let extras = &self.q[self.parameters().len()..];
-        let (begins, durations) = extras.split_at(extras.len().saturating_sub(self.legs().len()));
+        let (_, extras) = self.problem.split(self.q);
+        let legs = self.problem.legs().len();
+        let (begins, durations) = extras.split_at(extras.len().saturating_sub(legs));
         (begins.first().copied().unwrap_or(0.0), durations)
     }
 
@@ -48,9 +41,9 @@ impl Orbit<'_> {
 
     /// The point at which a leg ends by an event without a speed, if it does.
     fn ending(&self, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
-        let Leg { mode, exit } = self.legs()[leg];
+        let Leg { mode, exit } = self.problem.legs()[leg];
         let Some(guard) = exit else { return Ok(None) };
-        let ((begins, durations), p) = (self.times(), self.parameters());
+        let ((begins, durations), p) = (self.times(), self.problem.split(self.q).0);
         let last = leg + 1 == durations.len();
         // The end of the last leg is the beginning of the first one.
         let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
@@ -61,7 +54,7 @@ impl Orbit<'_> {
             return Ok(None);
         }
         let mut legs: Vec<(Leg, f64)> =
-            self.legs().iter().copied().zip(durations.iter().copied()).collect();
+            self.problem.legs().iter().copied().zip(durations.iter().copied()).collect();
         legs.rotate_left(leg + 1);
         let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
         if legs[..returns].iter().any(|(_, duration)| duration.abs() > NONE * unit) {
@@ -75,10 +68,10 @@ impl Orbit<'_> {
     /// The point at which the orbit touches a guard that it does not pass.
     fn touching(&self) -> Result<GrazingPoint, GrazingError> {
         let birth = self.problem.born(self.starts, self.q)?;
-        let q = [self.parameters(), &birth.extras].concat();
+        let q = [self.problem.split(self.q).0, &birth.extras].concat();
         let born = Orbit { problem: &birth.problem, starts: &birth.starts, q: &q };
         // The orbit that is born ends with the touch.
-        let last = born.legs().len() - 1;
+        let last = born.problem.legs().len() - 1;
         let point = born.ending(last)?.ok_or_else(|| {
             let reason =
                 "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
@@ -96,7 +89,7 @@ impl GrazingPoint {
     /// [`GrazingError::NotBorn`] if it does neither.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let orbit = Orbit { problem: orbit, starts, q };
-        for leg in 0..orbit.legs().len() {
+        for leg in 0..orbit.problem.legs().len() {
             if let Some(point) = orbit.ending(leg)? {
                 return Ok(point);
             }
@@ -142,7 +135,7 @@ impl GrazingPoint {
             EvaluationError::NotApplicable(reason.into())
         })?;
         let (x, mut starts) = ([state, parameters].concat(), Vec::new());
-        for leg in 0..problem.itinerary().legs.len() {
+        for leg in 0..problem.legs().len() {
             starts.extend(orbits.states(&x, leg, 0.0).map_err(EvaluationError::LeftDomain)?);
         }
         let extras = &state[state.len() - problem.extras().len()..];

@@ -62,13 +62,11 @@ impl<T: EventNumber> Residual<T> for HybridOrbit {
     }
 
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        match self.smooth() {
-            true => {
-                let ends = ends.start.iter().zip(ends.end);
-                b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
-            }
-            false => self.events(ends, q, b),
+        if !self.smooth() {
+            return self.events(ends, q, b);
         }
+        let ends = ends.start.iter().zip(ends.end);
+        b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
     }
 
     fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
@@ -173,10 +171,8 @@ impl Equations for HybridOrbit {
 
     /// Where there is no guard, all orbits have the same itinerary.
     fn itinerary(&self) -> String {
-        match self.guards.is_empty() {
-            true => String::new(),
-            false => self.itinerary.in_words(&self.modes, &self.guards),
-        }
+        let written = || self.itinerary.in_words(&self.modes, &self.guards);
+        if self.guards.is_empty() { String::new() } else { written() }
     }
 
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {
@@ -191,10 +187,7 @@ impl Equations for HybridOrbit {
     }
 
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, EvaluationError> {
-        match self.guards.is_empty() {
-            true => Ok(None),
-            false => Ok(Some(self.born(starts, q)?.erased())),
-        }
+        (!self.guards.is_empty()).then(|| Ok(self.born(starts, q)?.erased())).transpose()
     }
 
     /// Every event must lead to the mode that the itinerary says. At an event that is tangent, or virtual,

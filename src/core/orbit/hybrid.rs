@@ -131,7 +131,7 @@ impl HybridOrbit {
         }
     }
 
-    pub(super) fn legs(&self) -> &[Leg] {
+    pub(in crate::core) fn legs(&self) -> &[Leg] {
         &self.itinerary.legs
     }
 
@@ -145,7 +145,7 @@ impl HybridOrbit {
     }
 
     /// Parameters and further unknowns.
-    pub(super) fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
+    pub(in crate::core) fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
         q.split_at(self.parameters.len())
     }
 
@@ -157,12 +157,8 @@ impl HybridOrbit {
     /// When a leg begins.
     pub(super) fn time<T: Scalar>(&self, leg: usize, q: &[T]) -> T {
         let (_, extras) = self.split(q);
-        match self.smooth() {
-            true => T::zero(),
-            false => extras[..leg + usize::from(self.forced)]
-                .iter()
-                .fold(T::zero(), |time, extra| time + *extra),
-        }
+        let count = if self.smooth() { 0 } else { leg + usize::from(self.forced) };
+        extras[..count].iter().fold(T::zero(), |time, extra| time + *extra)
     }
 
     /// The time that a cycle takes under forcing.

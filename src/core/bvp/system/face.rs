@@ -34,6 +34,11 @@ impl BoundarySystem {
         self.linearisation.at == x && (self.equations.rough || !self.linearisation.rough)
     }
 
+    /// Whether solutions are periodic.
+    fn is_periodic(&self) -> bool {
+        !self.equations.layout.returns.is_empty()
+    }
+
     /// What was evaluated belongs to other equations.
     pub(super) fn forget(&mut self) {
         self.linearisation.at.clear();
@@ -111,10 +116,7 @@ impl System for BoundarySystem {
     }
 
     fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        match self.equations.layout.returns.is_empty() {
-            true => None,
-            false => Some(self),
-        }
+        if self.is_periodic() { Some(self) } else { None }
     }
 
     fn solve(&mut self, slot: Slot, right: &mut [f64]) {
@@ -183,17 +185,11 @@ impl System for BoundarySystem {
     }
 
     fn dynamics(&self) -> Dynamics {
-        match self.equations.layout.returns.is_empty() {
-            true => Dynamics::Static,
-            false => Dynamics::Periodic,
-        }
+        if self.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
     }
 
     fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
-        match self.equations.layout.returns.is_empty() {
-            true => None,
-            false => self.deciding_multipliers(),
-        }
+        self.is_periodic().then(|| self.deciding_multipliers())?
     }
 
     fn check_start(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
