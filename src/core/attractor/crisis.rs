@@ -17,12 +17,6 @@ pub struct Crisis {
 }
 
 /// Where a crisis is sought.
-///
-/// ```
-/// use tangency::core::attractor::CrisisSearch;
-/// let search = CrisisSearch { steps: 4, ..CrisisSearch::of(0, [0.5, 0.25], 1e-5) };
-/// assert_eq!(search.value(2), 0.375);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrisisSearch {
     /// The parameter, by its position.

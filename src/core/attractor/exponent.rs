@@ -38,8 +38,11 @@ impl Growth {
 
     /// Takes in a tangent vector after a period, and gives it the length 1; false with the last period.
     pub fn push(&mut self, x: &mut [Dual64]) -> bool {
-        let growth = normalised(x);
+        let growth = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
         self.forgotten = growth == 0.0;
+        if !self.forgotten {
+            x.iter_mut().for_each(|x| x.eps /= growth);
+        }
         if let Some(k) = self.periods.checked_sub(self.batch)
             && let Some(mean) = self.means.get_mut(k / self.batch)
         {
@@ -64,15 +67,6 @@ impl Growth {
 
 /// Of a smaller multiplier no digit is known.
 const FORGOTTEN: f64 = 1e-12;
-
-/// Gives a tangent vector the length 1, and returns the length that it had.
-fn normalised(x: &mut [Dual64]) -> f64 {
-    let length = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
-    if length > 0.0 {
-        x.iter_mut().for_each(|x| x.eps /= length);
-    }
-    length
-}
 
 /// A motion with a tangent vector.
 pub(super) fn with_tangent(

@@ -4,20 +4,10 @@
 //! hybrid system under a forcing ([`PeriodMap`]), or a map in itself. Both are a [`StroboscopicMap`].
 //!
 //! [`AttractorSearch`] follows it through a transient and records what comes then. Where motion comes back, `F^q(x) ≈ x`
-//! with the same events, the periodic point is improved by Newton's method with the matrix
-//!
-//! ```text
-//!     M = ∂F^q/∂x,
-//! ```
-//!
-//! whose eigenvalues are the multipliers `μ`. The largest Lyapunov exponent, per period, is
-//!
-//! ```text
-//!     λ = ln max|μ| / q    (periodic),        λ = lim 1/N Σ ln |v_{k+1}|/|v_k|,  v_{k+1} = ∂F/∂x v_k    (otherwise).
-//! ```
-//!
-//! All derivatives are those of the motion itself on dual numbers: at events they are carried over as the
-//! saltation matrix would.
+//! with the same events, the periodic point is improved by Newton's method with `M = ∂F^q/∂x`, whose eigenvalues are the
+//! multipliers `μ`. The largest Lyapunov exponent, per period, is `ln max|μ| / q`, or of a motion that is not periodic
+//! the mean growth of a tangent vector. All derivatives are those of the motion itself on dual numbers: at events they
+//! are carried over as the saltation matrix would.
 
 mod crisis;
 mod error;

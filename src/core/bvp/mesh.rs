@@ -7,7 +7,12 @@
 /// use tangency::core::bvp::Mesh;
 /// assert_eq!(Mesh::uniform(4).points(), [0.0, 0.25, 0.5, 0.75, 1.0]);
 /// assert_eq!(Mesh::uniform(4).stretched(2.0).end(), 2.0);
+/// assert_eq!(Mesh::uniform(4).locate(0.375), (1, 0.5));
+/// assert_eq!(Mesh::uniform(2).divided(2), Mesh::uniform(4));
 /// assert!(Mesh::new(vec![0.0, 0.7, 0.3, 1.0]).is_err());
+/// // Three times as dense in the first half.
+/// let mesh = Mesh::uniform(2).equidistributed(&[3.0, 1.0], 4);
+/// assert_eq!(mesh.points(), [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 1.0]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
@@ -75,12 +80,6 @@ impl Mesh {
     }
 
     /// Each interval divided into equal parts.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// assert_eq!(Mesh::new(vec![0.0, 0.5, 1.0])?.divided(2), Mesh::uniform(4));
-    /// # Ok::<(), tangency::core::bvp::MeshError>(())
-    /// ```
     pub fn divided(&self, parts: usize) -> Self {
         let mut points = vec![0.0];
         for pair in self.points.windows(2) {
@@ -95,13 +94,6 @@ impl Mesh {
     /// each interval of this mesh (C. de Boor, *Good approximation by splines with variable knots II*, 1974).
     ///
     /// Densities that are not finite, or all zero, leave a uniform mesh.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// // Three times as dense in the first half.
-    /// let mesh = Mesh::uniform(2).equidistributed(&[3.0, 1.0], 4);
-    /// assert_eq!(mesh.points(), [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 1.0]);
-    /// ```
     pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {
         let end = self.end();
         let parts: Vec<f64> = self.lengths().zip(density).map(|(h, density)| h * density).collect();
@@ -150,11 +142,6 @@ impl Mesh {
     }
 
     /// The interval that holds `tau`, and the place in it (from 0 to 1); the ends if it lies outside.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// assert_eq!(Mesh::uniform(4).locate(0.375), (1, 0.5));
-    /// ```
     pub fn locate(&self, tau: f64) -> (usize, f64) {
         let above = self.points.partition_point(|point| *point <= tau);
         let interval = above.clamp(1, self.intervals()) - 1;

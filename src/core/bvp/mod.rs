@@ -19,9 +19,8 @@ mod system;
 mod terms;
 
 pub use collocation::{Collocation, PointsError};
-pub use erased::{
-    Birth, EndFunctions, Equations, IntoEquations, Number, Residual, WatchNumber, Watches,
-};
+pub use erased::{Birth, Equations, IntoEquations, Number, Residual};
+pub(in crate::core) use erased::{EndFunctions, WatchNumber, Watches};
 pub use error::BoundaryError;
 pub use interval::{Block, Interval, Span, Watchlist};
 pub use mesh::{Mesh, MeshError};

@@ -25,29 +25,19 @@ use std::sync::Arc;
 /// /// The eigenvalues of `u'' + λu = 0`, `u(0) = u(1) = 0`, `∫u² dt = norm`: `λ` is a further unknown.
 /// struct TautString;
 /// impl BoundaryProblem for TautString {
-///     fn segments(&self) -> Vec<Vec<String>> {
-///         vec![vec!["u".into(), "v".into()]]
-///     }
-///     fn parameters(&self) -> Vec<String> {
-///         vec!["norm".into()]
-///     }
-///     fn extras(&self) -> Vec<String> {
-///         vec!["lambda".into()]
-///     }
+///     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["u".into(), "v".into()]] }
+///     fn parameters(&self) -> Vec<String> { vec!["norm".into()] }
+///     fn extras(&self) -> Vec<String> { vec!["lambda".into()] }
 ///     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
 ///         f[0] = x[1];
 ///         f[1] = -q[1] * x[0];
 ///     }
-///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-///         T::one()
-///     }
+///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T { T::one() }
 ///     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
 ///         b[0] = ends.start[0];
 ///         b[1] = ends.end[0];
 ///     }
-///     fn integrals(&self) -> usize {
-///         1
-///     }
+///     fn integrals(&self) -> usize { 1 }
 ///     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], g: &mut [T]) {
 ///         g[0] = x[0] * x[0] - q[0];
 ///     }

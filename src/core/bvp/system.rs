@@ -16,8 +16,7 @@ mod profiles;
 mod rotating;
 mod start;
 
-use super::stated::Stated;
-use super::{BoundaryError, BoundaryProblem, Equations, IntoEquations, Mesh, Method};
+use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
 use equations::{Discretised, Work};
@@ -27,7 +26,6 @@ use linearisation::Linearisation;
 use local::Passes;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use rotating::Rotating;
-use std::any::Any;
 use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
@@ -140,12 +138,6 @@ impl BoundarySystem {
     /// The problem itself.
     pub fn problem(&self) -> &Arc<dyn Equations> {
         &self.equations.problem
-    }
-
-    /// The problem as its user has stated it, if it is of this type.
-    pub fn stated<P: BoundaryProblem + 'static>(&self) -> Option<&P> {
-        let problem: &dyn Any = &*self.equations.problem;
-        problem.downcast_ref::<Stated<P>>().map(|stated| &stated.0)
     }
 
     /// The mesh of each segment.

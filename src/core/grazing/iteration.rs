@@ -92,20 +92,20 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
 
     /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of its normal
     /// coordinate, and the other coordinates. The image is written into `x`.
-    pub fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
+    pub(super) fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
         self.at(z, p);
         self.discontinue(x);
         self.apply_smooth(x, p);
     }
 
     /// Replaces a point by its image under `P_smooth` alone, whatever the penetration.
-    pub fn apply_smooth(&mut self, x: &mut [T], p: &[T]) {
+    pub(super) fn apply_smooth(&mut self, x: &mut [T], p: &[T]) {
         self.at(x, p);
         self.follow(x);
     }
 
     /// The normal coordinate of the virtual point given by `y` and the other coordinates.
-    pub fn entry(&mut self, z: &[T], p: &[T]) -> T {
+    pub(super) fn entry(&mut self, z: &[T], p: &[T]) -> T {
         self.at(z, p);
         self.map.discontinuity.entry.sum_to(self.order, &self.monomials)
     }

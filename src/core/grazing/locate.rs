@@ -21,10 +21,9 @@ impl GrazingPoint {
     ///
     /// ```
     /// use tangency::core::grazing::GrazingPoint;
-    /// use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// use tangency::core::orbit::Leg;
     /// use tangency::problems::mita::Actuator;
     /// // From six digits at ω = 0.5; the orbit starts at the touch.
-    /// let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
     /// let mut p = Actuator::DEFAULTS;
     /// p[0] = 0.227178;
     /// let rough = GrazingPoint {
@@ -34,7 +33,7 @@ impl GrazingPoint {
     ///     x: vec![0.5, 0.0],
     ///     p: p.to_vec(),
     ///     following: Vec::new(),
-    ///     legs: vec![(orbit.itinerary().legs[0], std::f64::consts::PI / 0.5)],
+    ///     legs: vec![(Leg { mode: Actuator::STICK, exit: None }, std::f64::consts::PI / 0.5)],
     ///     periods: 1,
     /// };
     /// let point = rough.located(&Actuator, "voltage")?;

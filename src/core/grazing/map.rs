@@ -69,22 +69,17 @@ impl LocalMap {
         let source = Source { system, point, section, parameters: &positions, settings };
         let (smooth, discontinuity) = (source.smooth()?, source.discontinuity()?);
         let states = system.modes().swap_remove(point.mode).states;
-        let name = |coordinate: &Coordinate| match coordinate {
-            Coordinate::State(i) => states[*i].clone(),
-            Coordinate::Phase => "phase".to_string(),
-        };
-        let coordinates: Vec<String> = section.coordinates.iter().map(name).collect();
+        let described = section.coordinates.iter().map(|coordinate| match coordinate {
+            Coordinate::State(i) => (states[*i].clone(), point.x[*i]),
+            Coordinate::Phase => ("phase".into(), point.time / unit_of_phase(system, &point.p)),
+        });
+        let (coordinates, mut origin): (Vec<String>, Vec<f64>) = described.unzip();
+        origin.extend(positions.iter().map(|k| point.p[*k]));
         returns(&smooth, section, &coordinates)?;
-        let unit = unit_of_phase(system, &point.p);
-        let value = |coordinate: &Coordinate| match coordinate {
-            Coordinate::State(i) => point.x[*i],
-            Coordinate::Phase => point.time / unit,
-        };
-        let origin = section.coordinates.iter().map(value);
         Ok(LocalMap {
             coordinates,
             parameters: parameters.iter().map(|name| name.to_string()).collect(),
-            origin: origin.chain(positions.iter().map(|k| point.p[*k])).collect(),
+            origin,
             normal: section.normal_coordinate(),
             smooth,
             discontinuity,

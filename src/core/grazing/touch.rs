@@ -103,22 +103,19 @@ impl GrazingPoint {
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
     /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings, Scenario};
+    /// use tangency::core::{grazing::GrazingPoint, hybrid::HybridSystem};
     /// use tangency::core::orbit::{HybridOrbit, Itinerary};
-    /// use tangency::problems::mita::Actuator;
-    /// let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    /// use tangency::problems::classic::ImpactOscillator;
+    /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
     /// let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
-    /// let names = ["frequency", "clearance", "restitution", "damping", "static_friction"];
-    /// let more = ["dynamic_friction", "frame_mass", "gravity"];
-    /// let run = Continuation::of(&mut orbits).at("voltage", 0.01);
-    /// let known = names.iter().chain(&more).zip(&Actuator::DEFAULTS[1..]);
-    /// let run = known.fold(run, |run, (name, p)| run.at(name, *p));
-    /// let branch = run.along("voltage", 0.01..=1.0).trace()?;
+    /// let known = ImpactOscillator.parameters().into_iter().zip(ImpactOscillator::DEFAULTS);
+    /// let run = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(&name, p));
+    /// let branch = run.along("amplitude", 0.05..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
     /// let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
-    /// let map = LocalMap::of(&Actuator, &point, &["voltage"], MapSettings::default())?;
-    /// // At ω = 0.5 the motion jumps.
-    /// assert_eq!(map.classified("voltage")?.scenario, Scenario::Jump);
+    /// // At resonance it grazes for A = 0.1, at t = π/2.
+    /// assert!((point.p[0] - 0.1).abs() < 1e-8);
+    /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

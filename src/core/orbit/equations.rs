@@ -62,11 +62,28 @@ impl<T: EventNumber> Residual<T> for HybridOrbit {
     }
 
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        if !self.smooth() {
-            return self.events(ends, q, b);
+        if self.smooth() {
+            let ends = ends.start.iter().zip(ends.end);
+            return b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
         }
-        let ends = ends.start.iter().zip(ends.end);
-        b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
+        let (p, extras) = self.split(q);
+        let (count, all) = (self.legs().len(), self.places[self.legs().len()]);
+        for (s, leg) in self.legs().iter().enumerate() {
+            let Some(exit) = leg.exit else { continue };
+            let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
+            let time = self.time(s, q) + self.durations(extras)[s];
+            let after = &mut b[self.of_leg(next)];
+            let modes = (leg.mode, self.legs()[next].mode);
+            self.system.reset(exit, modes, time, x, p, after);
+            for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
+                *b = *start - *b;
+            }
+            b[all + s] = self.system.guard(exit, leg.mode, time, x, p);
+        }
+        if self.forced {
+            let cycle = self.cycle(p);
+            b[all + count] = self.durations(extras).iter().fold(cycle, |rest, l| rest - *l);
+        }
     }
 
     fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}

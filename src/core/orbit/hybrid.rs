@@ -2,7 +2,6 @@
 
 use super::itinerary::{Itinerary, Leg};
 use super::smooth::Smooth;
-use crate::core::bvp::Ends;
 use crate::core::field::VectorField;
 use crate::core::hybrid::{
     EventNumber, Guard, GuardNumber, HybridEquations, HybridSystem, MeasureNumber, Mode,
@@ -164,27 +163,5 @@ impl HybridOrbit {
     /// The time that a cycle takes under forcing.
     pub(super) fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
         self.system.period(p) * self.itinerary.periods as f64
-    }
-
-    /// Conditions of a cycle with events.
-    pub(super) fn events<T: EventNumber>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        let (p, extras) = self.split(q);
-        let (count, all) = (self.legs().len(), self.places[self.legs().len()]);
-        for (s, leg) in self.legs().iter().enumerate() {
-            let Some(exit) = leg.exit else { continue };
-            let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
-            let time = self.time(s, q) + self.durations(extras)[s];
-            let after = &mut b[self.of_leg(next)];
-            let modes = (leg.mode, self.legs()[next].mode);
-            self.system.reset(exit, modes, time, x, p, after);
-            for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
-                *b = *start - *b;
-            }
-            b[all + s] = self.system.guard(exit, leg.mode, time, x, p);
-        }
-        if self.forced {
-            let cycle = self.cycle(p);
-            b[all + count] = self.durations(extras).iter().fold(cycle, |rest, l| rest - *l);
-        }
     }
 }

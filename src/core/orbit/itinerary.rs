@@ -74,12 +74,12 @@ impl Itinerary {
     }
 
     /// Whether there are no events.
-    pub fn is_smooth(&self) -> bool {
+    pub(super) fn is_smooth(&self) -> bool {
         self.legs.iter().any(|leg| leg.exit.is_none())
     }
 
     /// The same cycle, gone through several times.
-    pub fn repeated(&self, times: usize) -> Self {
+    pub(super) fn repeated(&self, times: usize) -> Self {
         Itinerary { legs: self.legs.repeat(times), periods: self.periods * times }
     }
 

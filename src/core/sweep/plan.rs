@@ -177,7 +177,7 @@ impl Plan {
     }
 
     /// The parameters and the start of a run, given the parameters that do not vary.
-    pub fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
+    pub(super) fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
         let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
         for (axis, value) in self.axes.iter().zip(self.values(run)) {
             match axis.quantity {

@@ -1,7 +1,5 @@
 //! Meshes that follow the solution.
 
-use super::carry::Onto;
-use super::layout::Layout;
 use super::{BoundarySystem, MOST_INTERVALS};
 use crate::core::bvp::{BoundaryError, Mesh};
 use crate::core::zero::LeftDomain;
@@ -108,16 +106,11 @@ impl BoundarySystem {
             }
             meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
         }
-        let layout = Layout::new(&*equations.problem, &equations.method, &meshes)?;
-        let places = equations.method.places();
-        let onto = Onto { meshes: &meshes, layout: &layout, places };
-        let carried = equations.carried(&onto, x)?;
-        let reference = &equations.phase.reference;
-        let reference =
-            (!reference.is_empty()).then(|| equations.carried(&onto, reference)).transpose()?;
-        let (problem, method) = (before.equations.problem, before.equations.method);
+        let (problem, method) = (equations.problem.clone(), equations.method.clone());
         let mut system = BoundarySystem::new(problem, method, meshes)?;
-        if let Some(reference) = reference {
+        let carried = equations.carried(&system.equations, x)?;
+        if !equations.phase.reference.is_empty() {
+            let reference = equations.carried(&system.equations, &equations.phase.reference)?;
             system.set_reference(&reference)?;
         }
         Ok((system, carried))

@@ -6,14 +6,6 @@ use crate::core::bvp::Mesh;
 use crate::core::bvp::interpolation::lagrange;
 use crate::core::zero::LeftDomain;
 
-/// The nodes on which a solution is wanted.
-pub(super) struct Onto<'a> {
-    pub meshes: &'a [Mesh],
-    pub layout: &'a Layout,
-    /// The places of the nodes in an interval.
-    pub places: &'a [f64],
-}
-
 /// The weights by which values at new nodes are made of those at old ones.
 #[derive(Default)]
 pub(super) struct Transfer {
@@ -61,17 +53,17 @@ impl Discretised {
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
-    /// `x = (z, p)` on other nodes.
-    pub fn carried(&self, onto: &Onto, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
+    /// `x = (z, p)` on the nodes of another discretisation.
+    pub fn carried(&self, onto: &Discretised, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
         let mut out = vec![0.0; onto.layout.values()];
         out.extend_from_slice(&x[self.layout.values()..]);
         let mut work: Work<f64> = Work::new(&self.layout);
         work.load(&self.layout, |i| x[i]);
         for (s, j) in onto.layout.intervals() {
-            let (span, n) = (span(onto.meshes, s, j), onto.layout.segments[s].states);
+            let (span, n) = (onto.span(s, j), onto.layout.segments[s].states);
             let mut states = vec![0.0; n];
             let nodes = onto.layout.order[onto.layout.interval(s, j)].chunks_exact(n);
-            for (place, node) in onto.places.iter().zip(nodes) {
+            for (place, node) in onto.method.places().iter().zip(nodes) {
                 let tau = span.start + (span.end - span.start) * place;
                 let (interval, place) = self.meshes[s].locate(tau);
                 self.value(&mut work, (s, interval), place, &mut states)?;

@@ -1,6 +1,5 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
-use super::carry::Onto;
 use super::equations::{Discretised, Work};
 use super::factorisation::{Bordered, Form};
 use super::local::Weighted;
@@ -211,7 +210,10 @@ impl System for BoundarySystem {
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.evaluate_monitors(&mut self.plain, values)
+        for (monitor, value) in values.iter_mut().enumerate() {
+            *value = self.equations.evaluate_monitor(monitor, &mut self.plain)?;
+        }
+        Ok(())
     }
 
     fn monitor(
@@ -271,9 +273,7 @@ impl System for BoundarySystem {
         let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
         system.refinements = self.refinements + 1;
         system.linearisation.active.clone_from(&self.linearisation.active);
-        let Discretised { method, meshes, layout, .. } = &system.equations;
-        let x =
-            self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
+        let x = self.equations.carried(&system.equations, x).ok()?;
         Some(Refinement { system: Box::new(system), x })
     }
 }

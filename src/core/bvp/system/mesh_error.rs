@@ -1,20 +1,15 @@
-//! The error that a mesh causes, estimated.
-//!
-//! A method that replaces the trajectory by polynomials of degree `m` errs by `C h^{m+1} |x^{(m+1)}|` in an
-//! interval of length `h`. The polynomials have constant `m`-th derivatives; their differences from one
-//! interval to the next tell the derivative beyond (C. de Boor, *Good approximation by splines with
-//! variable knots II*, 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value
-//! Problems for Ordinary Differential Equations*, 1988, section 9.1):
+//! The error that a mesh causes, estimated from how the constant `m`-th derivatives of the polynomials differ between
+//! neighbouring intervals (C. de Boor, *Good approximation by splines with variable knots II*, 1974; U. Ascher,
+//! R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential Equations*,
+//! 1988, section 9.1):
 //!
 //! ```text
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
-//! Twice that is reported, since the derivative varies within an interval. Where not even the last term
-//! of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`, is small compared with the state, the
-//! expansion has no meaning: in a layer that is missed the neighbouring polynomials may be alike, and as
-//! wrong. The square of the last term is therefore added; where the mesh resolves the solution, it is
-//! negligible.
+//! Twice `C h^{m+1}` times that is reported, since the derivative varies within an interval, and the square of the last
+//! term of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`: in a layer that is missed the neighbouring
+//! polynomials may be alike, and as wrong. Where the mesh resolves the solution, it is negligible.
 
 use super::equations::{Discretised, Work};
 use super::local::{Dependence, Passes, plain};

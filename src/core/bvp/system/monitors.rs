@@ -23,18 +23,6 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 type Term = (Watched, Sighting, f64);
 
 impl Discretised {
-    /// The values of all monitors at the arguments of `work`.
-    pub fn evaluate_monitors(
-        &mut self,
-        work: &mut Work<f64>,
-        values: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        for (monitor, value) in values.iter_mut().enumerate() {
-            *value = self.evaluate_monitor(monitor, work)?;
-        }
-        Ok(())
-    }
-
     /// The value of a monitor at the arguments of `work`.
     pub fn evaluate_monitor(
         &mut self,

@@ -36,7 +36,9 @@ impl BoundarySystem {
         {
             return self.born_at_hopf(solution);
         }
-        self.go_along(solution)?;
+        if !solution.itinerary.is_empty() && solution.itinerary != self.problem().itinerary() {
+            self.change_to(self.problem().with_itinerary(&solution.itinerary)?)?;
+        }
         if solution.kind == Kind::G && solution.switch {
             let plain = Solution { switch: false, ..solution.clone() };
             let orbit = self.take_over(&plain)?;
@@ -73,15 +75,6 @@ impl BoundarySystem {
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
         let leaving = if doubled { Leaving::BranchPoint } else { Leaving::Along };
         Ok(Adopted { z: solution.state, tangent, leaving })
-    }
-
-    /// Solutions that go through the same as a saved one.
-    fn go_along(&mut self, solution: &Solution) -> Result<(), EvaluationError> {
-        if solution.itinerary.is_empty() || solution.itinerary == self.problem().itinerary() {
-            return Ok(());
-        }
-        let problem = self.problem().with_itinerary(&solution.itinerary)?;
-        self.change_to(problem)
     }
 
     /// Another problem, on as many intervals a segment as the first one has now.
