@@ -77,26 +77,6 @@ impl HybridOrbit {
             Some(((leg.exit?, leg.mode), time, &ends.end[self.of_leg(s)]))
         })
     }
-
-    /// How far motion would go beyond the event that it approaches most slowly.
-    fn penetration<T>(&self, ends: Ends<T>, q: &[T]) -> T
-    where
-        T: EventNumber,
-        Dual<T>: FieldNumber + GuardNumber,
-        Dual<Dual<T>>: GuardNumber,
-    {
-        let (p, system) = (self.split(q).0, self.system());
-        let speed = |(event, time, x): &(_, T, &[T])| -rate(system, *event, *time, x, p).real();
-        let durations = self.durations(self.split(q).1).iter();
-        let within = durations.map(|duration| duration.real()).sum();
-        let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
-        let turn = slowest.and_then(|(event, time, x)| {
-            let (time, x) = virtual_point(system, event, (time, x), p, within)?;
-            let (guard, mode) = event;
-            Some(-system.guard(guard, mode, time, &x, p))
-        });
-        turn.unwrap_or_else(T::zero)
-    }
 }
 
 impl<T> EndFunctions<T> for HybridOrbit
@@ -106,16 +86,23 @@ where
     Dual<Dual<T>>: GuardNumber,
 {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        let (p, extras) = self.split(q);
+        let ((p, extras), system) = (self.split(q), self.system());
+        let rate_at = |(event, time, x): &(_, T, &[T])| rate(system, *event, *time, x, p);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
         match function {
-            APPROACH => {
-                let events = self.events_of(ends, q);
-                let approach = |(event, time, x)| -rate(self.system(), event, time, x, p);
-                events.map(approach).fold(infinite, least)
+            APPROACH => self.events_of(ends, q).map(|event| -rate_at(&event)).fold(infinite, least),
+            // Beyond the event that is approached most slowly.
+            PENETRATION => {
+                let speed = |event: &_| -rate_at(event).real();
+                let within = self.durations(extras).iter().map(|duration| duration.real()).sum();
+                let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
+                let turn = slowest.and_then(|((guard, mode), time, x)| {
+                    let (time, x) = virtual_point(system, (guard, mode), (time, x), p, within)?;
+                    Some(-system.guard(guard, mode, time, &x, p))
+                });
+                turn.unwrap_or_else(T::zero)
             }
-            PENETRATION => self.penetration(ends, q),
             SHORTEST => self.durations(extras).iter().copied().fold(infinite, least),
             own => {
                 let passage = |(s, leg): (usize, &super::Leg)| {
@@ -123,8 +110,7 @@ where
                     Passage { mode: leg.mode, exit: leg.exit, start, end }
                 };
                 let legs: Vec<Passage<T>> = self.legs().iter().enumerate().map(passage).collect();
-                let periods = self.itinerary().periods;
-                self.system().measure(own - OWN, &legs, periods, p)
+                system.measure(own - OWN, &legs, self.itinerary.periods, p)
             }
         }
     }
