@@ -1,9 +1,10 @@
 //! How long a flow takes: one period of Mita's stick field to 5e-12, in each scheme and scalar type.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use num_dual::{Dual, DualSVec64};
+use num_dual::Dual;
 use std::f64::consts::PI;
 use std::hint::black_box;
+use tangency::core::chunk::DualChunk;
 use tangency::core::field::VectorField;
 use tangency::core::flow::{Flow, Scheme, Settings};
 use tangency::core::scalar::Scalar;
@@ -38,15 +39,15 @@ impl Seed for f64 {
     }
 }
 
-impl Seed for DualSVec64<4> {
+impl Seed for DualChunk<f64, 4> {
     fn seed(value: f64, direction: usize) -> Self {
-        Self::from(value).derivative(direction)
+        Self::seeded(value, direction)
     }
 }
 
-impl Seed for Dual<DualSVec64<4>> {
+impl Seed for Dual<DualChunk<f64, 4>> {
     fn seed(value: f64, direction: usize) -> Self {
-        Dual::new(DualSVec64::seed(value, direction), DualSVec64::from(1.0))
+        Dual::new(DualChunk::seed(value, direction), 1.0.into())
     }
 }
 
@@ -80,8 +81,8 @@ fn flows(c: &mut Criterion) {
         [(Scheme::DormandPrince8, 1e-11), (Scheme::DormandPrince5, 3e-12), (Scheme::Rodas5P, 5e-11)]
     {
         period::<f64>(c, "f64", scheme, tolerance);
-        period::<DualSVec64<4>>(c, "four derivatives", scheme, tolerance);
-        period::<Dual<DualSVec64<4>>>(c, "nested", scheme, tolerance);
+        period::<DualChunk<f64, 4>>(c, "four derivatives", scheme, tolerance);
+        period::<Dual<DualChunk<f64, 4>>>(c, "nested", scheme, tolerance);
     }
 }
 

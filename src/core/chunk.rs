@@ -1,30 +1,250 @@
-//! Derivatives in several directions at a time: seeds of vector dual numbers, and their parts.
+//! Derivatives in several directions at a time: dual numbers with a chunk of derivatives.
 
+use super::number::{number_of_reals, operations};
 use super::scalar::Scalar;
-use num_dual::{DualSVec, DualSVec64};
+use num_dual::{Dual, DualNum};
+use num_traits::Signed;
+use std::fmt::{Display, Formatter};
+use std::ops::{
+    Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
+};
 
 /// The width of a chunk of directions differentiated in one pass.
-pub(in crate::core) const CHUNK: usize = 8;
+pub(crate) const CHUNK: usize = 8;
 /// Numbers with a chunk of derivatives.
-pub(in crate::core) type Chunk = DualSVec64<CHUNK>;
+pub(crate) type Chunk = DualChunk<f64, CHUNK>;
 /// Numbers with half a chunk of derivatives, for small problems.
-pub(in crate::core) type Narrow = DualSVec64<4>;
+pub(in crate::core) type Narrow = DualChunk<f64, 4>;
+
+/// A dual number with derivatives in `W` directions: a [`Scalar`], compared by its real part.
+///
+/// It stands for `num_dual::DualSVec` where derivatives are taken in inner loops: without an `Option` in every number,
+/// products are a few vector instructions. Elementary functions take their slopes from [`num_dual::Dual`].
+///
+/// ```
+/// use num_dual::DualNum;
+/// use tangency::core::chunk::DualChunk;
+/// let x = DualChunk::<f64, 2>::seeded(3.0, 0);
+/// let y = DualChunk::seeded(4.0, 1);
+/// let length = (x * x + y * y).sqrt();
+/// assert_eq!((length.re, length.eps), (5.0, [0.6, 0.8]));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct DualChunk<T, const W: usize> {
+    /// The real part.
+    pub re: T,
+    /// The derivatives.
+    pub eps: [T; W],
+}
+
+impl<T: Scalar, const W: usize> DualChunk<T, W> {
+    /// A number that depends on nothing.
+    #[inline(always)]
+    pub fn of(re: T) -> Self {
+        DualChunk { re, eps: [T::zero(); W] }
+    }
+
+    /// `x` with the unit direction `direction`; one beyond the width is none.
+    #[inline(always)]
+    pub fn seeded(x: T, direction: usize) -> Self {
+        let mut number = Self::of(x);
+        if let Some(part) = number.eps.get_mut(direction) {
+            *part = T::one();
+        }
+        number
+    }
+
+    /// A function of the number, from its value and slope at the real part.
+    #[inline(always)]
+    fn chained(&self, function: Dual<T>) -> Self {
+        let Dual { re, eps: slope } = function;
+        // No derivative stays none where the slope is infinite; parts of nested numbers cannot be told to be none.
+        if T::NDERIV == 0 && !slope.real().is_finite() {
+            return DualChunk {
+                re,
+                eps: self.eps.map(|e| if e.is_zero() { e } else { e * slope }),
+            };
+        }
+        DualChunk { re, eps: self.eps.map(|e| e * slope) }
+    }
+
+    /// The real part with a derivative of 1.
+    #[inline(always)]
+    fn unit(&self) -> Dual<T> {
+        Dual::new(self.re, T::one())
+    }
+
+    /// The number with both parts changed.
+    #[inline(always)]
+    fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
+        DualChunk { re, eps: std::array::from_fn(|k| part(self.eps[k], other.eps[k])) }
+    }
+}
 
 /// `x` with the unit direction `direction` if that lies in the chunk that begins at `start`.
 pub(crate) fn seeded<T: Scalar, const W: usize>(
     x: T,
     direction: usize,
     start: usize,
-) -> DualSVec<T, W> {
-    let number = DualSVec::from_re(x);
-    if (start..start + W).contains(&direction) {
-        number.derivative(direction - start)
-    } else {
-        number
+) -> DualChunk<T, W> {
+    DualChunk::seeded(x, direction.wrapping_sub(start))
+}
+
+number_of_reals!(
+    [T: Scalar, const W: usize] DualChunk<T, W>,
+    real: |x: &Self| x.re.real(), constant: |value| Self::of(T::constant(value))
+);
+
+operations!([T: Scalar, const W: usize] DualChunk<T, W>);
+
+impl<T: Scalar, const W: usize> Neg for DualChunk<T, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        DualChunk { re: -self.re, eps: self.eps.map(|e| -e) }
     }
 }
 
-/// All derivatives of a chunk; a chunk that depends on nothing has none.
-pub(crate) fn parts<T: Scalar, const W: usize>(number: &DualSVec<T, W>) -> [T; W] {
-    number.eps.0.map_or([T::zero(); W], |eps| eps.data.0[0])
+impl<T: Scalar, const W: usize> AddAssign<&Self> for DualChunk<T, W> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: &Self) {
+        *self = self.combined(other, self.re + other.re, |a, b| a + b);
+    }
+}
+
+impl<T: Scalar, const W: usize> SubAssign<&Self> for DualChunk<T, W> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: &Self) {
+        *self = self.combined(other, self.re - other.re, |a, b| a - b);
+    }
+}
+
+impl<T: Scalar, const W: usize> MulAssign<&Self> for DualChunk<T, W> {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: &Self) {
+        let (x, y) = (self.re, other.re);
+        *self = self.combined(other, x * y, |a, b| a * y + b * x);
+    }
+}
+
+impl<T: Scalar, const W: usize> DivAssign<&Self> for DualChunk<T, W> {
+    #[inline(always)]
+    fn div_assign(&mut self, other: &Self) {
+        let (x, y, inverse) = (self.re, other.re, other.re.recip());
+        *self = self.combined(other, x * inverse, |a, b| (a * y - b * x) * inverse * inverse);
+    }
+}
+
+/// The remainder of a division that is truncated as its real part is.
+impl<T: Scalar, const W: usize> RemAssign<&Self> for DualChunk<T, W> {
+    fn rem_assign(&mut self, other: &Self) {
+        let quotient = (self.re.real() / other.re.real()).trunc();
+        *self -= *other * quotient;
+    }
+}
+
+impl<T: Scalar, const W: usize> AddAssign<f64> for DualChunk<T, W> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: f64) {
+        self.re += other;
+    }
+}
+
+impl<T: Scalar, const W: usize> SubAssign<f64> for DualChunk<T, W> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: f64) {
+        self.re -= other;
+    }
+}
+
+impl<T: Scalar, const W: usize> MulAssign<f64> for DualChunk<T, W> {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: f64) {
+        self.re *= other;
+        self.eps.iter_mut().for_each(|e| *e *= other);
+    }
+}
+
+impl<T: Scalar, const W: usize> DivAssign<f64> for DualChunk<T, W> {
+    #[inline(always)]
+    fn div_assign(&mut self, other: f64) {
+        self.re /= other;
+        self.eps.iter_mut().for_each(|e| *e /= other);
+    }
+}
+
+impl<T: Scalar, const W: usize> RemAssign<f64> for DualChunk<T, W> {
+    fn rem_assign(&mut self, other: f64) {
+        *self %= &Self::from(other);
+    }
+}
+
+impl<T: Scalar, const W: usize> Display for DualChunk<T, W> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} + {:?}ε", self.re, self.eps)
+    }
+}
+
+impl<T: Scalar, const W: usize> Signed for DualChunk<T, W> {
+    fn abs(&self) -> Self {
+        if self.is_positive() { *self } else { -*self }
+    }
+
+    fn abs_sub(&self, other: &Self) -> Self {
+        if self > other { *self - other } else { Self::from(0.0) }
+    }
+
+    fn signum(&self) -> Self {
+        Self::from(if *self == 0.0 { 0.0 } else { self.re.real().signum() })
+    }
+
+    fn is_positive(&self) -> bool {
+        self.re.is_positive()
+    }
+
+    fn is_negative(&self) -> bool {
+        self.re.is_negative()
+    }
+}
+
+/// Functions of one number by the chain rule.
+macro_rules! chained {
+    ($($function:ident $(($argument:ident: $kind:ty))?),* $(,)?) => {$(
+        #[inline]
+        fn $function(&self $(, $argument: $kind)?) -> Self {
+            self.chained(DualNum::$function(&self.unit() $(, $argument)?))
+        }
+    )*};
+}
+
+impl<T: Scalar, const W: usize> DualNum for DualChunk<T, W> {
+    type Primitive = f64;
+    type InnerDual = T;
+    const NDERIV: usize = T::NDERIV + 1;
+
+    #[inline(always)]
+    fn from_re(re: T) -> Self {
+        Self::of(re)
+    }
+
+    #[inline(always)]
+    fn scale(self, factor: &T) -> Self {
+        DualChunk { re: self.re * factor, eps: self.eps.map(|e| e * factor) }
+    }
+
+    #[inline(always)]
+    fn sin_cos(&self) -> (Self, Self) {
+        let (sin, cos) = self.unit().sin_cos();
+        (self.chained(sin), self.chained(cos))
+    }
+
+    fn atan2(&self, other: Self) -> Self {
+        let angle = (*self / other).atan();
+        DualChunk { re: self.re.atan2(other.re), ..angle }
+    }
+
+    chained! {
+        recip, powi(n: i32), powf(n: f64), sqrt, cbrt, exp, exp2, exp_m1, ln, log(base: f64), log2, log10, ln_1p, sin,
+        cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, sph_j0, sph_j1, sph_j2,
+    }
 }

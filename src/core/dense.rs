@@ -1,6 +1,6 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
-use super::chunk::{CHUNK, Chunk, parts, seeded};
+use super::chunk::{CHUNK, Chunk, seeded};
 use super::linear::BorderedLu;
 use super::motion::{DenseOscillation, Oscillation};
 use super::scalar::Scalar;
@@ -108,7 +108,7 @@ impl<P: ZeroProblem> Dense<P> {
 fn weighted<'a>(numbers: impl Iterator<Item = &'a Chunk>, weights: &[f64]) -> [f64; CHUNK] {
     let mut sums = [0.0; CHUNK];
     for (number, weight) in numbers.zip(weights) {
-        sums.iter_mut().zip(parts(number)).for_each(|(sum, part)| *sum += part * weight);
+        sums.iter_mut().zip(number.eps).for_each(|(sum, part)| *sum += part * weight);
     }
     sums
 }
@@ -165,7 +165,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         for start in (0..n).step_by(CHUNK) {
             let r = self.chunk.evaluate(&self.problem, |i| seeded(x[i], i, start));
             for (i, r) in r.iter().enumerate() {
-                for (j, part) in (start..n).zip(parts(r)) {
+                for (j, part) in (start..n).zip(r.eps) {
                     self.jacobian[j * n + i] = part;
                 }
             }
@@ -305,7 +305,7 @@ impl<P: ZeroProblem> System for Dense<P> {
             }
             let (z, p) = self.chunk.x.split_at(self.names.dimension());
             self.problem.monitors(z, p, &mut self.monitors);
-            let slopes = parts(&self.monitors[monitor]);
+            let slopes = self.monitors[monitor].eps;
             out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
         }
     }

@@ -3,7 +3,7 @@
 pub mod attractor;
 pub mod bifurcation;
 pub mod bvp;
-pub(crate) mod chunk;
+pub mod chunk;
 pub mod condition;
 pub mod continuation;
 pub mod dense;

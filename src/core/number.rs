@@ -118,4 +118,50 @@ macro_rules! number_of_reals {
     };
 }
 
-pub(in crate::core) use number_of_reals;
+/// Implements every operation from its assigning forms with a reference and with a real number, which the caller
+/// implements; the traits of `std::ops` are in scope where it stands.
+macro_rules! operations {
+    (one [$($generics:tt)*] $type:ty: $operation:ident $method:ident $assign:ident $assigning:ident) => {
+        impl<$($generics)*> $assign for $type {
+            #[inline(always)]
+            fn $assigning(&mut self, other: Self) {
+                $assign::$assigning(self, &other);
+            }
+        }
+        impl<$($generics)*> $operation for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(mut self, other: Self) -> Self {
+                $assign::$assigning(&mut self, &other);
+                self
+            }
+        }
+        impl<$($generics)*> $operation<&$type> for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(mut self, other: &Self) -> Self {
+                $assign::$assigning(&mut self, other);
+                self
+            }
+        }
+        impl<$($generics)*> $operation<f64> for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(mut self, other: f64) -> Self {
+                $assign::$assigning(&mut self, other);
+                self
+            }
+        }
+    };
+    ($generics:tt $type:ty) => {
+        $crate::core::number::operations! { $generics $type:
+            Add add AddAssign add_assign; Sub sub SubAssign sub_assign; Mul mul MulAssign mul_assign;
+            Div div DivAssign div_assign; Rem rem RemAssign rem_assign;
+        }
+    };
+    ($generics:tt $type:ty: $($operation:ident $method:ident $assign:ident $assigning:ident;)*) => {$(
+        $crate::core::number::operations!(one $generics $type: $operation $method $assign $assigning);
+    )*};
+}
+
+pub(in crate::core) use {number_of_reals, operations};

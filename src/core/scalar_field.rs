@@ -4,15 +4,15 @@
 //! type, a field is seen in one scalar at a time: [`FieldIn`] is what a flow of numbers `T` needs, and
 //! [`FieldRef`] is a field of a collection of fields behind a pointer.
 
+use super::chunk::DualChunk;
 use super::field::VectorField;
 use super::scalar::Scalar;
 use super::zero::LeftDomain;
-use num_dual::DualSVec;
 
 /// The number of directions in which implicit schemes differentiate in one pass.
 pub(in crate::core) const WIDTH: usize = 4;
 /// Numbers with derivatives in [`WIDTH`] directions.
-pub(in crate::core) type Wide<T> = DualSVec<T, WIDTH>;
+pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
 
 /// A vector field in one scalar, as a flow of such numbers evaluates it. Every [`VectorField`] is one.
 pub trait FieldIn<T: Scalar> {
@@ -192,11 +192,9 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
     #[inline]
     fn wide_slope(&self, t: Wide<T>, x: &[Wide<T>], p: &[Wide<T>], f: &mut [Wide<T>]) {
         match self.wide {
-            Some(wide) => {
-                wide.field_of(self.index, Wide::from_re(self.start) + t, x, self.own(p), f)
-            }
+            Some(wide) => wide.field_of(self.index, Wide::of(self.start) + t, x, self.own(p), f),
             // An implicit step is refused then.
-            None => f.fill(Wide::from_re(T::constant(f64::NAN))),
+            None => f.fill(Wide::of(T::constant(f64::NAN))),
         }
     }
 

@@ -9,7 +9,7 @@ use super::differences::Differences;
 use super::orbit;
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan, WorkPrecisionError};
-use crate::core::chunk::{parts, seeded};
+use crate::core::chunk::seeded;
 use crate::core::scalar::Scalar;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::ops::Range;
@@ -35,7 +35,7 @@ fn by_duals(z: Vector3<f64>, tolerance: f64) -> Result<(Vector3<f64>, Matrix3<f6
     let [x, u, voltage] = [0, 1, 2].map(|k| seeded::<f64, 8>(z[k], k, 0));
     let (x, period) = ([x, u], period(voltage, tolerance));
     let equations = Vector3::from(defining(x, period.image(x)?, period.derivative(x)?));
-    let derivatives = Matrix3::from_fn(|i, k| parts(&equations[i])[k]);
+    let derivatives = Matrix3::from_fn(|i, k| equations[i].eps[k]);
     Ok((equations.map(|equation| equation.re), derivatives))
 }
 

@@ -6,14 +6,14 @@ use super::period::Period;
 use super::plan::{Answer, Method, Plan, WorkPrecisionError};
 use super::plates::{PLATE, PULL_IN};
 use super::scenes::{Counted, GRAZING, PASSING, scene, tracing};
-use crate::core::chunk::{parts, seeded};
+use crate::core::chunk::{DualChunk, seeded};
 use crate::core::hybrid::{EventNumber, GuardOf};
 use crate::core::sweep::Part;
 use crate::core::watch::Watchable;
 use crate::output::{Clock, Drawn};
 use crate::scene::sweep;
 use nalgebra::SVector;
-use num_dual::{Dual64, DualSVec64};
+use num_dual::Dual64;
 use std::array;
 use std::num::NonZeroUsize;
 
@@ -81,14 +81,14 @@ fn pieces() -> Result<Plan, WorkPrecisionError> {
 /// The derivative of a period with an impact by its first parameters, in passes of `W` of them.
 fn duals<const W: usize>(count: usize, x: [f64; 2], tolerance: f64) -> Result<Vec<f64>, String>
 where
-    DualSVec64<W>: EventNumber,
-    GuardOf<'static>: Watchable<DualSVec64<W>>,
+    DualChunk<f64, W>: EventNumber,
+    GuardOf<'static>: Watchable<DualChunk<f64, W>>,
 {
     let (mut numbers, period) = (Vec::new(), Period { tolerance, ..IMPACTING });
     for first in (0..count).step_by(W) {
         let p = array::from_fn(|k| seeded::<f64, W>(period.p[k], k, first));
-        let image = period.at(p).image(x.map(DualSVec64::from))?;
-        let [x, u] = [parts(&image[0]), parts(&image[1])];
+        let image = period.at(p).image(x.map(DualChunk::from))?;
+        let [x, u] = [image[0].eps, image[1].eps];
         let all = x.into_iter().zip(u).take(count - first);
         numbers.extend(all.flat_map(|(x, u)| [x, u]));
     }

@@ -8,11 +8,12 @@ use crate::hybrid::systems::coulomb::{self, Coulomb};
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::{self, ClosedForm};
 use crate::hybrid::systems::piecewise::{self, Piecewise};
-use num_dual::{Dual64, DualSVec64};
+use num_dual::Dual64;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 use tangency::core::attractor::{AttractorSearch, PeriodMap};
+use tangency::core::chunk::DualChunk;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
     Cycle, CycleSearch, Event, EventNumber, Guard, GuardOf, History, HybridEquations, HybridFlow,
@@ -63,21 +64,21 @@ fn product(a: Matrix, b: Matrix) -> Matrix {
 /// `S = R + (f⁺ − R f⁻) hᵀ/(hᵀ f⁻)`, and that of differences.
 #[test]
 fn derivatives_through_an_event_are_those_of_the_saltation_matrix() {
-    type Two = DualSVec64<4>;
+    type Four = DualChunk<f64, 4>;
     let p = [0.3, 1.0, 0.8, 0.1, 1.0];
     let (start, duration) = ([0.9, 0.5], 2.0);
     let state = HybridState {
         mode: ImpactOscillator::FLIGHT,
-        time: Two::from(0.3),
-        x: vec![Two::from(start[0]).derivative(0), Two::from(start[1]).derivative(1)],
+        time: Four::from(0.3),
+        x: vec![Four::seeded(start[0], 0), Four::seeded(start[1], 1)],
     };
-    let (events, end) = followed(&ImpactOscillator, state, duration.into(), &p.map(Two::from));
+    let (events, end) = followed(&ImpactOscillator, state, duration.into(), &p.map(Four::from));
     assert_eq!(events.len(), 1);
-    let part = |x: &Two| x.eps.0.map(|eps| [eps[0], eps[1]]).unwrap_or_default();
+    let part = |x: &Four| [x.eps[0], x.eps[1]];
     let derivative: Matrix = [part(&end.x[0]), part(&end.x[1])];
 
     let Event { time, before, after, .. } = &events[0];
-    let field = |x: &[Two]| {
+    let field = |x: &[Four]| {
         let (mut f, x) = ([0.0; 2], [x[0].re, x[1].re]);
         ImpactOscillator.field(0, time.re, &x, &p, &mut f);
         f

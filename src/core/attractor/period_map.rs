@@ -142,7 +142,9 @@ impl StroboscopicMap for PeriodMap<'_> {
             p: p.clone(),
             recorder: recorded.then(|| Recorder::new(of, state)),
         };
-        let mut sampler = Sampler { of, sampled: members.iter().map(sample).collect(), each };
+        let sees_steps = recorded && !measures.is_empty();
+        let sampled = members.iter().map(sample).collect();
+        let mut sampler = Sampler { of, sees_steps, sampled, each };
         let period = |member: &Member<f64>| system.period(&member.p);
         let results = fleet.advance(members, period, &mut sampler);
         results.into_iter().map(|result| Ok(result?)).collect()
@@ -176,14 +178,15 @@ struct Sampled<'a> {
 /// Shows the periods of many trajectories.
 struct Sampler<'a, 'e> {
     of: Recording<'a>,
+    /// Whether anything is measured along the steps.
+    sees_steps: bool,
     sampled: Vec<Sampled<'a>>,
     each: &'e mut EachPeriod<'e>,
 }
 
 impl FleetObserver<f64> for Sampler<'_, '_> {
     fn sees_steps(&self) -> bool {
-        let recorded = self.sampled.iter().any(|sampled| sampled.recorder.is_some());
-        recorded && !self.of.measures.is_empty()
+        self.sees_steps
     }
 
     fn step<F: FieldIn<f64>>(

@@ -82,6 +82,9 @@ impl<T: InLanes> Flow<T> {
 /// Flows abreast, in one step.
 pub(in crate::core) struct BatchStepper<T: InLanes> {
     tableau: &'static Tableau,
+    /// Whose parameters stand in the lanes, and whether any have come since the last step.
+    occupants: [usize; LANES],
+    renewed: bool,
     /// States, slopes, parameters, times and durations of the step as they are given, lane by lane.
     given: [Vec<[T; LANES]>; 3],
     time: [T; LANES],
@@ -100,6 +103,8 @@ impl<T: InLanes> BatchStepper<T> {
     pub fn new(settings: &Settings) -> Option<Self> {
         Some(BatchStepper {
             tableau: settings.scheme.tableau()?,
+            occupants: [usize::MAX; LANES],
+            renewed: true,
             given: Default::default(),
             time: [T::zero(); LANES],
             length: [T::zero(); LANES],
@@ -112,12 +117,24 @@ impl<T: InLanes> BatchStepper<T> {
         })
     }
 
-    /// Puts a flow into a lane. Lanes that stay empty need one all the same.
-    pub fn load(&mut self, lane: usize, lane_state: &LaneState<T>, p: &[T]) {
-        let [x, slope, parameters] = &mut self.given;
-        for (to, from) in [(x, &lane_state.x[..]), (slope, &lane_state.slope), (parameters, p)] {
+    /// Forgets whose parameters stand in the lanes: numbers of occupants are given anew.
+    pub fn vacate(&mut self) {
+        self.occupants = [usize::MAX; LANES];
+    }
+
+    /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same. Lanes that stay empty
+    /// need one all the same.
+    pub fn load(&mut self, lane: usize, lane_state: &LaneState<T>, (occupant, p): (usize, &[T])) {
+        let put = |to: &mut Vec<[T; LANES]>, from: &[T]| {
             to.resize(from.len(), [T::zero(); LANES]);
             to.iter_mut().zip(from).for_each(|(to, from)| to[lane] = *from);
+        };
+        let [x, slope, parameters] = &mut self.given;
+        put(x, &lane_state.x);
+        put(slope, &lane_state.slope);
+        if self.occupants[lane] != occupant {
+            put(parameters, p);
+            (self.occupants[lane], self.renewed) = (occupant, true);
         }
         self.time[lane] = lane_state.start + lane_state.length * lane_state.sigma;
         self.length[lane] = lane_state.length * lane_state.step().0;
@@ -130,13 +147,17 @@ impl<T: InLanes> BatchStepper<T> {
 
     /// Tries a step in every lane and returns the errors, in units of the tolerance.
     pub fn attempt<F: FieldIn<T::Wide>>(&mut self, field: &F, settings: &Settings) -> [f64; LANES] {
-        let BatchStepper { tableau, given, time, length, x, p, stages, .. } = self;
+        let BatchStepper { tableau, renewed, given, time, length, x, p, stages, dual_p, .. } = self;
         let (start, length) = (T::gather(*time), T::gather(*length));
         let evaluations = &Cell::new(0);
         x.clear();
         x.extend(given[0].iter().map(|x| T::gather(*x)));
-        p.clear();
-        p.extend(given[2].iter().map(|p| T::gather(*p)));
+        if std::mem::take(renewed) {
+            p.clear();
+            p.extend(given[2].iter().map(|p| T::gather(*p)));
+            dual_p.clear();
+            dual_p.extend(p.iter().map(|p| Dual::from_re(T::reals(p))));
+        }
         stages.resize(x.len());
         for (to, slope) in stages.slopes.iter_mut().zip(&given[1]) {
             *to = T::gather(*slope) * length;
@@ -187,8 +208,6 @@ impl<T: InLanes> BatchStepper<T> {
         let length: [f64; LANES] = std::array::from_fn(|lane| self.length[lane].real());
         let (time, length) = (Lanes::from(time), Lanes::from(length));
         self.dual_time = [Dual::new(time, length), Dual::new(time + length, length)];
-        self.dual_p.clear();
-        self.dual_p.extend(self.p.iter().map(|p| Dual::from_re(T::reals(p))));
     }
 
     /// What can be said about a watched function from its values and slopes at both ends.

@@ -96,6 +96,11 @@ impl<T: Scalar> LaneState<T> {
         &self.x
     }
 
+    /// How many steps were tried.
+    pub fn steps(&self) -> usize {
+        self.statistics.accepted + self.statistics.rejected
+    }
+
     /// Whether the end is reached.
     pub fn is_over(&self) -> bool {
         self.sigma >= 1.0

@@ -12,7 +12,7 @@
 use super::motion::Motion;
 use super::rodas::{COUPLING, GAMMA, NODES, ROWS, STAGES, TIME};
 use super::stages::{Stages, combine};
-use crate::core::chunk::{parts, seeded};
+use crate::core::chunk::seeded;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{FieldIn, WIDTH, Wide};
 
@@ -47,8 +47,8 @@ impl<T: Scalar> Linearisation<T> {
         let n = x.len();
         self.resize(n);
         self.p.clear();
-        self.p.extend(motion.p.iter().map(|p| Wide::from_re(*p)));
-        self.f.resize(n, Wide::from_re(T::zero()));
+        self.p.extend(motion.p.iter().map(|p| Wide::of(*p)));
+        self.f.resize(n, Wide::of(T::zero()));
         for first in (0..=n).step_by(WIDTH) {
             self.x.clear();
             self.x.extend(x.iter().enumerate().map(|(j, x)| seeded(*x, j, first)));
@@ -56,7 +56,7 @@ impl<T: Scalar> Linearisation<T> {
             motion.count();
             motion.field.wide_slope(time, &self.x, &self.p, &mut self.f);
             for (i, f) in self.f.iter().enumerate() {
-                for (j, part) in (first..=n).zip(parts(f)) {
+                for (j, part) in (first..=n).zip(f.eps) {
                     let part = part * motion.length;
                     match self.jacobian[i * n..(i + 1) * n].get_mut(j) {
                         Some(entry) => *entry = part,

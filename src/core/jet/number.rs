@@ -1,6 +1,7 @@
 //! Jets, and their arithmetic.
 
 use super::space::{JetError, Space};
+use crate::core::number::operations;
 use std::ops::{
     Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
 };
@@ -214,42 +215,4 @@ impl<const C: usize> RemAssign<f64> for Jet<C> {
     }
 }
 
-/// Every operation from its assigning form.
-macro_rules! operations {
-    ($($operation:ident $method:ident $assign:ident $assigning:ident;)*) => {$(
-        impl<const C: usize> $assign for Jet<C> {
-            fn $assigning(&mut self, other: Self) {
-                $assign::$assigning(self, &other);
-            }
-        }
-        impl<const C: usize> $operation for Jet<C> {
-            type Output = Self;
-            fn $method(mut self, other: Self) -> Self {
-                $assign::$assigning(&mut self, &other);
-                self
-            }
-        }
-        impl<const C: usize> $operation<&Jet<C>> for Jet<C> {
-            type Output = Self;
-            fn $method(mut self, other: &Self) -> Self {
-                $assign::$assigning(&mut self, other);
-                self
-            }
-        }
-        impl<const C: usize> $operation<f64> for Jet<C> {
-            type Output = Self;
-            fn $method(mut self, other: f64) -> Self {
-                $assign::$assigning(&mut self, other);
-                self
-            }
-        }
-    )*};
-}
-
-operations! {
-    Add add AddAssign add_assign;
-    Sub sub SubAssign sub_assign;
-    Mul mul MulAssign mul_assign;
-    Div div DivAssign div_assign;
-    Rem rem RemAssign rem_assign;
-}
+operations!([const C: usize] Jet<C>);

@@ -116,12 +116,12 @@ impl Actuator {
     /// `R` in a mode.
     fn force<T: Scalar>(mode: usize, t: T, x: &[T], parameters: &Parameters<T>) -> T {
         let [q, u, _] = Self::motion(mode, x);
-        force(t, q, u, parameters.block)
+        force(t, q, u, parameters.block())
     }
 
     /// Velocities of block and frame after an impact.
     fn impact<T: Scalar>([_, u, v]: [T; 3], parameters: &Parameters<T>) -> [T; 2] {
-        let Parameters { restitution, .. } = *parameters;
+        let restitution = parameters.restitution();
         [-restitution * u, v + (restitution + 1.0) * u / parameters.mass()]
     }
 
@@ -131,7 +131,7 @@ impl Actuator {
             Self::FORWARD
         } else if velocity < 0.0 {
             Self::BACKWARD
-        } else if r.abs() <= parameters.friction(parameters.static_friction) {
+        } else if r.abs() <= parameters.friction(parameters.static_friction()) {
             Self::STICK
         } else if r < 0.0 {
             Self::FORWARD
@@ -197,7 +197,7 @@ impl HybridSystem for Actuator {
         f[1] = r;
         if Self::slips(mode) {
             let acceleration =
-                (parameters.on_the_frame(Self::moves_forward(mode)) - r) / parameters.frame_mass;
+                (parameters.on_the_frame(Self::moves_forward(mode)) - r) / parameters.frame_mass();
             f[1] = r - acceleration;
             f[2] = acceleration;
             f[3] = x[2];
@@ -207,10 +207,10 @@ impl HybridSystem for Actuator {
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
         let parameters = Parameters::of(p);
         let force = || Self::force(mode, t, x, &parameters);
-        let holding = || parameters.friction(parameters.static_friction);
+        let holding = || parameters.friction(parameters.static_friction());
         match guard {
-            Self::FRONT => parameters.clearance - x[0],
-            Self::BACK => parameters.clearance + x[0],
+            Self::FRONT => parameters.clearance() - x[0],
+            Self::BACK => parameters.clearance() + x[0],
             Self::REST => {
                 let [_, _, velocity] = Self::motion(mode, x);
                 if Self::moves_forward(mode) { velocity } else { -velocity }
@@ -235,7 +235,7 @@ impl HybridSystem for Actuator {
         let [q, u, v] = Self::motion(mode, x);
         if Self::touches(next) {
             let front = next != Self::RIDING_BACK;
-            after[0] = if front { parameters.clearance } else { -parameters.clearance };
+            after[0] = if front { parameters.clearance() } else { -parameters.clearance() };
             if Self::slips(next) {
                 (after[1], after[2]) = (v, T::zero());
             }
@@ -259,7 +259,7 @@ impl HybridSystem for Actuator {
         match guard {
             Self::FRONT | Self::BACK => {
                 let [u, v] = Self::impact(motion, &parameters);
-                Self::of_velocity(v, force(t, q, u, parameters.block), &parameters)
+                Self::of_velocity(v, force(t, q, u, parameters.block()), &parameters)
             }
             Self::REST if Self::touches(mode) && q > 0.0 && r > 0.0 => Self::CONTACT,
             Self::REST => Self::of_velocity(0.0, r, &parameters),
@@ -280,8 +280,9 @@ impl HybridSystem for Actuator {
         p: &[f64],
     ) -> Option<usize> {
         let parameters = Parameters::of(p);
-        let Parameters { block, clearance, .. } = parameters;
-        let excess = |q: f64| Self::excess(mode, force(t, q, 0.0, block), &parameters);
+        let clearance = parameters.clearance();
+        let force = |q: f64| force(t, q, 0.0, parameters.block());
+        let excess = |q: f64| Self::excess(mode, force(q), &parameters);
         match guard {
             Self::FRONT if excess(clearance) > 0.0 => Some(mode + Self::CONTACT),
             Self::BACK if mode == Self::BACKWARD && excess(-clearance) < 0.0 => {
@@ -301,7 +302,7 @@ impl HybridSystem for Actuator {
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        VectorField::period(&Block, &Parameters::of(p).block)
+        VectorField::period(&Block, &Parameters::of(p).block())
     }
 
     /// `max_displacement`; `displacement_range`; `poincare_velocity`, that of the block where it passes through
@@ -342,11 +343,12 @@ impl HybridSystem for Actuator {
         let way = |x: &[T]| x[x.len() - 1];
         let total = slips.fold(T::zero(), |sum, leg| sum + way(leg.end) - way(leg.start));
         let step = total / periods as f64;
-        if position == 1 { step } else { step * Parameters::of(p).block[1] }
+        if position == 1 { step } else { step * Parameters::of(p).block()[1] }
     }
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
-        let Parameters { block, clearance, frame_mass, .. } = Parameters::of(p);
+        let parameters = Parameters::of(p);
+        let (clearance, frame_mass) = (parameters.clearance(), parameters.frame_mass());
         if !(clearance > 0.0 && clearance < 1.0) {
             let remedy = "the stoppers are between the middle, 0, and the electrode, 1";
             return Err(LeftDomain::new("clearance", clearance, remedy));
@@ -354,6 +356,6 @@ impl HybridSystem for Actuator {
         if frame_mass <= 0.0 {
             return Err(LeftDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
         }
-        VectorField::domain(&Block, &x[..1], &block)
+        VectorField::domain(&Block, &x[..1], &parameters.block())
     }
 }

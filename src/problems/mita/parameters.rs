@@ -15,44 +15,49 @@ pub(super) const NAMES: [&str; 9] = [
     "gravity",
 ];
 
-/// The parameters by name.
-pub(super) struct Parameters<T> {
-    /// Voltage, frequency, damping: those of the block.
-    pub block: [T; 3],
-    pub clearance: T,
-    pub restitution: T,
-    pub static_friction: T,
-    pub dynamic_friction: T,
-    pub frame_mass: T,
-    pub gravity: T,
+/// The parameters by name, where they stand.
+pub(super) struct Parameters<'a, T>(&'a [T]);
+
+/// Each parameter by its name.
+macro_rules! named {
+    ($($name:ident: $position:literal)*) => {
+        impl<T: Scalar> Parameters<'_, T> {
+            $(#[inline(always)]
+            pub fn $name(&self) -> T {
+                self.0[$position]
+            })*
+        }
+    };
 }
 
-impl<T: Scalar> Parameters<T> {
-    pub fn of(p: &[T]) -> Self {
-        Parameters {
-            block: [p[0], p[1], p[4]],
-            clearance: p[2],
-            restitution: p[3],
-            static_friction: p[5],
-            dynamic_friction: p[6],
-            frame_mass: p[7],
-            gravity: p[8],
-        }
+named! { clearance: 2 restitution: 3 static_friction: 5 dynamic_friction: 6 frame_mass: 7 gravity: 8 }
+
+impl<'a, T: Scalar> Parameters<'a, T> {
+    /// The parameters in their order; the caller gives all of them.
+    #[inline(always)]
+    pub fn of(p: &'a [T]) -> Self {
+        Parameters(&p[..NAMES.len()])
+    }
+
+    /// Voltage, frequency, damping: those of the block.
+    #[inline(always)]
+    pub fn block(&self) -> [T; 3] {
+        [self.0[0], self.0[1], self.0[4]]
     }
 
     /// The mass of all.
     pub fn mass(&self) -> T {
-        self.frame_mass + 1.0
+        self.frame_mass() + 1.0
     }
 
     /// `μ N`.
     pub fn friction(&self, coefficient: T) -> T {
-        coefficient * self.mass() * self.gravity
+        coefficient * self.mass() * self.gravity()
     }
 
     /// Friction on a frame that moves forward, or backward.
     pub fn on_the_frame(&self, forward: bool) -> T {
-        let friction = self.friction(self.dynamic_friction);
+        let friction = self.friction(self.dynamic_friction());
         if forward { -friction } else { friction }
     }
 }

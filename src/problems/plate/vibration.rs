@@ -1,14 +1,12 @@
 //! The lowest eigenvalue of `J v = ω² M v` and its derivative: vectors in `f64`, a Rayleigh quotient
 //! in any arithmetic.
 
+use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::ZeroProblem;
 use faer::Mat;
 use nalgebra::{Cholesky, DMatrix, DVector, LU, SymmetricEigen};
-use num_dual::{Dual, DualSVec64};
-
-/// How many directions are differentiated at a time.
-const CHUNK: usize = 8;
+use num_dual::Dual;
 
 /// Left and right eigenvectors of the lowest eigenvalue (the same ones if `J` is symmetric).
 pub(super) struct Lowest {
@@ -51,18 +49,18 @@ pub(super) trait Vibrates: ZeroProblem {
 pub(super) fn jacobian<P: ZeroProblem>(problem: &P, z: &[f64], p: &[f64]) -> DMatrix<f64> {
     let n = z.len();
     let mut matrix = DMatrix::zeros(n, n);
-    let mut point: Vec<_> = z.iter().map(|&value| DualSVec64::<CHUNK>::from(value)).collect();
-    let p: Vec<_> = p.iter().map(|&value| DualSVec64::<CHUNK>::from(value)).collect();
+    let mut point: Vec<_> = z.iter().map(|&value| Chunk::from(value)).collect();
+    let p: Vec<_> = p.iter().map(|&value| Chunk::from(value)).collect();
     let mut values = point.clone();
     for first in (0..n).step_by(CHUNK) {
         let chunk = first..n.min(first + CHUNK);
         for j in chunk.clone() {
-            point[j] = DualSVec64::from(z[j]).derivative(j - first);
+            point[j] = seeded(z[j], j, first);
         }
         problem.residual(&point, &p, &mut values);
         for j in chunk {
             for (i, value) in values.iter().enumerate() {
-                matrix[(i, j)] = value.eps.0.map_or(0.0, |derivatives| derivatives[j - first]);
+                matrix[(i, j)] = value.eps[j - first];
             }
             point[j] = z[j].into();
         }

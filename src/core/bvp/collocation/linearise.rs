@@ -3,17 +3,16 @@
 use super::basis::{Basis, combine};
 use crate::core::bvp::interval::left_domain;
 use crate::core::bvp::{Block, Interval, Number};
-use crate::core::chunk::{parts, seeded};
+use crate::core::chunk::{DualChunk, seeded};
 use crate::core::scalar_field::FieldIn;
 use crate::core::zero::LeftDomain;
-use num_dual::DualSVec64;
 
 /// Arguments and values of the field in a pass over `W` directions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Passes<const W: usize> {
-    x: Vec<DualSVec64<W>>,
-    q: Vec<DualSVec64<W>>,
-    f: Vec<DualSVec64<W>>,
+    x: Vec<DualChunk<f64, W>>,
+    q: Vec<DualChunk<f64, W>>,
+    f: Vec<DualChunk<f64, W>>,
     real: Vec<f64>,
 }
 
@@ -27,7 +26,7 @@ pub(super) fn linearise_in<const W: usize>(
     mut block: Block,
 ) -> Result<(), LeftDomain>
 where
-    DualSVec64<W>: Number,
+    DualChunk<f64, W>: Number,
 {
     let n = interval.nodes.len() / basis.nodes.len();
     passes.resize(n);
@@ -49,18 +48,18 @@ where
 
 impl<const W: usize> Passes<W>
 where
-    DualSVec64<W>: Number,
+    DualChunk<f64, W>: Number,
 {
     fn resize(&mut self, n: usize) {
         self.real.resize(n, 0.0);
-        self.x.resize(n, DualSVec64::from(0.0));
-        self.f.resize(n, DualSVec64::from(0.0));
+        self.x.resize(n, DualChunk::from(0.0));
+        self.f.resize(n, DualChunk::from(0.0));
     }
 
     /// The numbers `q`, the active ones seeded as the directions after the `n` states.
     fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
         self.q.clear();
-        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
+        self.q.extend(q.iter().map(|q| DualChunk::from(*q)));
         for (k, &number) in active.iter().enumerate() {
             self.q[number] = seeded(q[number], n + k, start);
         }
@@ -75,7 +74,7 @@ where
         start: usize,
     ) -> Result<(), LeftDomain> {
         let Interval { problem, span, nodes, q } = *interval;
-        let equations = DualSVec64::<W>::residual(problem);
+        let equations = DualChunk::<f64, W>::residual(problem);
         let (duration, h) = (equations.duration_in(span.segment, &self.q), interval.length());
         let field = equations.on_segment(span.segment, &self.q);
         let t = duration * (span.start + h * basis.gauss[c]);
@@ -103,7 +102,7 @@ where
         let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
         let rows = block.nodes[c * n * n * places..].chunks_exact_mut(n * places);
         for (i, (row, f)) in rows.zip(&self.f).enumerate() {
-            let parts = parts(f);
+            let parts = f.eps;
             match n {
                 1 => outer_product::<1>(row, values, &parts),
                 2 => outer_product::<2>(row, values, &parts),
@@ -129,7 +128,7 @@ where
         let n = self.f.len();
         for (i, f) in self.f.iter().enumerate() {
             let row = (c * n + i) * active;
-            for (direction, part) in (start..n + active).zip(parts(f)) {
+            for (direction, part) in (start..n + active).zip(f.eps) {
                 if direction >= n {
                     block.numbers[row + direction - n] = -part;
                 }

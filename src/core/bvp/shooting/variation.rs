@@ -2,16 +2,15 @@
 
 use super::lookout::Lookout;
 use crate::core::bvp::{Block, Interval, Number};
-use crate::core::chunk::{parts, seeded};
+use crate::core::chunk::{DualChunk, seeded};
 use crate::core::flow::{Flow, Settings};
 use crate::core::zero::LeftDomain;
-use num_dual::DualSVec64;
 
 /// A flow with derivatives in `N` directions.
 pub(super) struct Variation<const N: usize> {
-    flow: Flow<DualSVec64<N>>,
-    x: Vec<DualSVec64<N>>,
-    q: Vec<DualSVec64<N>>,
+    flow: Flow<DualChunk<f64, N>>,
+    x: Vec<DualChunk<f64, N>>,
+    q: Vec<DualChunk<f64, N>>,
     /// The real parts where the interval ends.
     end: Vec<f64>,
 }
@@ -24,13 +23,13 @@ impl<const N: usize> Default for Variation<N> {
 }
 
 /// The largest derivative.
-fn largest<const N: usize>(x: &DualSVec64<N>) -> f64 {
-    parts(x).iter().fold(0.0, |largest, part| part.abs().max(largest))
+fn largest<const N: usize>(x: &DualChunk<f64, N>) -> f64 {
+    x.eps.iter().fold(0.0, |largest, part| part.abs().max(largest))
 }
 
 impl<const N: usize> Variation<N>
 where
-    DualSVec64<N>: Number,
+    DualChunk<f64, N>: Number,
 {
     /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left states,
     /// then the active numbers.
@@ -48,7 +47,7 @@ where
         self.x.clear();
         self.x.extend(states.map(|(i, x)| seeded(*x, i, first)));
         self.q.clear();
-        self.q.extend(q.iter().map(|q| DualSVec64::from(*q)));
+        self.q.extend(q.iter().map(|q| DualChunk::from(*q)));
         for (k, number) in active.iter().enumerate() {
             self.q[*number] = seeded(q[*number], n + k, first);
         }
@@ -66,7 +65,7 @@ where
         lookout.end(interval, 1.0, &self.end);
         for (i, x) in self.x.iter().enumerate() {
             block.residual[i] = x.re - nodes[n + i];
-            for (direction, part) in (first..n + active.len()).zip(parts(x)) {
+            for (direction, part) in (first..n + active.len()).zip(x.eps) {
                 match direction.checked_sub(n) {
                     None => block.nodes[i * 2 * n + direction] = part,
                     Some(k) => block.numbers[i * active.len() + k] = part,

@@ -5,7 +5,7 @@ use super::equations::{Discretised, Work, first_not_finite};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
 use crate::core::bvp::{Block, Interval, Watchlist};
-use crate::core::chunk::{CHUNK, Chunk, parts};
+use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::zero::LeftDomain;
 
 /// The Jacobian and the residual at the `x` assembled last.
@@ -114,7 +114,7 @@ impl Linearisation {
             for (i, b) in b.iter().enumerate() {
                 self.residual[first + i] = b.re;
                 let row = &mut self.boundary[i * width..(i + 1) * width];
-                row[start..].iter_mut().zip(parts(b)).for_each(|(entry, slope)| *entry = slope);
+                row[start..].iter_mut().zip(b.eps).for_each(|(entry, slope)| *entry = slope);
             }
         }
     }
@@ -167,7 +167,7 @@ impl Linearisation {
                 if start == 0 {
                     self.residual[first + i] += sum.re;
                 }
-                for (k, slope) in (start..dependence.len()).zip(parts(sum)) {
+                for (k, slope) in (start..dependence.len()).zip(sum.eps) {
                     match k.checked_sub(local.len()) {
                         None => self.closing[i * values + local.start + k] += slope,
                         Some(k) => self.closing_numbers[i * active + k] += slope,

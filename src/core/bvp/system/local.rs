@@ -3,7 +3,7 @@
 use super::equations::{Discretised, Local};
 use super::layout::Layout;
 use crate::core::bvp::Number;
-use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
+use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 
@@ -84,7 +84,7 @@ impl<T: Scalar> Passes<T> {
     ) -> Result<(), LeftDomain> {
         for start in (0..dependence.len()).step_by(CHUNK) {
             self.load(layout, dependence, start, x, make);
-            let slopes = parts(&function(self)?);
+            let slopes = function(self)?.eps;
             for (k, slope) in (start..dependence.len()).zip(slopes) {
                 out[dependence.position(layout, k)] += slope;
             }

@@ -4,7 +4,7 @@ use super::{BoundarySystem, Method};
 use crate::core::bvp::{
     Birth, BoundaryError, Collocation, Equations, IntoEquations, Mesh, Number, Shooting,
 };
-use crate::core::chunk::{CHUNK, Chunk, parts, seeded};
+use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::condition::EvaluationError;
 use crate::core::flow::Flow;
 use crate::core::kind::Kind;
@@ -324,7 +324,7 @@ fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, L
         let x: Vec<Chunk> = x.iter().enumerate().map(|(i, x)| seeded(*x, i, first)).collect();
         field.slope(zero, &x, &q, &mut f);
         for (i, f) in f.iter().enumerate() {
-            (first..n).zip(parts(f)).for_each(|(j, part)| columns[j * n + i] = part);
+            (first..n).zip(f.eps).for_each(|(j, part)| columns[j * n + i] = part);
         }
     }
     Ok(columns)

@@ -4,7 +4,7 @@ use super::{Lanes, Vector};
 
 /// A number of this size or less is reduced exactly enough.
 const LARGEST: f64 = 1e5;
-/// Adding this rounds to an integer, whose lowest bits are then the lowest of the sum.
+/// Adding this rounds to an integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// π/2 in two parts, the first of which has 33 bits.
 const HALF_PI: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
@@ -34,21 +34,25 @@ fn polynomial(coefficients: &[f64; 6], x: Vector) -> Vector {
     rest.iter().fold(Vector::splat(*first), |sum, c| sum * x + Vector::splat(*c))
 }
 
+/// The nearest integer, for numbers far below [`ROUNDING`].
+#[inline(always)]
+fn rounded(x: Vector) -> Vector {
+    x + Vector::splat(ROUNDING) - Vector::splat(ROUNDING)
+}
+
 impl Lanes {
     /// Sine and cosine, to about one unit in the last place.
     #[inline(always)]
     pub(super) fn circular(self) -> (Self, Self) {
         let Lanes(x) = self;
-        let rounded = x * Vector::splat(std::f64::consts::FRAC_2_PI) + Vector::splat(ROUNDING);
-        let quarters = rounded - Vector::splat(ROUNDING);
+        let quarters = rounded(x * Vector::splat(std::f64::consts::FRAC_2_PI));
         let r = x - quarters * Vector::splat(HALF_PI[0]) - quarters * Vector::splat(HALF_PI[1]);
         let square = r * r;
         let sine = r + r * square * polynomial(&SINE, square);
         let half = square * Vector::splat(0.5);
         let cosine = Vector::ONE - (half - square * square * polynomial(&COSINE, square));
         // The quadrant, from −2 to 2: odd ones exchange sine and cosine.
-        let quadrant =
-            quarters - Vector::splat(4.0) * (quarters * Vector::splat(0.25)).round_ties_even();
+        let quadrant = quarters - Vector::splat(4.0) * rounded(quarters * Vector::splat(0.25));
         let odd = quadrant.abs().simd_eq(Vector::ONE);
         let (first, second) = (odd.select(cosine, sine), odd.select(sine, cosine));
         let two = quadrant.abs().simd_eq(Vector::splat(2.0));

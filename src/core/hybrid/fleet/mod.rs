@@ -142,6 +142,7 @@ where
             members,
         };
         self.slots.resize_with(UNDER_WAY, Slot::new);
+        self.stepper.iter_mut().for_each(BatchStepper::vacate);
         loop {
             while let Some(number) = scheduler.free.pop() {
                 let Some(member) = waiting.next() else { break };

@@ -124,7 +124,7 @@ where
         let Some(lanes) = stepper else { return [f64::NAN; LANES] };
         for lane in 0..LANES {
             let slot = &slots[abreast[lane.min(abreast.len() - 1)]];
-            lanes.load(lane, &slot.lane_state, &slot.p);
+            lanes.load(lane, &slot.lane_state, (slot.member, &slot.p));
         }
         let system = worker.system;
         let field = T::Wide::in_mode(system, mode, T::Wide::constant(0.0));
@@ -147,63 +147,76 @@ where
         error: f64,
         observer: &mut impl FleetObserver<T>,
     ) -> Outcome {
-        let (system, most) = (self.worker.system, self.worker.settings.flow.max_steps);
         let Some(stepper) = &self.stepper else { return self.go(number, Next::Alone, observer) };
         let Slot { lane_state, .. } = &mut self.slots[number];
         lane_state.statistics.evaluations += stepper.cost();
-        let steps = lane_state.statistics.accepted + lane_state.statistics.rejected;
         if error.is_nan() || error > 1.0 {
+            let most = self.worker.settings.flow.max_steps;
             // What cannot go on is told by the flow of the leg alone.
-            let again = lane_state.reject(error).is_some() && steps < most;
-            return if again {
-                Ok(ControlFlow::Continue(()))
-            } else {
-                self.go(number, Next::Alone, observer)
+            return match lane_state.reject(error).is_some() && lane_state.steps() <= most {
+                true => Ok(ControlFlow::Continue(())),
+                false => self.go(number, Next::Alone, observer),
             };
         }
-        let landing = if lane_state.aims() {
-            let reached = lane_state.reached(&self.forecasts, lane);
-            let Some(reached) = reached else { return Ok(ControlFlow::Continue(())) };
-            self.reach(mode, (lane, number), reached)
-        } else {
-            self.screen(lane, number);
-            let only = if let [watched] = self.candidates[..] { Some(watched) } else { None };
-            if only.is_some_and(|watched| self.aim(watched, lane, number)) {
-                return Ok(ControlFlow::Continue(()));
-            }
-            if self.candidates.is_empty() { None } else { self.look_at(mode, (lane, number)) }
+        let ControlFlow::Continue(landing) = self.landing(mode, (lane, number)) else {
+            return Ok(ControlFlow::Continue(()));
         };
         if observer.sees_steps() {
             let end = landing.as_ref().map_or(T::one(), |landing| landing.root.fraction);
             self.show(mode, (lane, number), end, observer);
         }
-        let Some(stepper) = &self.stepper else { return self.go(number, Next::Alone, observer) };
-        let Slot { lane_state, real_p, state, statistics, end, .. } = &mut self.slots[number];
-        stepper.accept(lane, error, lane_state);
-        if let Some(landing) = landing {
-            statistics.flow = sum(statistics.flow, lane_state.statistics);
-            self.work(number, observer, |worker, state, run| {
-                worker.land(landing, state, run).map(|_| ())
-            })?;
-            return self.go(number, Next::Leg, observer);
+        let Slot { lane_state, statistics, .. } = &mut self.slots[number];
+        self.stepper.iter().for_each(|stepper| stepper.accept(lane, error, lane_state));
+        let Some(landing) = landing else { return self.go_on(mode, number, observer) };
+        statistics.flow = sum(statistics.flow, lane_state.statistics);
+        self.work(number, observer, |worker, state, run| {
+            worker.land(landing, state, run).map(|_| ())
+        })?;
+        self.go(number, Next::Leg, observer)
+    }
+
+    /// Where the leg of a lane ends in its step, if it does; a break if a shorter step is to tell.
+    fn landing(&mut self, mode: usize, of: (usize, usize)) -> ControlFlow<(), Option<Landing<T>>> {
+        let (lane, number) = of;
+        let Slot { lane_state, .. } = &mut self.slots[number];
+        if lane_state.aims() {
+            return match lane_state.reached(&self.forecasts, lane) {
+                Some(reached) => ControlFlow::Continue(self.reach(mode, of, reached)),
+                None => ControlFlow::Break(()),
+            };
         }
-        let real = &mut self.worker.x;
-        real.clear();
-        real.extend(lane_state.state().iter().map(T::real));
-        let leaves = |x: &[f64]| {
-            x.iter().any(|x| !x.is_finite()) || system.domain_of(mode, x, real_p).is_err()
-        };
-        if steps >= most || leaves(real) {
+        self.screen(lane, number);
+        match (self.candidates.len(), self.candidates.first().copied()) {
+            (1, Some(watched)) if self.aim(watched, lane, number) => ControlFlow::Break(()),
+            (0, _) => ControlFlow::Continue(None),
+            _ => ControlFlow::Continue(self.look_at(mode, of)),
+        }
+    }
+
+    /// Goes on after a step that was accepted and ends no leg.
+    fn go_on(
+        &mut self,
+        mode: usize,
+        number: usize,
+        observer: &mut impl FleetObserver<T>,
+    ) -> Outcome {
+        let HybridFlow { system, settings, x, .. } = &mut self.worker;
+        let Slot { lane_state, real_p, state, statistics, end, .. } = &mut self.slots[number];
+        x.clear();
+        x.extend(lane_state.state().iter().map(T::real));
+        let leaves =
+            || x.iter().any(|x| !x.is_finite()) || system.domain_of(mode, x, real_p).is_err();
+        if lane_state.steps() > settings.flow.max_steps || leaves() {
             return self.go(number, Next::Alone, observer);
         }
-        if lane_state.is_over() {
-            statistics.flow = sum(statistics.flow, lane_state.statistics);
-            state.time = *end;
-            state.x.clear();
-            state.x.extend_from_slice(lane_state.state());
-            return self.go(number, Next::Finish, observer);
+        if !lane_state.is_over() {
+            return Ok(ControlFlow::Continue(()));
         }
-        Ok(ControlFlow::Continue(()))
+        statistics.flow = sum(statistics.flow, lane_state.statistics);
+        state.time = *end;
+        state.x.clear();
+        state.x.extend_from_slice(lane_state.state());
+        self.go(number, Next::Finish, observer)
     }
 
     /// Shows the step of a lane, up to this fraction, to the observer.

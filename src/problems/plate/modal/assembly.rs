@@ -7,9 +7,9 @@
 use super::membrane;
 use super::projection::{Direct, Linear, Multiplied, integrand};
 use super::tables::at;
+use crate::core::chunk::DualChunk;
 use crate::problems::plate::Parameters;
 use crate::problems::plate::tensor::dot;
-use num_dual::DualSVec64;
 
 impl Direct {
     /// The Hessian of `Π`, into `out` (`N × N`).
@@ -54,7 +54,7 @@ impl Multiplied {
     pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
         let n = q.len();
         out.fill(0.0);
-        let forces = linear.forces(plate).map(DualSVec64::<7>::from);
+        let forces = linear.forces(plate).map(DualChunk::<f64, 7>::from);
         let stiffness = 12.0 * plate.gap_ratio * plate.gap_ratio;
         let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
         membrane::products(q, &mut pairs);
@@ -77,12 +77,8 @@ impl Multiplied {
                     membrane::add_product_slopes(row, &scaled, &mut of_stress[k]);
                 }
             }
-            let mut seeded = [DualSVec64::<7>::from(0.0); 7];
-            for (k, (seeded, value)) in seeded.iter_mut().zip(local).enumerate() {
-                *seeded = DualSVec64::from(value).derivative(k);
-            }
+            let seeded = std::array::from_fn(|k| DualChunk::seeded(local[k], k));
             let parts = integrand(seeded, forces, plate.pressure.into());
-            let slopes = parts.map(|part| part.eps.0.map_or([0.0; 7], |eps| eps.into()));
             for (k, column) in out.chunks_exact_mut(n).enumerate() {
                 let of_local = [
                     values[k],
@@ -93,8 +89,7 @@ impl Multiplied {
                     of_stress[1][k],
                     of_stress[2][k],
                 ];
-                let [plain, in_x, in_y] =
-                    slopes.map(|slope: [f64; 7]| weight * dot(&slope, &of_local));
+                let [plain, in_x, in_y] = parts.map(|part| weight * dot(&part.eps, &of_local));
                 for (i, entry) in column.iter_mut().enumerate() {
                     *entry += plain * values[i] + in_x * slopes_x[i] + in_y * slopes_y[i];
                 }
