@@ -40,20 +40,14 @@ pub trait StroboscopicMap {
     /// Follows the motion for one period.
     ///
     /// # Errors
-    /// [`StroboscopicError`] if the motion ends before.
+    /// [`StroboscopicError`] if the motion ends before, here and below.
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError>;
 
     /// Follows the motion for one period and keeps what happens in it.
-    ///
-    /// # Errors
-    /// As [`advance`](Self::advance).
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError>;
 
     /// Follows the motion for one period with a tangent vector, the derivatives of the state, which becomes its
     /// image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
-    ///
-    /// # Errors
-    /// As [`advance`](Self::advance).
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
     /// Follows many trajectories period by period, each until `each` ends it. What becomes of a trajectory does not

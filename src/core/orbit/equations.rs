@@ -188,8 +188,7 @@ impl Equations for HybridOrbit {
 
     /// Where there is no guard, all orbits have the same itinerary.
     fn itinerary(&self) -> String {
-        let written = || self.itinerary.in_words(&self.modes, &self.guards);
-        if self.guards.is_empty() { String::new() } else { written() }
+        if self.guards.is_empty() { String::new() } else { self.itinerary.written(&*self.system) }
     }
 
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, EvaluationError> {

@@ -111,11 +111,7 @@ impl Itinerary {
 
     /// The itinerary in the words of a system, as [`read`](Self::read) understands it.
     pub fn written(&self, system: &dyn HybridEquations) -> String {
-        self.in_words(&system.modes(), &system.guards())
-    }
-
-    /// The itinerary in the names of modes and guards.
-    pub(super) fn in_words(&self, modes: &[Mode], guards: &[Guard]) -> String {
+        let (modes, guards) = (system.modes(), system.guards());
         let periods = (self.periods != 1).then(|| format!("{}*", self.periods));
         let word = |leg: &Leg| {
             let exit = leg.exit.map(|guard| format!(":{}", guards[guard].name));
