@@ -92,6 +92,9 @@ pub(in crate::core) struct BatchStepper<T: InLanes> {
     x: Vec<T::Wide>,
     p: Vec<T::Wide>,
     stages: Stages<T::Wide>,
+    /// Values and slopes by time of watched functions where the step begins, if they are known in all lanes.
+    before: [Vec<[f64; LANES]>; 2],
+    known: bool,
     /// What watched functions see.
     dual_x: [Vec<Dual<Lanes>>; 2],
     dual_p: Vec<Dual<Lanes>>,
@@ -111,6 +114,8 @@ impl<T: InLanes> BatchStepper<T> {
             x: Vec::new(),
             p: Vec::new(),
             stages: Stages::default(),
+            before: Default::default(),
+            known: true,
             dual_x: Default::default(),
             dual_p: Vec::new(),
             dual_time: [Dual::from_re(Lanes::splat(0.0)); 2],
@@ -125,17 +130,17 @@ impl<T: InLanes> BatchStepper<T> {
     /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same. Lanes that stay empty
     /// need one all the same.
     pub fn load(&mut self, lane: usize, lane_state: &LaneState<T>, (occupant, p): (usize, &[T])) {
-        let put = |to: &mut Vec<[T; LANES]>, from: &[T]| {
-            to.resize(from.len(), [T::zero(); LANES]);
-            to.iter_mut().zip(from).for_each(|(to, from)| to[lane] = *from);
-        };
         let [x, slope, parameters] = &mut self.given;
-        put(x, &lane_state.x);
-        put(slope, &lane_state.slope);
+        put(lane, &lane_state.x, x);
+        put(lane, &lane_state.slope, slope);
         if self.occupants[lane] != occupant {
-            put(parameters, p);
+            put(lane, p, parameters);
             (self.occupants[lane], self.renewed) = (occupant, true);
         }
+        let [values, rates] = &lane_state.watched;
+        self.known = (lane == 0 || self.known) && lane_state.is_watched();
+        put(lane, values, &mut self.before[0]);
+        put(lane, rates, &mut self.before[1]);
         self.time[lane] = lane_state.start + lane_state.length * lane_state.sigma;
         self.length[lane] = lane_state.length * lane_state.step().0;
     }
@@ -174,9 +179,10 @@ impl<T: InLanes> BatchStepper<T> {
         for (i, (x, end)) in self.x.iter().zip(&self.stages.end).enumerate() {
             let [x, end] = [x, end].map(|x| T::reals(x).size());
             let tolerated = x.most(end) * settings.relative + settings.absolute;
+            let scale = Lanes::splat(1.0) / tolerated;
             let sum = |row: Row| {
                 let terms = row.iter().map(|(j, e)| T::reals(&slopes[j * n + i]) * *e);
-                terms.fold(Lanes::splat(0.0), |sum, term| sum + term) / tolerated
+                terms.fold(Lanes::splat(0.0), |sum, term| sum + term) * scale
             };
             for (square, row) in
                 squares.iter_mut().zip([self.tableau.error, self.tableau.rough_error])
@@ -210,24 +216,37 @@ impl<T: InLanes> BatchStepper<T> {
         self.dual_time = [Dual::new(time, length), Dual::new(time + length, length)];
     }
 
-    /// What can be said about a watched function from its values and slopes at both ends.
-    pub fn forecast<W: WatchIn<Dual<Lanes>>>(&self, watch: &W) -> EventForecast {
+    /// What can be said about a watched function from its values and slopes at both ends. Where steps of all lanes go
+    /// on, those at the start are known by the function's position among those watched.
+    pub fn forecast<W: WatchIn<Dual<Lanes>>>(&self, position: usize, watch: &W) -> EventForecast {
         let [start, end] = &self.dual_time;
-        let start = watch.value_in(*start, &self.dual_x[0], &self.dual_p);
+        let start = if self.known {
+            let [value, rate] = [0, 1].map(|k| Lanes::from(self.before[k][position]));
+            Dual::new(value, rate * start.eps)
+        } else {
+            watch.value_in(*start, &self.dual_x[0], &self.dual_p)
+        };
         let end = watch.value_in(*end, &self.dual_x[1], &self.dual_p);
         EventForecast::of(start, end)
     }
 
-    /// Accepts the step of a lane with this error.
-    pub fn accept(&self, lane: usize, error: f64, lane_state: &mut LaneState<T>) {
+    /// Accepts the step of a lane with this error, after what was seen of all watched functions.
+    pub fn accept(
+        &self,
+        (lane, error): (usize, f64),
+        forecasts: &[EventForecast],
+        lane_state: &mut LaneState<T>,
+    ) {
         let (n, (h, last)) = (lane_state.x.len(), lane_state.step());
         let slopes = &self.stages.slopes[self.tableau.end() * n..];
-        let length = self.length[lane];
+        let rate = T::one() / self.length[lane];
         let end = self.stages.end.iter().map(|end| T::lane(end, lane));
         lane_state.x.iter_mut().zip(end).for_each(|(x, end)| *x = end);
         for (to, slope) in lane_state.slope.iter_mut().zip(slopes) {
-            *to = T::lane(slope, lane) / length;
+            *to = T::lane(slope, lane) * rate;
         }
+        let ends = forecasts.iter().map(|forecast| forecast.end(lane));
+        lane_state.watch(ends.map(|[value, slope]| [value, slope * rate.real()]));
         lane_state.sigma = if last { 1.0 } else { lane_state.sigma + h };
         lane_state.accept(h, error);
     }
@@ -236,4 +255,13 @@ impl<T: InLanes> BatchStepper<T> {
     pub fn cost(&self) -> usize {
         self.tableau.end()
     }
+}
+
+/// Writes numbers into a lane.
+#[inline]
+fn put<S: Copy>(lane: usize, from: &[S], to: &mut Vec<[S; LANES]>) {
+    if let Some(first) = from.first() {
+        to.resize(from.len(), [*first; LANES]);
+    }
+    to.iter_mut().zip(from).for_each(|(to, from)| to[lane] = *from);
 }

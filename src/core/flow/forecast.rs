@@ -88,10 +88,16 @@ impl EventForecast {
         Some(theta)
     }
 
+    /// Value and slope at the end of the step of a lane.
+    pub(super) fn end(&self, lane: usize) -> [f64; 2] {
+        let Dual { re, eps } = self.ends[1];
+        [re, eps].map(|v| v.each()[lane])
+    }
+
     /// By how much the end of the step of a lane is to be moved, in units of the step, to where the function vanishes.
     pub(super) fn correction(&self, lane: usize) -> f64 {
-        let end = &self.ends[1];
-        -end.re.each()[lane] / end.eps.each()[lane]
+        let [value, slope] = self.end(lane);
+        -value / slope
     }
 }
 

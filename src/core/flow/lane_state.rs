@@ -46,6 +46,8 @@ pub(in crate::core) struct LaneState<T> {
     pub(super) x: Vec<T>,
     /// The slope by time.
     pub(super) slope: Vec<T>,
+    /// Values of watched functions, and their slopes by time; none where a leg begins.
+    pub(super) watched: [Vec<f64>; 2],
     largest_step: f64,
     control: Control,
     purpose: Purpose,
@@ -64,6 +66,7 @@ impl<T: Scalar> LaneState<T> {
             h: 0.0,
             x: Vec::new(),
             slope: Vec::new(),
+            watched: Default::default(),
             largest_step: 1.0,
             control: Control::new(&settings),
             purpose: Purpose::Advance,
@@ -84,6 +87,7 @@ impl<T: Scalar> LaneState<T> {
         self.x.extend_from_slice(x);
         self.slope.clear();
         self.slope.extend(slope);
+        self.watch(std::iter::empty());
         (self.start, self.length, self.sigma, self.h) = (start, length, 0.0, h);
         self.largest_step = settings.largest_step;
         self.control = Control::new(settings);
@@ -94,6 +98,19 @@ impl<T: Scalar> LaneState<T> {
     /// The state.
     pub fn state(&self) -> &[T] {
         &self.x
+    }
+
+    /// Takes in values and slopes by time of the watched functions.
+    pub(super) fn watch(&mut self, each: impl Iterator<Item = [f64; 2]>) {
+        self.watched.iter_mut().for_each(Vec::clear);
+        for number in each {
+            self.watched.iter_mut().zip(number).for_each(|(to, from)| to.push(from));
+        }
+    }
+
+    /// Whether watched functions are known.
+    pub(super) fn is_watched(&self) -> bool {
+        !self.watched[0].is_empty()
     }
 
     /// How many steps were tried.

@@ -95,6 +95,7 @@ impl Actuator {
     }
 
     /// Displacement and velocity of the block, and the velocity of the frame, in a mode.
+    #[inline(always)]
     fn motion<T: Scalar>(mode: usize, x: &[T]) -> [T; 3] {
         match (Self::touches(mode), Self::slips(mode)) {
             (false, true) => [x[0], x[1], x[2]],
@@ -302,7 +303,7 @@ impl HybridSystem for Actuator {
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        VectorField::period(&Block, &Parameters::of(p).block())
+        VectorField::period(&Block, &Parameters::of(p).block().map(|p| *p))
     }
 
     /// `max_displacement`; `displacement_range`; `poincare_velocity`, that of the block where it passes through
@@ -343,7 +344,7 @@ impl HybridSystem for Actuator {
         let way = |x: &[T]| x[x.len() - 1];
         let total = slips.fold(T::zero(), |sum, leg| sum + way(leg.end) - way(leg.start));
         let step = total / periods as f64;
-        if position == 1 { step } else { step * Parameters::of(p).block()[1] }
+        if position == 1 { step } else { step * *Parameters::of(p).block()[1] }
     }
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
@@ -356,6 +357,6 @@ impl HybridSystem for Actuator {
         if frame_mass <= 0.0 {
             return Err(LeftDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
         }
-        VectorField::domain(&Block, &x[..1], &parameters.block())
+        VectorField::domain(&Block, &x[..1], &parameters.block().map(|p| *p))
     }
 }

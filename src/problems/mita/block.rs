@@ -34,9 +34,9 @@ impl Block {
 }
 
 /// The force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage, a frequency and a damping.
-pub(super) fn force<T: Scalar>(t: T, q: T, u: T, [voltage, frequency, damping]: [T; 3]) -> T {
-    let ratio = voltage * (frequency * t).sin() / (T::one() - q);
-    ratio * ratio - q - damping * u
+pub(super) fn force<T: Scalar>(t: T, q: T, u: T, [voltage, frequency, damping]: [&T; 3]) -> T {
+    let ratio = (*frequency * t).sin() * voltage / (T::one() - q);
+    ratio * ratio - q - u * damping
 }
 
 impl VectorField for Block {
@@ -50,7 +50,7 @@ impl VectorField for Block {
 
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         f[0] = x[1];
-        f[1] = force(t, x[0], x[1], [p[0], p[1], p[2]]);
+        f[1] = force(t, x[0], x[1], [&p[0], &p[1], &p[2]]);
     }
 
     fn forcing(&self) -> Forcing {

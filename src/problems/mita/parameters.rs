@@ -41,8 +41,8 @@ impl<'a, T: Scalar> Parameters<'a, T> {
 
     /// Voltage, frequency, damping: those of the block.
     #[inline(always)]
-    pub fn block(&self) -> [T; 3] {
-        [self.0[0], self.0[1], self.0[4]]
+    pub fn block(&self) -> [&T; 3] {
+        [&self.0[0], &self.0[1], &self.0[4]]
     }
 
     /// The mass of all.

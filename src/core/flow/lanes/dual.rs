@@ -64,7 +64,7 @@ impl DualNum for Lanes {
 
     #[inline(always)]
     fn sin(&self) -> Self {
-        self.circular().0
+        self.sine()
     }
 
     #[inline(always)]

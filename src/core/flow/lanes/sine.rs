@@ -27,11 +27,27 @@ const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
 ];
 
+/// `(sin x − x)/x³` in powers of `x²` for `|x| ≤ π/2`, from the highest one on: the Taylor series, whose next term is
+/// below 2e-18.
+const LONG_SINE: [f64; 10] = [
+    1.957_294_106_339_126_3e-20,
+    -8.220_635_246_624_33e-18,
+    2.811_457_254_345_520_6e-15,
+    -7.647_163_731_819_816e-13,
+    1.605_904_383_682_161_3e-10,
+    -2.505_210_838_544_172e-8,
+    2.755_731_922_398_589_3e-6,
+    -1.984_126_984_126_984e-4,
+    8.333_333_333_333_333e-3,
+    -1.666_666_666_666_666_6e-1,
+];
+
 /// A polynomial by Horner's rule.
 #[inline(always)]
-fn polynomial(coefficients: &[f64; 6], x: Vector) -> Vector {
-    let [first, rest @ ..] = coefficients;
-    rest.iter().fold(Vector::splat(*first), |sum, c| sum * x + Vector::splat(*c))
+fn polynomial<const N: usize>(coefficients: &[f64; N], x: Vector) -> Vector {
+    coefficients[1..]
+        .iter()
+        .fold(Vector::splat(coefficients[0]), |sum, c| sum * x + Vector::splat(*c))
 }
 
 /// The nearest integer, for numbers far below [`ROUNDING`].
@@ -41,6 +57,25 @@ fn rounded(x: Vector) -> Vector {
 }
 
 impl Lanes {
+    /// The sine alone, to about two units in the last place.
+    #[inline(always)]
+    pub(super) fn sine(self) -> Self {
+        let Lanes(x) = self;
+        let halves = rounded(x * Vector::splat(std::f64::consts::FRAC_1_PI));
+        let [pi, rest] = HALF_PI.map(|half| Vector::splat(2.0 * half));
+        let r = x - halves * pi - halves * rest;
+        let square = r * r;
+        let sine = r + r * square * polynomial(&LONG_SINE, square);
+        // Odd multiples of π change the sign: −1, 0 or 1 here, of which only the square counts.
+        let odd = halves - Vector::splat(2.0) * rounded(halves * Vector::splat(0.5));
+        let sine = sine * (Vector::ONE - Vector::splat(2.0) * odd * odd);
+        let near = x.abs().simd_le(Vector::splat(LARGEST));
+        if near.all() {
+            return Lanes(sine);
+        }
+        Lanes(near.select(sine, self.map(f64::sin).0))
+    }
+
     /// Sine and cosine, to about one unit in the last place.
     #[inline(always)]
     pub(super) fn circular(self) -> (Self, Self) {

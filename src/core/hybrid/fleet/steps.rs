@@ -131,11 +131,9 @@ where
         let errors = lanes.attempt(&field, &worker.settings.flow);
         lanes.look();
         forecasts.clear();
-        let guards = worker.watched[mode].iter();
-        forecasts.extend(
-            guards
-                .map(|guard| lanes.forecast(&GuardOf { system, guard: *guard, mode, scale: 1.0 })),
-        );
+        forecasts.extend(worker.watched[mode].iter().enumerate().map(|(position, guard)| {
+            lanes.forecast(position, &GuardOf { system, guard: *guard, mode, scale: 1.0 })
+        }));
         errors
     }
 
@@ -166,7 +164,9 @@ where
             self.show(mode, (lane, number), end, observer);
         }
         let Slot { lane_state, statistics, .. } = &mut self.slots[number];
-        self.stepper.iter().for_each(|stepper| stepper.accept(lane, error, lane_state));
+        if let Some(stepper) = &self.stepper {
+            stepper.accept((lane, error), &self.forecasts, lane_state);
+        }
         let Some(landing) = landing else { return self.go_on(mode, number, observer) };
         statistics.flow = sum(statistics.flow, lane_state.statistics);
         self.work(number, observer, |worker, state, run| {
