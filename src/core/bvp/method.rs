@@ -13,14 +13,14 @@ use crate::core::zero::LeftDomain;
 #[derive(Clone)]
 pub enum Method {
     /// Polynomials through the nodes.
-    Collocation(Collocation),
+    Collocation(Box<Collocation>),
     /// Flows from one node to the next, `m = 1`.
     Shooting(Box<Shooting>),
 }
 
 impl From<Collocation> for Method {
     fn from(method: Collocation) -> Self {
-        Method::Collocation(method)
+        Method::Collocation(Box::new(method))
     }
 }
 
