@@ -10,7 +10,7 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use tangency::core::bvp::Collocation;
 use tangency::core::zero::{Border, Group, Names, Slot, System};
-use tangency::core::{field::VectorField, orbit::by_collocation, scalar::Scalar};
+use tangency::core::{field::VectorField, orbit::periodic_orbits, scalar::Scalar};
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 
 /// Lorenz' field of 1996 with this number of states.
@@ -40,7 +40,7 @@ const TIMES: usize = 7;
 
 /// The cost of one correction with the parameter released, as along a branch.
 fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
-    let mut system = by_collocation(Ring(states), intervals, Collocation::new(4)?)?;
+    let mut system = periodic_orbits(Ring(states), intervals, Collocation::new(4)?)?;
     let wave = |_, tau: f64, x: &mut [f64]| {
         x.iter_mut().enumerate().for_each(|(i, x)| *x = (TAU * tau + i as f64).sin() + 2.0);
     };

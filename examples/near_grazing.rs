@@ -16,7 +16,7 @@ use tangency::core::zero::System;
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 use tangency::problems::mita::Actuator;
 
-type Orbits = BoundarySystem<Shooting>;
+type Orbits = BoundarySystem;
 type Found<T> = Result<T, Box<dyn Error>>;
 
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=5;

@@ -8,7 +8,7 @@ use std::error::Error;
 use tangency::core::bvp::{Collocation, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
 use tangency::core::flow::{self, Scheme};
-use tangency::core::orbit::{by_collocation, by_shooting};
+use tangency::core::orbit::periodic_orbits;
 use tangency::core::zero::System;
 use tangency::problems::mita::Block;
 
@@ -88,10 +88,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..flow::Settings::new(Scheme::DormandPrince8, 1.3e-10)
         };
         let shooting = Shooting::with(flow)?;
-        Ok(Box::new(by_shooting(Block, 1, shooting)?))
+        Ok(Box::new(periodic_orbits(Block, 1, shooting)?))
     })?;
     report("collocation", "20 × 4", [0.04, 9.0], &|| {
-        Ok(Box::new(by_collocation(Block, 20, Collocation::new(4)?)?))
+        Ok(Box::new(periodic_orbits(Block, 20, Collocation::new(4)?)?))
     })?;
     Ok(())
 }

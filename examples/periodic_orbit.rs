@@ -12,7 +12,7 @@ use std::error::Error;
 use tangency::core::bvp::Collocation;
 use tangency::core::continuation::{Branch, Continuation, Kind};
 use tangency::core::field::{Equilibria, VectorField};
-use tangency::core::{dense::Dense, orbit::by_collocation, scalar::Scalar, zero::Names};
+use tangency::core::{dense::Dense, orbit::periodic_orbits, scalar::Scalar, zero::Names};
 use tangency::output::{Document, Plot, draw, figures, write_atomically};
 
 #[derive(Clone)]
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .along("a", 0.0..=0.4)
         .trace()?;
 
-    let mut system = by_collocation(Roessler, 20, Collocation::new(4)?)?;
+    let mut system = periodic_orbits(Roessler, 20, Collocation::new(4)?)?;
     let orbits = Continuation::of(&mut system)
         .named("orbits")
         .restart(&equilibria, first(&equilibria, Kind::HB)?)

@@ -1,11 +1,11 @@
 //! Orbits of growing multipliers by shooting over segments and by collocation.
 
 use super::grid::{Found, Panel, from_to, map};
-use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Method, Shooting};
+use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Shooting};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::field::{Forcing, VectorField};
 use crate::core::newton::NewtonError;
-use crate::core::orbit::{by_collocation, by_shooting};
+use crate::core::orbit::periodic_orbits;
 use crate::core::scalar::Scalar;
 use crate::core::zero::Names;
 use crate::output::RobustnessMap;
@@ -41,10 +41,7 @@ const DIGITS: f64 = 1e-9;
 const HONEST: f64 = 10.0;
 
 /// The branch over the amplitude, from a guess that is off by some hundredths.
-fn judged<M: Method + Clone + 'static>(
-    system: Result<BoundarySystem<M>, BoundaryError>,
-    multiplier: f64,
-) -> Found {
+fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Found {
     let mut system = match system {
         Ok(system) => system,
         Err(cause) => return Found::reported("no such mesh", cause),
@@ -102,11 +99,11 @@ pub(super) fn draw() -> RobustnessMap {
             1 => "shooting".to_string(),
             _ => format!("{segments} segments"),
         };
-        let shooting = || by_shooting(Saddle, segments, Shooting::default());
+        let shooting = || periodic_orbits(Saddle, segments, Shooting::default());
         panel = panel.row((&name, false), &multipliers, |x| judged(shooting(), x));
     }
     panel = panel.row(("collocation", false), &multipliers, |x| match Collocation::new(4) {
-        Ok(method) => judged(by_collocation(Saddle, 40, method), x),
+        Ok(method) => judged(periodic_orbits(Saddle, 40, method), x),
         Err(cause) => Found::reported("no such method", cause),
     });
     map("shooting", vec![panel])

@@ -229,14 +229,12 @@ impl Discretisation {
         let mut finer = *self;
         match self.method {
             Discretised::Collocation => {
-                let (method, parts) = Collocation::new(self.degree).ok()?.finer()?;
+                let (method, parts) = Collocation::new(self.degree).ok()?.finer();
                 (finer.degree, finer.intervals) = (method.points(), self.intervals * parts);
             }
             Discretised::Shooting => {
-                let shooting = Shooting::new(self.scheme, self.flow_tolerance).ok()?;
-                let (method, parts) = shooting.finer()?;
+                let method = Shooting::new(self.scheme, self.flow_tolerance).ok()?.finer()?;
                 finer.flow_tolerance = method.settings().relative;
-                finer.segments *= parts;
             }
         }
         Some(finer)
@@ -257,37 +255,28 @@ impl Discretisation {
     /// The system of a problem.
     pub fn system(&self, problem: impl IntoEquations) -> Result<Box<dyn System>, SceneError> {
         let problem = problem.into_equations();
-        let meshes = |intervals| vec![Mesh::uniform(intervals); problem.segments().len()];
-        Ok(match self.method {
-            Discretised::Collocation => {
-                let meshes = meshes(self.intervals);
-                Box::new(built(BoundarySystem::new(problem, self.collocation()?, meshes))?)
-            }
-            Discretised::Shooting => {
-                let meshes = meshes(self.segments);
-                Box::new(built(BoundarySystem::new(problem, self.shooting()?, meshes))?)
-            }
-        })
+        let (method, intervals) = self.method()?;
+        let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
+        Ok(Box::new(built(BoundarySystem::new(problem, method, meshes))?))
     }
 
     /// The system of the orbits like a simulated one, and the unknowns of that one.
     pub fn start(&self, simulated: Birth<HybridOrbit>, p: &[f64]) -> Result<Started, SceneError> {
-        match self.method {
+        let (method, intervals) = self.method()?;
+        let (system, z) = simulated.discretised(p, method, intervals).map_err(no_start)?;
+        Ok((Box::new(system), z))
+    }
+
+    /// The method, and the number of its intervals on each segment.
+    pub(super) fn method(&self) -> Result<(Method, usize), SceneError> {
+        Ok(match self.method {
             Discretised::Collocation => {
-                started(simulated.discretised(p, self.collocation()?, self.intervals))
+                (built(Collocation::new(self.degree))?.into(), self.intervals)
             }
             Discretised::Shooting => {
-                started(simulated.discretised(p, self.shooting()?, self.segments))
+                (built(Shooting::new(self.scheme, self.flow_tolerance))?.into(), self.segments)
             }
-        }
-    }
-
-    fn collocation(&self) -> Result<Collocation, SceneError> {
-        built(Collocation::new(self.degree))
-    }
-
-    fn shooting(&self) -> Result<Shooting, SceneError> {
-        built(Shooting::new(self.scheme, self.flow_tolerance))
+        })
     }
 }
 
@@ -297,13 +286,6 @@ fn built<S, E: Error + Send + Sync + 'static>(found: Result<S, E>) -> Result<S, 
 
 /// A system, and unknowns to start from.
 pub(super) type Started = (Box<dyn System>, Vec<f64>);
-
-fn started<M: Method + Clone + 'static>(
-    start: Result<(BoundarySystem<M>, Vec<f64>), Failure>,
-) -> Result<Started, SceneError> {
-    let (system, z) = start.map_err(no_start)?;
-    Ok((Box::new(system), z))
-}
 
 /// A simulated motion from which no branch can start.
 pub(super) fn no_start(cause: Failure) -> SceneError {

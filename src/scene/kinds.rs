@@ -57,7 +57,7 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
     fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
         match self.settings.solution {
             Solution::Orbit => {
-                let orbits = HybridOrbit::shared(self.motion()?, Itinerary::smooth(0, 1));
+                let orbits = HybridOrbit::of(self.motion()?, Itinerary::smooth(0, 1));
                 self.settings.discretisation().system(orbits)
             }
             Solution::Equilibrium if self.problem.forcing().is_periodic() => {
@@ -137,7 +137,7 @@ impl Model for Configured<Hybrid, HybridOrbitSettings> {
             words => Itinerary::read(words, &*self.problem)
                 .map_err(|cause| SceneError::value("itinerary", words, cause.to_string()))?,
         };
-        let orbits = self.watched(HybridOrbit::shared(self.problem.clone(), itinerary));
+        let orbits = self.watched(HybridOrbit::of(self.problem.clone(), itinerary));
         self.settings.discretisation().system(orbits)
     }
 

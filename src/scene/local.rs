@@ -1,7 +1,7 @@
 //! Runs that follow fixed and periodic points of a local map near a grazing.
 
-use super::discretisation::{Discretisation, Discretised};
-use crate::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
+use super::discretisation::Discretisation;
+use crate::core::bvp::{BoundarySystem, Mesh, Method};
 use crate::core::condition::Failure;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use crate::core::dense::Dense;
@@ -43,19 +43,9 @@ impl Local {
         order: usize,
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError> {
-        let Discretisation { method, degree, intervals, segments, .. } = discretisation;
-        let point = match method {
-            Discretised::Collocation => {
-                let method = Collocation::new(degree)
-                    .map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
-                grazing_point(system, method, intervals, branch, special)
-            }
-            Discretised::Shooting => {
-                let Discretisation { scheme, flow_tolerance, .. } = discretisation;
-                let method = Shooting::new(scheme, flow_tolerance)?;
-                grazing_point(system, method, segments, branch, special)
-            }
-        }?;
+        let (method, intervals) =
+            discretisation.method().map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
+        let point = grazing_point(system, method, intervals, branch, special)?;
         touches(&**system, &point)?;
         let point = point.located(&**system, &self.parameters[0])?;
         let names: Vec<&str> = self.parameters.iter().map(String::as_str).collect();
@@ -104,17 +94,14 @@ fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), Gra
 }
 
 /// The grazing at a special point of a branch, or of a curve of grazings.
-fn grazing_point<M>(
+fn grazing_point(
     system: &Arc<dyn HybridEquations>,
-    method: M,
+    method: Method,
     intervals: usize,
     branch: &Branch,
     special: &SpecialPoint,
-) -> Result<GrazingPoint, GrazingError>
-where
-    M: Method + Clone + 'static,
-{
-    let orbit = HybridOrbit::shared(system.clone(), Itinerary::smooth(0, 1));
+) -> Result<GrazingPoint, GrazingError> {
+    let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1));
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
         .map_err(Failure::from)?;
     let solution = Solution {

@@ -89,7 +89,7 @@ pub(super) fn settled(
         .map_err(|cause| unsettled(cause.into()))?;
     let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
     drop(flow);
-    HybridOrbit::of_shared_cycle(system, &cycle).map_err(no_start)
+    HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
 }
 
 fn initial(

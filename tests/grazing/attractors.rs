@@ -10,7 +10,7 @@ use tangency::core::attractor::{
     StroboscopicMap,
 };
 use tangency::core::grazing::{GrazingError, Iterated, LocalMap};
-use tangency::core::hybrid::{HybridSettings, HybridState, HybridSystem};
+use tangency::core::hybrid::{HybridSettings, HybridState, HybridSystem, Member};
 use tangency::problems::mita::Actuator;
 
 fn at(x: &[f64]) -> HybridState<f64> {
@@ -33,18 +33,20 @@ fn tangents_are_pushed_forward() {
     for (x, impacts) in [([4e-3, 1e-3], 1), ([-4e-3, 1e-3], 0)] {
         let (v, step) = ([0.6, -0.8], 1e-6);
         let mut image = |sign: f64| {
-            let mut state = at(&[x[0] + sign * step * v[0], x[1] + sign * step * v[1]]);
-            iterated.advance(&mut state, &p).unwrap();
-            state.x
+            let state = at(&[x[0] + sign * step * v[0], x[1] + sign * step * v[1]]);
+            let mut member = Member { state, p: p.to_vec() };
+            iterated.advance(&mut member).unwrap();
+            member.state.x
         };
         let (ahead, behind) = (image(1.0), image(-1.0));
         let moving = (0..2).map(|k| Dual64::new(x[k], v[k])).collect();
-        let mut moving = HybridState { mode: 0, time: 0.0.into(), x: moving };
-        let period = iterated.record(&mut at(&x), &p).unwrap();
+        let state = HybridState { mode: 0, time: 0.0.into(), x: moving };
+        let mut moving = Member { state, p: p.map(Dual64::from).to_vec() };
+        let period = iterated.record(&mut Member { state: at(&x), p: p.to_vec() }).unwrap();
         assert_eq!((period.events.len(), period.measures[0] > 0.0), (impacts, impacts == 1));
-        iterated.push_forward(&mut moving, &p).unwrap();
+        iterated.push_forward(&mut moving).unwrap();
         for k in 0..2 {
-            close(moving.x[k].eps, (ahead[k] - behind[k]) / (2.0 * step), 1e-6);
+            close(moving.state.x[k].eps, (ahead[k] - behind[k]) / (2.0 * step), 1e-6);
         }
     }
 }
@@ -125,9 +127,10 @@ fn maps_that_are_left_say_so() {
     let refused = Iterated::of(map.clone(), &["frequency".into()], &[]);
     assert!(matches!(refused.err(), Some(GrazingError::Parameter { .. })));
     let refused = Iterated::of(map.clone(), &["voltage".into()], &["depth".into()]);
-    assert!(matches!(refused.err(), Some(GrazingError::NoMeasure { .. })));
+    assert!(matches!(refused.err(), Some(GrazingError::NoMeasure(_))));
     let mut iterated = Iterated::of(map, &["voltage".into()], &[]).unwrap();
-    let left = iterated.advance(&mut at(&[0.5, 0.9]), &[grazing + 3.0]).unwrap_err();
+    let mut member = Member { state: at(&[0.5, 0.9]), p: vec![grazing + 3.0] };
+    let left = iterated.advance(&mut member).unwrap_err();
     assert!(
         matches!(left, StroboscopicError::Map(_)) && left.to_string().contains("begin nearer"),
         "{left}"

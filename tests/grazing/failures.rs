@@ -35,7 +35,7 @@ fn impossible_maps_are_refused() {
     };
     let error = of(&point, &["volt"], 2);
     assert!(matches!(&error, GrazingError::Parameter { name, .. } if name == "volt"), "{error}");
-    assert!(matches!(of(&point, &[], 0), GrazingError::Order { order: 0 }));
+    assert!(matches!(of(&point, &[], 0), GrazingError::Order(0)));
     assert!(matches!(of(&point, &[], 8), GrazingError::Jet(_)));
     assert!(matches!(of(&point, &["voltage"; 9], 5), GrazingError::Jet(_)));
     let away = GrazingPoint { x: vec![0.4, 0.0], ..point.clone() };
@@ -61,7 +61,7 @@ fn impossible_maps_are_refused() {
         GrazingPoint { legs: Vec::new(), ..point.clone() },
     ] {
         let error = of(&mismatched, &[], 2);
-        let refused = matches!(error, GrazingError::Mismatch { .. } | GrazingError::NoEnd { .. });
+        let refused = matches!(error, GrazingError::Foreign(_));
         assert!(refused, "{error}");
         assert_eq!(mismatched.located(&Actuator, "voltage").unwrap_err(), error);
     }
@@ -133,7 +133,7 @@ fn phases_that_do_not_grow_are_refused() {
     let point = GrazingPoint::of(&orbit, &[0.5], &[0.5_f64.sqrt()]).unwrap();
     let standing = Level { phase: 0.0 };
     let error = LocalMap::of(&standing, &point, &["level"], MapSettings::default()).unwrap_err();
-    assert!(matches!(error, GrazingError::Phase { phase: 0.0 }), "{error}");
+    assert!(matches!(error, GrazingError::Phase(0.0)), "{error}");
 }
 
 /// A guard must leave its rate a state of its own: of a single state it determines all.

@@ -319,7 +319,9 @@ fn iterations_allocate_nothing() {
     let mut x = [1e-4, 0.0];
     iteration.apply(&mut x, &[1e-5]);
     let allocated = allocation_counter::measure(|| {
-        (0..100).for_each(|_| iteration.apply(&mut x, &[1e-5]));
+        for _ in 0..100 {
+            iteration.apply(&mut x, &[1e-5]);
+        }
     });
     assert_eq!(allocated.count_total, 0);
 }

@@ -15,7 +15,7 @@ use tangency::core::bvp::Shooting;
 use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
-    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
+    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Member, Mode,
 };
 use tangency::core::orbit::from_cycle;
 use tangency::core::scalar::Scalar;
@@ -301,10 +301,10 @@ proptest! {
 #[test]
 fn plans_without_meaning_are_refused() {
     let refused = |plan: &Plan| plan.check().unwrap_err();
-    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing { what: "a count" });
+    assert_eq!(refused(&plan(Order::Up, 1, 0)), PlanError::Nothing("a count"));
     let mut grid = plan(Order::Up, 1, 3);
     grid.axes.push(grid.axes[0]);
-    assert_eq!(refused(&grid), PlanError::Followed { axes: 2 });
+    assert_eq!(refused(&grid), PlanError::Followed(2));
     grid.order = Order::Anew;
     assert_eq!((grid.runs(), grid.check()), (9, Ok(())));
     grid.axes[0].high = f64::NAN;
@@ -330,4 +330,35 @@ fn a_chaotic_band_ends_in_a_crisis() {
     // Chaos at both ends.
     let refused = find(&mut motion, [0.25, 0.24]).unwrap_err();
     assert_eq!(refused, StroboscopicError::NoCrisis { from: 0.25, to: 0.24, steps: 1 });
+}
+
+/// Motions followed abreast are on the attractors on which they are alone: at rest from impacts, and with one or more
+/// in a period.
+#[test]
+fn attractors_found_abreast_are_those_found_one_by_one() {
+    let penetration = ["penetration".to_string()];
+    let mut map =
+        PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &penetration).unwrap();
+    let member = |(k, amplitude): (usize, f64)| Member {
+        state: at(ImpactOscillator::FLIGHT, &[0.1 * k as f64, -0.2]),
+        p: vec![amplitude, 2.2, 0.8, 0.1, 1.0],
+    };
+    let members: Vec<_> =
+        [1.0, 2.0, 3.0, 5.0, 5.5, 6.0].into_iter().enumerate().map(member).collect();
+    let search = AttractorSearch { lyapunov_periods: 0, ..AttractorSearch::default() };
+    let abreast = search.follow_all(&mut map, members.clone(), &|| true);
+    let mut cycles = 0;
+    for (Member { state, p }, found) in members.into_iter().zip(abreast) {
+        let (found, alone) = (found.unwrap(), search.follow(&mut map, state, &p).unwrap());
+        assert_eq!(found.periods, alone.periods);
+        if found.periods.is_some() {
+            cycles += 1;
+            assert_eq!((&found.events, found.accumulations), (&alone.events, alone.accumulations));
+            found.end.x.iter().zip(&alone.end.x).for_each(|(a, b)| close(*a, *b, 1e-8));
+            let measured = |of: &Attractor| of.records[0].measures[0];
+            close(measured(&found), measured(&alone), 1e-7);
+            close(found.exponent.unwrap().value, alone.exponent.unwrap().value, 1e-7);
+        }
+    }
+    assert!(cycles >= 4);
 }

@@ -4,6 +4,7 @@ mod attractors;
 mod failures;
 mod fleets;
 mod grazing;
+mod integrals;
 mod mita_laws;
 mod orbits;
 mod recorded;

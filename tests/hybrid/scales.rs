@@ -187,10 +187,7 @@ fn motions_do_not_depend_on_units() {
 }
 
 /// The branch without impacts to its grazing, and the branch that begins there.
-fn branches(
-    orbits: &mut BoundarySystem<Shooting>,
-    form: &ClosedForm,
-) -> Result<[Branch; 2], TraceError> {
+fn branches(orbits: &mut BoundarySystem, form: &ClosedForm) -> Result<[Branch; 2], TraceError> {
     let end = 2.0 * form.grazing();
     let run = Continuation::of(orbits).at("amplitude", 0.5 * form.grazing());
     let run = run.at("frequency", form.frequency).at("restitution", form.restitution);

@@ -218,8 +218,8 @@ fn sizes_are_checked() {
         refused(wrong(true, 0, 2, 0)).contains("return 0 (of 1, counted from 0) has no meaning")
     );
     assert!(refused(wrong(false, 0, 1, 3)).contains("state 3 on segment 0, which does not exist"));
-    assert_eq!(points(&[0.0]), Err(MeshError::Empty { points: 1 }));
-    assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start { start: 0.5 }));
+    assert_eq!(points(&[0.0]), Err(MeshError::Empty(1)));
+    assert_eq!(points(&[0.5, 1.0]), Err(MeshError::Start(0.5)));
     let order = MeshError::Order { index: 2, before: 0.5, next: 0.5 };
     assert_eq!(points(&[0.0, 0.5, 0.5, 1.0]), Err(order));
     assert!(points(&[0.0, f64::NAN]).is_err());
@@ -230,7 +230,7 @@ fn sizes_are_checked() {
 const H: f64 = 2e-4;
 
 /// All derivatives of a system against differences of what they differentiate.
-fn derivatives_agree(system: &mut BoundarySystem<Collocation>, x: &[f64], seed: u64) {
+fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
     let n = system.names().dimension();
     let monitor_count = system.names().monitors.len();
     let released: Vec<usize> = (0..x.len() - n).collect();
@@ -241,7 +241,7 @@ fn derivatives_agree(system: &mut BoundarySystem<Collocation>, x: &[f64], seed: 
     let mut out = vec![0.0; n];
     system.set_reference(x).unwrap();
     system.derivative(x, &d, &mut out);
-    let residual = |system: &mut BoundarySystem<Collocation>, x: &[f64]| {
+    let residual = |system: &mut BoundarySystem, x: &[f64]| {
         let mut r = vec![0.0; n];
         system.residual(x, &mut r).unwrap();
         r
@@ -249,7 +249,7 @@ fn derivatives_agree(system: &mut BoundarySystem<Collocation>, x: &[f64], seed: 
     agree(&out, &difference(x, &d, H, |x| residual(system, x)), 1e-7);
     let mut second = vec![0.0; n];
     system.second_derivative(x, &d, &e, &mut second);
-    let along = |system: &mut BoundarySystem<Collocation>, x: &[f64]| {
+    let along = |system: &mut BoundarySystem, x: &[f64]| {
         let mut r = vec![0.0; n];
         system.derivative(x, &d, &mut r);
         r
@@ -295,7 +295,7 @@ fn derivatives_agree(system: &mut BoundarySystem<Collocation>, x: &[f64], seed: 
 }
 
 /// The factored matrix against multiplication, both ways, within a border.
-fn factors_agree(system: &mut BoundarySystem<Collocation>, x: &[f64], width: usize) {
+fn factors_agree(system: &mut BoundarySystem, x: &[f64], width: usize) {
     let n = system.names().dimension();
     let size = n + width;
     system.assemble(x).unwrap();

@@ -9,7 +9,7 @@ use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, Tr
 use tangency::core::field::{Forcing, VectorField};
 use tangency::core::flow::Scheme;
 use tangency::core::hybrid::CycleSearch;
-use tangency::core::orbit::{Smooth, by_collocation, by_shooting, from_cycle};
+use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{LeftDomain, Names, System};
 use tangency::problems::classic::Lure;
@@ -172,7 +172,7 @@ fn stiff_fields() {
     assert!(refused.contains("stiff") && refused.contains("implicit"), "{refused}");
     let rodas = Shooting::new(Scheme::Rodas5P, 1e-10).unwrap();
     let (mut collocation, mut implicit) =
-        (collocated(Stiff, 30), by_shooting(Stiff, 1, rodas).unwrap());
+        (collocated(Stiff, 30), periodic_orbits(Stiff, 1, rodas).unwrap());
     let starts =
         [collocation.sampled(&[], ellipse(1.0, 0.0)), implicit.sampled(&[], ellipse(1.0, 0.0))];
     let systems = [&mut collocation as &mut dyn System, &mut implicit];
@@ -230,9 +230,9 @@ fn a_field_that_leaves_its_domain() {
 #[test]
 fn bad_input_is_refused() {
     let method = Collocation::new(4).unwrap();
-    let none = by_collocation(Lure, 0, method).err().unwrap();
-    assert_eq!(none, BoundaryError::NoIntervals { segment: 0 });
-    assert!(by_shooting(Lure, 0, Shooting::default()).is_err());
+    let none = periodic_orbits(Lure, 0, method).err().unwrap();
+    assert_eq!(none, BoundaryError::NoIntervals(0));
+    assert!(periodic_orbits(Lure, 0, Shooting::default()).is_err());
     let mut system = collocated(Lure, 10);
     let outcome = Continuation::of(&mut system).from(&[0.0; 3]).along("alpha", 0.0..=1.0).trace();
     assert!(matches!(outcome, Err(TraceError::StateLength { found: 3, .. })));

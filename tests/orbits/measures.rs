@@ -6,7 +6,7 @@ use tangency::core::attractor::{PeriodMap, StroboscopicMap};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Shooting};
 use tangency::core::dense::Dense;
 use tangency::core::field::{Equilibria, Forcing, VectorField};
-use tangency::core::hybrid::{HybridSettings, HybridState};
+use tangency::core::hybrid::{HybridSettings, HybridState, Member};
 use tangency::core::measure::{Integral, Measure};
 use tangency::core::orbit::{HybridOrbit, Smooth};
 use tangency::core::scalar::Scalar;
@@ -102,7 +102,7 @@ fn value(system: &mut dyn System, x: &[f64], name: &str) -> f64 {
     values[names.monitor(name).unwrap()]
 }
 
-fn by_both(orbit: &HybridOrbit) -> (BoundarySystem<Collocation>, BoundarySystem<Shooting>) {
+fn by_both(orbit: &HybridOrbit) -> (BoundarySystem, BoundarySystem) {
     let fine = vec![Mesh::uniform(60 * orbit.itinerary().periods)];
     let collocation = BoundarySystem::new(orbit.clone(), Collocation::new(7).unwrap(), fine);
     let shooting = BoundarySystem::new(orbit.clone(), Shooting::default(), vec![Mesh::uniform(1)]);
@@ -147,8 +147,8 @@ fn forced_orbits_by_both_methods_and_in_a_period_of_a_sweep() {
     let system = Smooth(Tones);
     let names: Vec<String> = system.0.measures().into_iter().map(|(name, _)| name).collect();
     let mut map = PeriodMap::of(&system, HybridSettings::default(), &names).unwrap();
-    let mut state = HybridState { mode: 0, time: 0.0, x: start.to_vec() };
-    let swept = map.record(&mut state, &[frequency]).unwrap().measures;
+    let state = HybridState { mode: 0, time: 0.0, x: start.to_vec() };
+    let swept = map.record(&mut Member { state, p: vec![frequency] }).unwrap().measures;
     for periods in [1, 2] {
         let orbit = HybridOrbit::smooth_of(Tones, periods);
         let trajectory = |_: usize, tau: f64, x: &mut [f64]| {

@@ -73,7 +73,7 @@ fn restarted(system: &mut dyn System, branch: &Branch, label: usize) -> Vec<f64>
 }
 
 fn multipliers_at(
-    system: &mut tangency::core::bvp::BoundarySystem<tangency::core::bvp::Shooting>,
+    system: &mut tangency::core::bvp::BoundarySystem,
     branch: &Branch,
     label: usize,
 ) -> Vec<(f64, f64)> {

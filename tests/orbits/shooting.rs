@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 use tangency::core::bvp::{
-    Block, BoundaryProblem, Ends, Interval, IntoEquations, Method, Shooting, Span, Watchlist,
+    Block, BoundaryProblem, Ends, Interval, IntoEquations, Shooting, Span, Watchlist,
 };
 use tangency::core::flow::{Flow, Scheme};
 use tangency::core::scalar::Scalar;
@@ -50,7 +50,8 @@ fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
             let mut numbers = vec![f64::NAN; 2 * count];
             let block = Block { residual: &mut residual, nodes: &mut nodes, numbers: &mut numbers };
             let interval = Interval { problem: &*problem, span: SPAN, nodes: &NODES, q: &q };
-            shooting.linearise(interval, &active, block).unwrap();
+            let unwatched = &mut |_, _, _| {};
+            shooting.linearise(interval, &active, block, Watchlist::default(), unwatched).unwrap();
             for direction in 0..4 + count {
                 let mut dual: Vec<Dual64> = NODES.map(Dual64::from).to_vec();
                 dual.extend(q.iter().map(|q| Dual64::from(*q)));
@@ -111,7 +112,7 @@ fn values_and_extrema_are_those_of_the_trajectory() {
 fn finer_shooting_ends_where_rounding_begins() {
     let mut shooting = Shooting::new(Scheme::DormandPrince8, 1e-9).unwrap();
     let mut tolerances = Vec::new();
-    while let Some((finer, 1)) = shooting.finer() {
+    while let Some(finer) = shooting.finer() {
         tolerances.push(finer.settings().relative);
         shooting = finer;
     }
@@ -131,6 +132,8 @@ fn leaving_the_domain_is_an_error_of_every_evaluation() {
     assert!(error.quantity.starts_with("x at t = "), "{error}");
     let (mut nodes_part, mut r) = ([0.0; 8], [0.0; 2]);
     let block = Block { residual: &mut r, nodes: &mut nodes_part, numbers: &mut [] };
-    let linear = shooting.linearise(interval, &[], block).unwrap_err();
+    let linear = shooting
+        .linearise(interval, &[], block, Watchlist::default(), &mut |_, _, _| {})
+        .unwrap_err();
     assert_eq!(error, linear);
 }

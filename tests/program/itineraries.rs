@@ -25,7 +25,7 @@ fn itineraries_are_read() {
     let refused = |text| Itinerary::read(text, &Actuator).unwrap_err();
     assert!(matches!(refused(""), ItineraryError::Empty(_)));
     assert!(matches!(refused("0* stick"), ItineraryError::Periods(_)));
-    assert!(matches!(refused("stick forward:rest"), ItineraryError::Endless { .. }));
+    assert!(matches!(refused("stick forward:rest"), ItineraryError::Endless(_)));
     let unknown = refused("flight:front").to_string();
     assert!(unknown.contains("no mode `flight`: there are stick, forward"), "{unknown}");
     let unknown = refused("stick:rest").to_string();

@@ -1,8 +1,8 @@
 //! Where an attractor is lost.
 
-use super::StroboscopicMap;
 use super::error::StroboscopicError;
 use super::search::{Attractor, AttractorSearch};
+use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::HybridState;
 
 /// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves it for good.
@@ -17,12 +17,6 @@ pub struct Crisis {
 }
 
 /// Where a crisis is sought.
-///
-/// ```
-/// use tangency::core::attractor::CrisisSearch;
-/// let search = CrisisSearch { steps: 4, ..CrisisSearch::of(0, [0.5, 0.25], 1e-5) };
-/// assert_eq!(search.value(2), 0.375);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrisisSearch {
     /// The parameter, by its position.

@@ -5,6 +5,7 @@ use crate::core::names::UnknownName;
 
 /// Why a motion cannot be followed period by period.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StroboscopicError {
     /// The hybrid motion ends.
     #[error(transparent)]

@@ -1,34 +1,30 @@
 //! The largest Lyapunov exponent.
 
-use super::StroboscopicMap;
-use super::error::StroboscopicError;
-use crate::core::hybrid::HybridState;
+use super::stroboscopic::StroboscopicMap;
+use crate::core::hybrid::{HybridState, Member};
 use crate::core::linear::{BorderedLu, multipliers};
 use crate::core::zero::Border;
 use num_dual::Dual64;
-use std::ops::ControlFlow;
 
 /// A largest Lyapunov exponent, per period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponent {
     /// The exponent; `−∞` where motion forgets its past completely.
     pub value: f64,
-    /// Its standard error: of the means of [`BATCHES`](Exponent::BATCHES) batches, or, of a periodic motion, what
-    /// the last improvement of the orbit has changed.
+    /// Its standard error: of the means of 20 batches, or, of a periodic motion, what the last improvement of the
+    /// orbit has changed.
     pub error: f64,
 }
 
-impl Exponent {
-    /// The number of batches from whose means the standard error is computed.
-    pub const BATCHES: usize = 20;
-}
+/// The number of batches from whose means the standard error is computed.
+const BATCHES: usize = 20;
 
 /// The growth of a tangent vector, period by period, from which the exponent is found.
 pub(super) struct Growth {
     /// The periods in a batch. The vector turns into the direction of fastest growth in one more batch before.
     batch: usize,
     periods: usize,
-    means: [f64; Exponent::BATCHES],
+    means: [f64; BATCHES],
     /// The tangent vector has vanished.
     forgotten: bool,
 }
@@ -36,24 +32,24 @@ pub(super) struct Growth {
 impl Growth {
     /// The growth over a number of periods.
     pub fn over(periods: usize) -> Self {
-        let batch = periods.div_ceil(Exponent::BATCHES).max(1);
-        Growth { batch, periods: 0, means: [0.0; Exponent::BATCHES], forgotten: false }
+        let batch = periods.div_ceil(BATCHES).max(1);
+        Growth { batch, periods: 0, means: [0.0; BATCHES], forgotten: false }
     }
 
-    /// Takes in a tangent vector after a period, and gives it the length 1. Ends with the last period.
-    pub fn push(&mut self, x: &mut [Dual64]) -> ControlFlow<()> {
-        let growth = normalised(x);
+    /// Takes in a tangent vector after a period, and gives it the length 1; false with the last period.
+    pub fn push(&mut self, x: &mut [Dual64]) -> bool {
+        let growth = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
         self.forgotten = growth == 0.0;
+        if !self.forgotten {
+            x.iter_mut().for_each(|x| x.eps /= growth);
+        }
         if let Some(k) = self.periods.checked_sub(self.batch)
             && let Some(mean) = self.means.get_mut(k / self.batch)
         {
             *mean += growth.ln() / self.batch as f64;
         }
         self.periods += 1;
-        match self.forgotten || self.periods >= (Exponent::BATCHES + 1) * self.batch {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        !self.forgotten && self.periods < (BATCHES + 1) * self.batch
     }
 
     /// The exponent.
@@ -61,7 +57,7 @@ impl Growth {
         if self.forgotten {
             return Exponent { value: f64::NEG_INFINITY, error: 0.0 };
         }
-        let count = Exponent::BATCHES as f64;
+        let count = BATCHES as f64;
         let value = self.means.iter().sum::<f64>() / count;
         let squares = self.means.iter().map(|mean| (mean - value).powi(2));
         let variance = squares.sum::<f64>() / (count - 1.0);
@@ -72,53 +68,38 @@ impl Growth {
 /// Of a smaller multiplier no digit is known.
 const FORGOTTEN: f64 = 1e-12;
 
-/// Gives a tangent vector the length 1, and returns the length that it had.
-fn normalised(x: &mut [Dual64]) -> f64 {
-    let length = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
-    if length > 0.0 {
-        x.iter_mut().for_each(|x| x.eps /= length);
-    }
-    length
-}
-
-/// A state with a tangent vector.
+/// A motion with a tangent vector.
 pub(super) fn with_tangent(
-    HybridState { mode, time, x }: &HybridState<f64>,
+    Member { state: HybridState { mode, time, x }, p }: &Member<f64>,
     tangent: impl Fn(usize) -> f64,
-) -> HybridState<Dual64> {
+) -> Member<Dual64> {
     let x = x.iter().enumerate().map(|(i, x)| Dual64::new(*x, tangent(i))).collect();
-    HybridState { mode: *mode, time: (*time).into(), x }
+    let state = HybridState { mode: *mode, time: (*time).into(), x };
+    Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
 
-/// The motion linearised over a cycle.
-pub(super) struct Monodromy {
-    /// The matrix `∂F^q/∂x`, one row after the other.
-    pub matrix: Vec<f64>,
-    /// The state `F^q(x)`.
-    pub end: HybridState<f64>,
-}
-
-/// The motion linearised over `q` periods; `None` if it ends in another mode.
+/// The motion linearised over `q` periods: the matrix `∂F^q/∂x`, one row after the other, and the states `F^q(x)`;
+/// `None` if it ends, or in another mode.
 pub(super) fn monodromy(
     map: &mut dyn StroboscopicMap,
-    start: &HybridState<f64>,
-    p: &[f64],
+    start: &Member<f64>,
     q: usize,
-) -> Result<Option<Monodromy>, StroboscopicError> {
-    let n = start.x.len();
-    let (mut matrix, mut end) = (vec![0.0; n * n], start.clone());
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let n = start.state.x.len();
+    let (mut matrix, mut end) = (vec![0.0; n * n], start.state.x.clone());
     for column in 0..n {
         let mut moving = with_tangent(start, |i| f64::from(u8::from(i == column)));
         for _ in 0..q {
-            map.push_forward(&mut moving, p)?;
+            map.push_forward(&mut moving).ok()?;
         }
-        if moving.mode != start.mode {
-            return Ok(None);
+        if moving.state.mode != start.state.mode {
+            return None;
         }
-        (0..n).for_each(|i| matrix[i * n + column] = moving.x[i].eps);
-        end.x.iter_mut().zip(&moving.x).for_each(|(end, x)| *end = x.re);
+        for (i, x) in moving.state.x.iter().enumerate() {
+            (matrix[i * n + column], end[i]) = (x.eps, x.re);
+        }
     }
-    Ok(Some(Monodromy { matrix, end }))
+    Some((matrix, end))
 }
 
 /// Entry `k` of the `n × n` identity, one row after the other.

@@ -2,12 +2,12 @@
 
 use super::error::StroboscopicError;
 use super::period::{Period, Recorder, Recording};
-use super::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};
+use super::stroboscopic::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};
 use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{
-    Event, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
-    HybridState, HybridStatistics, Member, check_measures,
+    Event, EventNumber, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver,
+    HybridSettings, HybridState, HybridStatistics, Member, check_measures,
 };
 use crate::core::measure::Measure;
 use crate::core::names::position;
@@ -43,8 +43,6 @@ pub struct PeriodMap<'a> {
     /// Numbers of events by guard.
     numbers: Vec<usize>,
     measures: Vec<Measure>,
-    /// Parameters as dual numbers.
-    p: Vec<Dual64>,
 }
 
 impl<'a> PeriodMap<'a> {
@@ -82,16 +80,15 @@ impl<'a> PeriodMap<'a> {
             layout: Layout { modes: system.modes(), events, measures: measures.to_vec() },
             numbers,
             measures: measures.iter().map(measure).collect::<Result<_, _>>()?,
-            p: Vec::new(),
         })
     }
+}
 
-    fn period(&self, p: &[f64]) -> Result<f64, StroboscopicError> {
-        let system = self.real.system();
-        match system.forcing() {
-            Forcing::Periodic { .. } => Ok(system.period(p)),
-            Forcing::None => Err(StroboscopicError::NoPeriod),
-        }
+/// The period of the forcing.
+fn period<T: EventNumber>(system: &dyn HybridEquations, p: &[T]) -> Result<T, StroboscopicError> {
+    match system.forcing() {
+        Forcing::Periodic { .. } => Ok(system.period(p)),
+        Forcing::None => Err(StroboscopicError::NoPeriod),
     }
 }
 
@@ -100,42 +97,29 @@ impl StroboscopicMap for PeriodMap<'_> {
         &self.layout
     }
 
-    fn advance(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError> {
-        let (period, phase) = (self.period(p)?, state.time);
+    fn advance(&mut self, Member { state, p }: &mut Member<f64>) -> Result<(), StroboscopicError> {
+        let (period, phase) = (period(self.real.system(), p)?, state.time);
         self.real.advance(state, period, p, &mut ())?;
         // From the same time in every period: long times have fewer digits.
         state.time = phase;
         Ok(())
     }
 
-    fn record(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<Period, StroboscopicError> {
-        let period = self.period(p)?;
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
+        let Member { state, p } = member;
         let PeriodMap { real, layout: Layout { modes, .. }, measures, numbers, .. } = self;
-        let of = Recording { system: real.system(), modes, measures, numbers };
-        let mut recorder = Recorder::new(of, state);
+        let (system, period) = (real.system(), period(real.system(), p)?);
+        let mut recorder = Recorder::new(Recording { system, modes, measures, numbers }, state);
         real.advance(state, period, p, &mut recorder)?;
         let recorded = recorder.finish(state, p);
         state.time = recorded.start.time;
         Ok(recorded)
     }
 
-    fn push_forward(
-        &mut self,
-        state: &mut HybridState<Dual64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError> {
-        let (period, phase) = (self.period(p)?, state.time);
-        self.p.clear();
-        self.p.extend(p.iter().map(|p| Dual64::from(*p)));
-        self.dual.advance(state, period.into(), &self.p, &mut ())?;
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
+        let Member { state, p } = member;
+        let (period, phase) = (period(self.real.system(), p)?, state.time);
+        self.dual.advance(state, period, p, &mut ())?;
         state.time = phase;
         Ok(())
     }

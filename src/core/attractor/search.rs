@@ -1,11 +1,9 @@
 //! Following motions until it is known which attractors they are on.
 
 use super::error::StroboscopicError;
-use super::exponent::{
-    Exponent, Growth, Monodromy, correction, monodromy, of_matrix, with_tangent,
-};
+use super::exponent::{Exponent, Growth, correction, monodromy, of_matrix, with_tangent};
 use super::period::Period;
-use super::{Layout, StroboscopicMap};
+use super::stroboscopic::{Layout, StroboscopicMap, advance_each, push_forward_each};
 use crate::core::hybrid::{HybridState, Member, Repetition, distance, size};
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
@@ -82,12 +80,6 @@ const NEAR: f64 = 0.03;
 /// Periodic points this near to each other, in units of their size, are the same.
 const SAME: f64 = 1e-8;
 
-/// A stable periodic point.
-struct Cycle {
-    start: HybridState<f64>,
-    exponent: Exponent,
-}
-
 /// A motion on its way to an attractor.
 struct Run {
     member: Member<f64>,
@@ -118,14 +110,14 @@ impl Run {
         }
     }
 
-    /// Takes a period in, until motion may be periodic.
-    fn record(&mut self, period: Period, state: &HybridState<f64>) -> ControlFlow<()> {
+    /// Takes a period in; false as soon as motion may be periodic.
+    fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
         let (start, numbers) = (period.start.clone(), numbers.collect());
         let found = self.repetition.push(start, numbers, state, size(&state.x));
         self.records.push(period);
         self.candidate = found.filter(|_| self.records.len() >= self.next_try);
-        proceed(self.candidate.is_none())
+        self.candidate.is_none()
     }
 
     /// Improves the cycle that motion may be on.
@@ -133,9 +125,8 @@ impl Run {
         let Some(q) = self.candidate.take() else { return };
         // Where motion is slow but does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
-        let Member { state, p } = &self.member;
-        if let Some(cycle) = improved(map, state, p, q) {
-            self.outcome = Some(periodic(map, cycle, p, q));
+        if let Some((start, exponent)) = improved(map, &self.member, q) {
+            self.outcome = Some(periodic(map, start, exponent, q));
         }
     }
 
@@ -155,55 +146,79 @@ fn proceed(goes_on: bool) -> ControlFlow<()> {
     if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }
 
-/// A map whose trajectories are followed one by one.
-struct OneByOne<'m>(&'m mut dyn StroboscopicMap);
-
-impl StroboscopicMap for OneByOne<'_> {
-    fn layout(&self) -> &Layout {
-        self.0.layout()
-    }
-
-    fn advance(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError> {
-        self.0.advance(state, p)
-    }
-
-    fn record(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<Period, StroboscopicError> {
-        self.0.record(state, p)
-    }
-
-    fn push_forward(
-        &mut self,
-        state: &mut HybridState<Dual64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError> {
-        self.0.push_forward(state, p)
-    }
+/// How trajectories are followed, and while what holds.
+struct Following<'m> {
+    map: &'m mut dyn StroboscopicMap,
+    /// Not one by one.
+    abreast: bool,
+    goes_on: &'m dyn Fn() -> bool,
 }
 
-/// Follows those of the runs that are wanted.
-fn advance(
-    map: &mut dyn StroboscopicMap,
-    runs: &mut [Run],
-    wanted: impl Fn(&Run) -> bool,
-    recorded: bool,
-    mut each: impl FnMut(&mut Run, Option<Period>, &HybridState<f64>) -> ControlFlow<()>,
-) {
-    let wanted: Vec<usize> = (0..runs.len()).filter(|k| wanted(&runs[*k])).collect();
-    let mut members: Vec<Member<f64>> = wanted.iter().map(|k| runs[*k].member.clone()).collect();
-    let outcomes = map.advance_all(&mut members, recorded, &mut |k, period, state| {
-        each(&mut runs[wanted[k]], period, state)
-    });
-    for ((k, member), outcome) in wanted.into_iter().zip(members).zip(outcomes) {
-        runs[k].member = member;
-        runs[k].outcome = outcome.err().map(Err);
+impl Following<'_> {
+    /// Follows those of the runs that are wanted.
+    fn advance(
+        &mut self,
+        runs: &mut [Run],
+        wanted: impl Fn(&Run) -> bool,
+        recorded: bool,
+        each: impl Fn(&mut Run, Option<Period>, &HybridState<f64>) -> bool,
+    ) {
+        let wanted: Vec<usize> = (0..runs.len()).filter(|k| wanted(&runs[*k])).collect();
+        let mut members: Vec<_> = wanted.iter().map(|k| runs[*k].member.clone()).collect();
+        let goes_on = self.goes_on;
+        let each = &mut |k: usize, period: Option<Period>, state: &HybridState<f64>| {
+            proceed(each(&mut runs[wanted[k]], period, state) && goes_on())
+        };
+        let outcomes = match self.abreast {
+            true => self.map.advance_all(&mut members, recorded, each),
+            false => advance_each(self.map, &mut members, recorded, each),
+        };
+        for ((k, member), outcome) in wanted.into_iter().zip(members).zip(outcomes) {
+            runs[k].member = member;
+            runs[k].outcome = outcome.err().map(Err);
+        }
+    }
+
+    fn follow(&mut self, search: &AttractorSearch, runs: &mut [Run]) {
+        if search.transient > 0 {
+            let transient = |run: &mut Run, _: Option<Period>, _: &HybridState<f64>| {
+                run.periods += 1;
+                run.periods < search.transient
+            };
+            self.advance(runs, |_| true, false, transient);
+        }
+        let lasts =
+            |run: &Run| run.outcome.is_none() && run.records.len() < search.recorded_periods;
+        while (self.goes_on)() && runs.iter().any(lasts) {
+            self.advance(runs, lasts, true, |run, period, state| {
+                period.is_none_or(|period| run.record(period, state)) && lasts(run)
+            });
+            runs.iter_mut().for_each(|run| run.improve(self.map));
+        }
+        if search.lyapunov_periods > 0 && (self.goes_on)() {
+            self.exponents(search.lyapunov_periods, runs);
+        }
+    }
+
+    /// The exponents of motions that are on no cycle.
+    fn exponents(&mut self, periods: usize, runs: &mut [Run]) {
+        let mut aperiodic: Vec<&mut Run> =
+            runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
+        let ahead = |run: &&mut Run| with_tangent(&run.member, |_| 1.0);
+        let mut members: Vec<Member<Dual64>> = aperiodic.iter().map(ahead).collect();
+        let mut growths: Vec<Growth> = members.iter().map(|_| Growth::over(periods)).collect();
+        let goes_on = self.goes_on;
+        let each = &mut |k: usize, state: &mut HybridState<Dual64>| {
+            proceed(growths[k].push(&mut state.x) && goes_on())
+        };
+        let outcomes = match self.abreast {
+            true => self.map.push_forward_all(&mut members, each),
+            false => push_forward_each(self.map, &mut members, each),
+        };
+        for ((run, growth), outcome) in aperiodic.iter_mut().zip(growths).zip(outcomes) {
+            run.exponent = Some(growth.exponent());
+            run.outcome = outcome.err().map(Err);
+        }
     }
 }
 
@@ -219,7 +234,7 @@ impl AttractorSearch {
         p: &[f64],
     ) -> Result<Attractor, StroboscopicError> {
         let mut run = [Run::new(self, Member { state, p: p.to_vec() })];
-        self.follow_runs(&mut OneByOne(map), &mut run, &|| true);
+        Following { map, abreast: false, goes_on: &|| true }.follow(self, &mut run);
         let [run] = run;
         run.finish(map.layout())
     }
@@ -236,77 +251,21 @@ impl AttractorSearch {
         goes_on: &dyn Fn() -> bool,
     ) -> Vec<Result<Attractor, StroboscopicError>> {
         let mut runs: Vec<Run> = members.into_iter().map(|member| Run::new(self, member)).collect();
-        self.follow_runs(map, &mut runs, goes_on);
+        Following { map, abreast: true, goes_on }.follow(self, &mut runs);
         runs.into_iter().map(|run| run.finish(map.layout())).collect()
-    }
-
-    fn follow_runs(
-        &self,
-        map: &mut dyn StroboscopicMap,
-        runs: &mut [Run],
-        goes_on: &dyn Fn() -> bool,
-    ) {
-        if self.transient > 0 {
-            advance(
-                map,
-                runs,
-                |_| true,
-                false,
-                |run, _, _| {
-                    run.periods += 1;
-                    proceed(run.periods < self.transient && goes_on())
-                },
-            );
-        }
-        let lasts = |run: &Run| run.outcome.is_none() && run.records.len() < self.recorded_periods;
-        while goes_on() && runs.iter().any(lasts) {
-            advance(map, runs, lasts, true, |run, period, state| {
-                let outcome = period.map_or(proceed(true), |period| run.record(period, state));
-                proceed(outcome.is_continue() && lasts(run) && goes_on())
-            });
-            runs.iter_mut().for_each(|run| run.improve(map));
-        }
-        if self.lyapunov_periods > 0 && goes_on() {
-            self.exponents(map, runs, goes_on);
-        }
-    }
-
-    /// The exponents of motions that are on no cycle.
-    fn exponents(
-        &self,
-        map: &mut dyn StroboscopicMap,
-        runs: &mut [Run],
-        goes_on: &dyn Fn() -> bool,
-    ) {
-        let mut aperiodic: Vec<&mut Run> =
-            runs.iter_mut().filter(|run| run.outcome.is_none()).collect();
-        let ahead = |run: &&mut Run| Member {
-            state: with_tangent(&run.member.state, |_| 1.0),
-            p: run.member.p.iter().map(|p| Dual64::from(*p)).collect(),
-        };
-        let mut members: Vec<Member<Dual64>> = aperiodic.iter().map(ahead).collect();
-        let mut growths: Vec<Growth> =
-            members.iter().map(|_| Growth::over(self.lyapunov_periods)).collect();
-        let outcomes = map.push_forward_all(&mut members, &mut |k, state| {
-            proceed(growths[k].push(&mut state.x).is_continue() && goes_on())
-        });
-        for ((run, growth), outcome) in aperiodic.iter_mut().zip(growths).zip(outcomes) {
-            run.exponent = Some(growth.exponent());
-            run.outcome = outcome.err().map(Err);
-        }
     }
 }
 
 /// One cycle of `q` periods as what a motion has settled on.
 fn periodic(
     map: &mut dyn StroboscopicMap,
-    Cycle { start, exponent }: Cycle,
-    p: &[f64],
+    mut member: Member<f64>,
+    exponent: Exponent,
     q: usize,
 ) -> Result<Attractor, StroboscopicError> {
-    let mut state = start.clone();
+    let start = member.state.clone();
     let mut records: Vec<Period> =
-        (0..q).map(|_| map.record(&mut state, p)).collect::<Result<_, _>>()?;
+        (0..q).map(|_| map.record(&mut member)).collect::<Result<_, _>>()?;
     let same = |period: &Period| {
         let near = distance(&period.start.x, &start.x) <= SAME * size(&start.x);
         period.start.mode == start.mode && near
@@ -332,23 +291,23 @@ fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f
     (events, mean(all().filter(|e| e.accumulation).count()))
 }
 
-/// The stable point of period `q` near a state, by Newton's method; `None` if there is none. A motion that ends on
-/// the way says no more than that.
+/// The stable point of period `q` near a state, and its exponent, by Newton's method; `None` if there is none. A
+/// motion that ends on the way says no more than that.
 fn improved(
     map: &mut dyn StroboscopicMap,
-    near: &HybridState<f64>,
-    p: &[f64],
+    near: &Member<f64>,
     q: usize,
-) -> Option<Cycle> {
-    let (mut start, n) = (near.clone(), near.x.len());
-    let largest = size(&near.x).max(f64::MIN_POSITIVE);
+) -> Option<(Member<f64>, Exponent)> {
+    let (mut member, near) = (near.clone(), &near.state.x);
+    let largest = size(near).max(f64::MIN_POSITIVE);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let Monodromy { matrix, end } = monodromy(map, &start, p, q).ok()??;
-        let value = of_matrix(&matrix, n, q);
-        let step = correction(&matrix, &start.x, &end.x)?;
+        let (matrix, end) = monodromy(map, &member, q)?;
+        let value = of_matrix(&matrix, near.len(), q);
+        let x = &mut member.state.x;
+        let step = correction(&matrix, x, &end)?;
         let away: Vec<f64> =
-            start.x.iter().zip(&step).zip(&near.x).map(|((x, s), near)| x + s - near).collect();
+            x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
         if size(&away) > NEAR * largest {
             return None;
         }
@@ -356,9 +315,9 @@ fn improved(
             // What is left of the orbit's error moves the exponent less than the last step did.
             let moved = (value - last).abs();
             let error = if moved.is_finite() { moved } else { 0.0 };
-            return (value < 0.0).then_some(Cycle { start, exponent: Exponent { value, error } });
+            return (value < 0.0).then_some((member, Exponent { value, error }));
         }
-        start.x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+        x.iter_mut().zip(&step).for_each(|(x, step)| *x += step);
         last = value;
     }
     None

@@ -14,16 +14,17 @@
 //! better by an order than those between them.
 
 mod basis;
+mod linearise;
 
+use super::erased::Number;
 use super::interpolation::lagrange;
-use super::method::left_domain;
-use super::{Block, Interval, Method, Number, Watchlist};
-use crate::core::chunk::{DualChunk, seeded};
+use super::interval::{Block, Interval, Watchlist, left_domain};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};
 use crate::core::zero::LeftDomain;
-use basis::Basis;
+use basis::{Basis, combine};
+use linearise::{Passes, linearise_in};
 use num_dual::Dual2_64;
 
 /// Collocation at `m` Gauss points, from 2 to 7.
@@ -44,11 +45,8 @@ pub struct Collocation {
 
 /// A number of Gauss points out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("collocation at {points} Gauss points an interval: the number must be between 2 and 7")]
-pub struct PointsError {
-    /// The number asked for.
-    pub points: usize,
-}
+#[error("collocation at {0} Gauss points an interval: the number must be between 2 and 7")]
+pub struct PointsError(pub usize);
 
 /// The largest number of Gauss points: beyond it, more intervals are better than a higher degree.
 const MOST_POINTS: usize = 7;
@@ -60,7 +58,7 @@ impl Collocation {
     /// [`PointsError`] unless it is between 2 and 7.
     pub fn new(points: usize) -> Result<Self, PointsError> {
         if !(2..=MOST_POINTS).contains(&points) {
-            return Err(PointsError { points });
+            return Err(PointsError(points));
         }
         Ok(Collocation {
             basis: Basis::new(points),
@@ -86,26 +84,6 @@ pub struct CollocationWork<T> {
 impl<T> Default for CollocationWork<T> {
     fn default() -> Self {
         CollocationWork { x: Vec::new(), f: Vec::new(), real: Vec::new() }
-    }
-}
-
-/// Arguments and values of the field in a pass over `W` directions.
-#[derive(Clone, Debug, Default)]
-struct Passes<const W: usize> {
-    x: Vec<DualChunk<f64, W>>,
-    q: Vec<DualChunk<f64, W>>,
-    f: Vec<DualChunk<f64, W>>,
-    real: Vec<f64>,
-}
-
-/// The states at a place: `Σ_j ℓ_j x_j`.
-fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
-    let n = x.len();
-    for (i, x) in x.iter_mut().enumerate() {
-        *x = nodes[i] * coefficients[0];
-        for (j, coefficient) in coefficients.iter().enumerate().skip(1) {
-            *x += nodes[j * n + i] * *coefficient;
-        }
     }
 }
 
@@ -144,49 +122,49 @@ impl Collocation {
         for right in (1..=count).map(|c| c as f64 / count as f64) {
             let right = (right, self.sight(interval, observable, right));
             if left.1.v1 * right.1.v1 < 0.0 {
-                let slope = (left.1.v1, (|h: Dual2_64| [h.v1, h.v2]) as fn(Dual2_64) -> [f64; 2]);
-                let place = self.zero(interval, observable, [left.0, right.0], slope);
+                let place = zero([left.0, right.0], left.1.v1, |place| {
+                    let slope = self.sight(interval, observable, place);
+                    [slope.v1, slope.v2]
+                });
                 visit(k, place, self.sight(interval, observable, place).re);
             }
             left = right;
         }
         visit(k, 1.0, left.1.re);
     }
-
-    /// Where a scalar or its slope vanishes between two places of which it has the sign of `low` at the first:
-    /// Newton's method, kept inside by bisection. `of` takes what is to vanish, and its rate.
-    fn zero(
-        &self,
-        interval: &Interval<f64>,
-        observable: Observable,
-        [mut low, mut high]: [f64; 2],
-        (sign, of): (f64, fn(Dual2_64) -> [f64; 2]),
-    ) -> f64 {
-        let mut place = 0.5 * (low + high);
-        for _ in 0..ROUNDS {
-            let [value, rate] = of(self.sight(interval, observable, place));
-            *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
-            let newton = place - value / rate;
-            let inside = newton > low && newton < high;
-            let next = if inside { newton } else { 0.5 * (low + high) };
-            let moved = (next - place).abs();
-            place = next;
-            if moved < 1e-14 {
-                break;
-            }
-        }
-        place
-    }
 }
 
-impl Method for Collocation {
-    type Work<T: Scalar> = CollocationWork<T>;
+/// Where a function vanishes between two places, of which it has a sign at the first: Newton's method with its value
+/// and rate, kept inside by bisection.
+fn zero([mut low, mut high]: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
+    let mut place = 0.5 * (low + high);
+    for _ in 0..ROUNDS {
+        let [value, rate] = of(place);
+        *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
+        let newton = place - value / rate;
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        let moved = (next - place).abs();
+        place = next;
+        if moved < 1e-14 {
+            break;
+        }
+    }
+    place
+}
 
-    fn places(&self) -> &[f64] {
+/// The method's part of [`Method`](super::Method), where everything is explained.
+impl Collocation {
+    /// The places of the nodes in an interval.
+    pub fn places(&self) -> &[f64] {
         &self.basis.nodes
     }
 
-    fn residual<T: Number>(
+    /// The residual of an interval.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut CollocationWork<T>,
@@ -217,23 +195,17 @@ impl Method for Collocation {
         Ok(())
     }
 
-    fn value<T: Number>(
-        &self,
-        interval: Interval<T>,
-        place: f64,
-        _work: &mut CollocationWork<T>,
-        x: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    /// The states at a place in an interval (from 0 to 1).
+    pub fn value<T: Number>(&self, interval: Interval<T>, place: f64, x: &mut [T]) {
         let count = self.basis.nodes.len();
         let mut coefficients = [0.0; MOST_POINTS + 1];
         for (j, coefficient) in coefficients[..count].iter_mut().enumerate() {
             *coefficient = lagrange(&self.basis.nodes, j, place);
         }
         combine(&coefficients[..count], interval.nodes, x);
-        Ok(())
     }
 
-    fn linearise(
+    pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
         active: &[usize],
@@ -247,13 +219,13 @@ impl Method for Collocation {
         }
     }
 
-    fn extrema(
-        &mut self,
+    /// What is watched in an interval, by its number, at places from 0 to 1.
+    pub fn extrema(
+        &self,
         interval: Interval<f64>,
         watched: Watchlist,
-        residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain> {
+    ) {
         let (basis, nodes) = (&self.basis, interval.nodes);
         let (m, n) = (basis.gauss.len(), nodes.len() / basis.nodes.len());
         for (k, &observable) in watched.extrema.iter().enumerate() {
@@ -271,167 +243,37 @@ impl Method for Collocation {
         for (k, &[through, value]) in (watched.extrema.len()..).zip(watched.rises) {
             let ends = [0.0, 1.0].map(|place| self.sight(&interval, through, place).re);
             if ends[0] <= 0.0 && ends[1] > 0.0 {
-                let place = self.zero(&interval, through, [0.0, 1.0], (-1.0, |h| [h.re, h.v1]));
+                let place = zero([0.0, 1.0], -1.0, |place| {
+                    let height = self.sight(&interval, through, place);
+                    [height.re, height.v1]
+                });
                 visit(k, place, self.sight(&interval, value, place).re);
             }
-        }
-        match residual {
-            Some(r) => self.residual(interval, &mut CollocationWork::default(), r),
-            None => Ok(()),
         }
     }
 
     /// At the Gauss points: integrals have the order that states have at the ends of intervals.
-    fn quadrature<T: Number>(
+    pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut CollocationWork<T>,
         visit: &mut dyn FnMut(T, T, &[T]),
-    ) -> Result<(), LeftDomain> {
+    ) {
         let (duration, h) = (interval.duration(), interval.length());
         work.x.resize(interval.nodes.len() / self.basis.nodes.len(), T::zero());
         for (c, (place, weight)) in self.basis.gauss.iter().zip(&self.basis.weights).enumerate() {
             combine(self.basis.row(&self.basis.values, c), interval.nodes, &mut work.x);
             visit(duration * (h * weight), duration * (interval.span.start + h * place), &work.x);
         }
-        Ok(())
     }
 
-    fn error_constant(&self) -> Option<f64> {
-        Some(self.basis.error_constant)
+    /// The largest value of `|P|`.
+    pub fn error_constant(&self) -> f64 {
+        self.basis.error_constant
     }
 
-    fn finer(&self) -> Option<(Self, usize)> {
-        let finest = Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() };
-        Some((finest, 2))
-    }
-}
-
-/// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the point, then the
-/// active numbers.
-fn linearise_in<const W: usize>(
-    basis: &Basis,
-    passes: &mut Passes<W>,
-    interval: Interval<f64>,
-    active: &[usize],
-    mut block: Block,
-) -> Result<(), LeftDomain>
-where
-    DualChunk<f64, W>: Number,
-{
-    let n = interval.nodes.len() / basis.nodes.len();
-    passes.resize(n);
-    for start in (0..n + active.len()).step_by(W) {
-        passes.seed_numbers(interval.q, active, n, start);
-        for c in 0..basis.gauss.len() {
-            passes.evaluate(basis, &interval, c, start)?;
-            passes.place_residual(basis, interval.nodes, c, &mut block);
-            if start < n {
-                passes.place_nodes(basis, c, start, &mut block);
-            }
-            if start + W > n {
-                passes.place_numbers(active.len(), c, start, &mut block);
-            }
-        }
-    }
-    Ok(())
-}
-
-impl<const W: usize> Passes<W>
-where
-    DualChunk<f64, W>: Number,
-{
-    fn resize(&mut self, n: usize) {
-        self.real.resize(n, 0.0);
-        self.x.resize(n, DualChunk::from(0.0));
-        self.f.resize(n, DualChunk::from(0.0));
-    }
-
-    /// The numbers `q`, the active ones seeded as the directions after the `n` states.
-    fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
-        self.q.clear();
-        self.q.extend(q.iter().map(|q| DualChunk::from(*q)));
-        for (k, &number) in active.iter().enumerate() {
-            self.q[number] = seeded(q[number], n + k, start);
-        }
-    }
-
-    /// `h L f` at a Gauss point.
-    fn evaluate(
-        &mut self,
-        basis: &Basis,
-        interval: &Interval<f64>,
-        c: usize,
-        start: usize,
-    ) -> Result<(), LeftDomain> {
-        let Interval { problem, span, nodes, q } = *interval;
-        let equations = DualChunk::<f64, W>::residual(problem);
-        let (duration, h) = (equations.duration_in(span.segment, &self.q), interval.length());
-        let field = equations.on_segment(span.segment, &self.q);
-        let t = duration * (span.start + h * basis.gauss[c]);
-        combine(basis.row(&basis.values, c), nodes, &mut self.real);
-        field.domain(&self.real, q).map_err(|cause| left_domain(cause, span.segment, t.re))?;
-        for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
-            *x = seeded(*real, i, start);
-        }
-        field.slope(t, &self.x, &self.q, &mut self.f);
-        let step = duration * h;
-        self.f.iter_mut().for_each(|f| *f *= step);
-        Ok(())
-    }
-
-    fn place_residual(&self, basis: &Basis, nodes: &[f64], c: usize, block: &mut Block) {
-        let n = self.f.len();
-        let residual = &mut block.residual[c * n..(c + 1) * n];
-        combine(basis.row(&basis.slopes, c), nodes, residual);
-        residual.iter_mut().zip(&self.f).for_each(|(r, f)| *r -= f.re);
-    }
-
-    /// `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x`, in the columns of this pass.
-    fn place_nodes(&self, basis: &Basis, c: usize, start: usize, block: &mut Block) {
-        let (n, places) = (self.f.len(), basis.nodes.len());
-        let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
-        let rows = block.nodes[c * n * n * places..].chunks_exact_mut(n * places);
-        for (i, (row, f)) in rows.zip(&self.f).enumerate() {
-            let parts = f.eps;
-            match n {
-                1 => outer_product::<1>(row, values, &parts),
-                2 => outer_product::<2>(row, values, &parts),
-                3 => outer_product::<3>(row, values, &parts),
-                4 => outer_product::<4>(row, values, &parts),
-                _ => {
-                    for (entries, value) in row.chunks_exact_mut(n).zip(values) {
-                        let entries = entries[start..].iter_mut();
-                        entries.zip(&parts).for_each(|(entry, part)| *entry = -value * part);
-                    }
-                }
-            }
-            if (start..start + W).contains(&i) {
-                row.chunks_exact_mut(n)
-                    .zip(slopes)
-                    .for_each(|(entries, slope)| entries[i] += slope);
-            }
-        }
-    }
-
-    /// `−∂(h L f)/∂q`, in the columns of this pass.
-    fn place_numbers(&self, active: usize, c: usize, start: usize, block: &mut Block) {
-        let n = self.f.len();
-        for (i, f) in self.f.iter().enumerate() {
-            let row = (c * n + i) * active;
-            for (direction, part) in (start..n + active).zip(f.eps) {
-                if direction >= n {
-                    block.numbers[row + direction - n] = -part;
-                }
-            }
-        }
-    }
-}
-
-/// `−ℓ_j f_k` for the few states that most fields have: lengths known beforehand make short loops fast.
-fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
-    let Some(parts) = parts.first_chunk::<N>() else { return };
-    for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {
-        *entries = parts.map(|part| -value * part);
+    /// As many points as there may be, on half the intervals' length.
+    pub(crate) fn finer(&self) -> (Self, usize) {
+        (Collocation { basis: Basis::new(MOST_POINTS), ..self.clone() }, 2)
     }
 }

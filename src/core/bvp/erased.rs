@@ -1,14 +1,14 @@
 //! Boundary-value problems behind one object-safe face.
 //!
-//! Users write a [`BoundaryProblem`] generically. Discretisations see it through [`Equations`], one scalar
-//! at a time, so that they are compiled once and not for every problem. [`Number`] lists the scalars in which
-//! residuals are evaluated, [`Watched`](super::Watched) scalars those of [`WatchNumber`].
+//! Users write a [`BoundaryProblem`](super::BoundaryProblem) generically. Discretisations see it through
+//! [`Equations`], one scalar at a time, so that they are compiled once and not for every problem. [`Number`]
+//! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
 
-use super::problem::{Birth, BoundaryProblem, Ends, Monitor, Return, Watched};
+use super::terms::{Ends, Monitor, Return, Watched};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
+use crate::core::scalar_field::{FieldRef, Fields};
 use crate::core::watch::{WatchIn, Watchable};
 use crate::core::zero::LeftDomain;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
@@ -42,7 +42,7 @@ pub trait EndFunctions<T> {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T;
 }
 
-/// A boundary-value problem in the scalars that discretisations need. Every [`BoundaryProblem`] is one;
+/// A boundary-value problem in the scalars that discretisations need. Every [`BoundaryProblem`](super::BoundaryProblem) is one;
 /// its documentation says what each method means.
 pub trait Equations:
     Residual<f64>
@@ -86,118 +86,19 @@ pub trait Equations:
     /// The itinerary of the solutions, in words.
     fn itinerary(&self) -> String;
     /// The problem whose solutions have a saved itinerary.
-    ///
-    /// # Errors
-    /// [`Failure`] if it has no meaning for this problem.
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
     /// The problem of solutions of two periods, if it is another one.
     fn doubled(&self) -> Option<Arc<dyn Equations>>;
     /// The branch that emanates where a solution touches a surface.
-    ///
-    /// # Errors
-    /// [`Failure`] if it cannot be determined.
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Checks that each segment leads to the next one.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] with the segment's end, its time, and where it leads.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
 }
 
-/// A problem as its user has stated it.
-pub(super) struct Stated<P>(pub P);
-
-impl<P: BoundaryProblem> Domains for Stated<P> {
-    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
-        self.0.domain(index, x, q)
-    }
-
-    fn scales_of(&self, index: usize, q: &[f64]) -> Vec<f64> {
-        self.0.scales(index, q)
-    }
-
-    fn states_of(&self, index: usize) -> Vec<String> {
-        self.0.segments().swap_remove(index)
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> Fields<T> for Stated<P> {
-    #[inline]
-    fn field_of(&self, index: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        self.0.field(index, t, x, q, f);
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
-    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        let (fields, wide, start) = (self, Some(self as &dyn Fields<Wide<T>>), T::zero());
-        FieldRef { fields, wide, real: self, index: segment, start, numbers: q.len() }
-    }
-
-    fn duration_in(&self, segment: usize, q: &[T]) -> T {
-        self.0.duration(segment, q)
-    }
-
-    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        self.0.boundary(ends, q, b);
-    }
-
-    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
-        self.0.integrand(segment, t, x, q, g);
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
-    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
-        self.0.observe(observable, segment, t, x, q)
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
-    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        self.0.of_ends(function, ends, q)
-    }
-}
-
-/// Forwards methods that are no different behind the object-safe face.
-macro_rules! forward {
-    ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
-        $(fn $name(&self, $($argument: $type),*) -> $result {
-            self.0.$name($($argument),*)
-        })*
-    };
-}
-
-impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
-    forward! {
-        segments() -> Vec<Vec<String>>;
-        parameters() -> Vec<String>;
-        extras() -> Vec<String>;
-        integrals() -> usize;
-        moves() -> bool;
-        phase() -> bool;
-        returns() -> Vec<Return>;
-        grazings() -> Vec<usize>;
-        grazing_scale(monitor: usize, p: &[f64]) -> f64;
-        monitors() -> Vec<(String, Monitor)>;
-        itinerary() -> String;
-        with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
-        doubled() -> Option<Arc<dyn Equations>>;
-        born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
-        check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
-    }
-}
-
-/// What can be discretised: a [`BoundaryProblem`], or equations that are behind their face already.
+/// What can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations that are behind their face already.
 pub trait IntoEquations {
     /// The equations behind their object-safe face.
     fn into_equations(self) -> Arc<dyn Equations>;
-}
-
-impl<P: BoundaryProblem + 'static> IntoEquations for P {
-    fn into_equations(self) -> Arc<dyn Equations> {
-        Arc::new(Stated(self))
-    }
 }
 
 impl IntoEquations for Arc<dyn Equations> {
@@ -257,5 +158,24 @@ impl Watchable<f64> for Watching<'_> {
 
     fn state_index(&self) -> Option<usize> {
         self.watched.observable.state()
+    }
+}
+
+/// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated cycle: that one by
+/// the states where its segments begin.
+pub struct Birth<P = Arc<dyn Equations>> {
+    /// The problem that they solve.
+    pub problem: P,
+    /// The states where segments begin.
+    pub starts: Vec<f64>,
+    /// The extras.
+    pub extras: Vec<f64>,
+}
+
+impl<P: IntoEquations> Birth<P> {
+    /// The same with the problem behind its object-safe face.
+    pub fn erased(self) -> Birth {
+        let Birth { problem, starts, extras } = self;
+        Birth { problem: problem.into_equations(), starts, extras }
     }
 }

@@ -4,6 +4,7 @@ use crate::core::zero::LeftDomain;
 
 /// Sizes of a boundary-value problem that do not fit together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BoundaryError {
     /// Not one mesh for each segment.
     #[error(
@@ -16,17 +17,11 @@ pub enum BoundaryError {
         meshes: usize,
     },
     /// A segment without states.
-    #[error("segment {segment} has no states")]
-    NoStates {
-        /// The segment.
-        segment: usize,
-    },
+    #[error("segment {0} has no states")]
+    NoStates(usize),
     /// A segment without intervals.
-    #[error("segment {segment} has no intervals: it needs at least one")]
-    NoIntervals {
-        /// The segment.
-        segment: usize,
-    },
+    #[error("segment {0} has no intervals: it needs at least one")]
+    NoIntervals(usize),
     /// More integral and phase conditions than there is to determine.
     #[error(
         "{closing} integral and phase conditions, but only {unknowns} states and extras to determine: drop \

@@ -7,7 +7,12 @@
 /// use tangency::core::bvp::Mesh;
 /// assert_eq!(Mesh::uniform(4).points(), [0.0, 0.25, 0.5, 0.75, 1.0]);
 /// assert_eq!(Mesh::uniform(4).stretched(2.0).end(), 2.0);
+/// assert_eq!(Mesh::uniform(4).locate(0.375), (1, 0.5));
+/// assert_eq!(Mesh::uniform(2).divided(2), Mesh::uniform(4));
 /// assert!(Mesh::new(vec![0.0, 0.7, 0.3, 1.0]).is_err());
+/// // Three times as dense in the first half.
+/// let mesh = Mesh::uniform(2).equidistributed(&[3.0, 1.0], 4);
+/// assert_eq!(mesh.points(), [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 1.0]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
@@ -16,19 +21,14 @@ pub struct Mesh {
 
 /// Breakpoints that are no mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// There is no interval.
-    #[error("the mesh has {points} breakpoints, but needs at least 2")]
-    Empty {
-        /// The number of breakpoints.
-        points: usize,
-    },
+    #[error("the mesh has {0} breakpoints, but needs at least 2")]
+    Empty(usize),
     /// The mesh does not begin at 0.
-    #[error("the mesh begins at {start}, but must begin at 0")]
-    Start {
-        /// Where it begins.
-        start: f64,
-    },
+    #[error("the mesh begins at {0}, but must begin at 0")]
+    Start(f64),
     /// The breakpoints do not increase.
     #[error(
         "breakpoint {index} of the mesh is {next}, not above {before}: breakpoints must increase"
@@ -50,10 +50,10 @@ impl Mesh {
     /// [`MeshError`] unless they increase from 0 and are finite.
     pub fn new(points: Vec<f64>) -> Result<Self, MeshError> {
         if points.len() < 2 {
-            return Err(MeshError::Empty { points: points.len() });
+            return Err(MeshError::Empty(points.len()));
         }
         if points[0] != 0.0 {
-            return Err(MeshError::Start { start: points[0] });
+            return Err(MeshError::Start(points[0]));
         }
         let rises = |k: &usize| points[k - 1] < points[*k] && points[*k].is_finite();
         match (1..points.len()).find(|k| !rises(k)) {
@@ -80,12 +80,6 @@ impl Mesh {
     }
 
     /// Each interval divided into equal parts.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// assert_eq!(Mesh::new(vec![0.0, 0.5, 1.0])?.divided(2), Mesh::uniform(4));
-    /// # Ok::<(), tangency::core::bvp::MeshError>(())
-    /// ```
     pub fn divided(&self, parts: usize) -> Self {
         let mut points = vec![0.0];
         for pair in self.points.windows(2) {
@@ -100,13 +94,6 @@ impl Mesh {
     /// each interval of this mesh (C. de Boor, *Good approximation by splines with variable knots II*, 1974).
     ///
     /// Densities that are not finite, or all zero, leave a uniform mesh.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// // Three times as dense in the first half.
-    /// let mesh = Mesh::uniform(2).equidistributed(&[3.0, 1.0], 4);
-    /// assert_eq!(mesh.points(), [0.0, 1.0 / 6.0, 1.0 / 3.0, 0.5, 1.0]);
-    /// ```
     pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {
         let end = self.end();
         let parts: Vec<f64> = self.lengths().zip(density).map(|(h, density)| h * density).collect();
@@ -131,12 +118,7 @@ impl Mesh {
     }
 
     /// The integral of a density that is constant on each interval.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// assert_eq!(Mesh::uniform(2).integral(&[3.0, 1.0]), 2.0);
-    /// ```
-    pub fn integral(&self, density: &[f64]) -> f64 {
+    pub(super) fn integral(&self, density: &[f64]) -> f64 {
         self.lengths().zip(density).map(|(h, density)| h * density).sum()
     }
 
@@ -160,11 +142,6 @@ impl Mesh {
     }
 
     /// The interval that holds `tau`, and the place in it (from 0 to 1); the ends if it lies outside.
-    ///
-    /// ```
-    /// use tangency::core::bvp::Mesh;
-    /// assert_eq!(Mesh::uniform(4).locate(0.375), (1, 0.5));
-    /// ```
     pub fn locate(&self, tau: f64) -> (usize, f64) {
         let above = self.points.partition_point(|point| *point <= tau);
         let interval = above.clamp(1, self.intervals()) - 1;

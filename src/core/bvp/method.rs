@@ -1,167 +1,117 @@
-//! How the equations of a trajectory are discretised, interval by interval.
+//! How trajectories are discretised: the two methods behind one face.
 
-use super::erased::{Equations, Number, Watching};
-use super::problem::Watched;
+use super::collocation::{Collocation, CollocationWork};
+use super::erased::Number;
+use super::interval::{Block, Interval, Watchlist};
+use super::shooting::Shooting;
+use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::FieldRef;
-use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 
-/// One interval of the mesh of a segment, in units of the segment's duration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
-    /// The segment.
-    pub segment: usize,
-    /// Where the interval begins.
-    pub start: f64,
-    /// Where it ends.
-    pub end: f64,
-}
-
-/// An interval with its data: what its equations are evaluated at.
-pub struct Interval<'a, T> {
-    /// The problem.
-    pub problem: &'a dyn Equations,
-    /// The place of the interval.
-    pub span: Span,
-    /// Values at its nodes, point by point: `n` states at the first node, then at the second.
-    pub nodes: &'a [T],
-    /// All numbers `q = (p, e)`.
-    pub q: &'a [T],
-}
-
-impl<T> Clone for Interval<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Interval<'_, T> {}
-
-impl<'a, T: Number> Interval<'a, T> {
-    /// The field of its segment.
-    pub fn field(&self) -> FieldRef<'a, T> {
-        T::residual(self.problem).on_segment(self.span.segment, self.q)
-    }
-
-    /// The duration of its segment.
-    pub fn duration(&self) -> T {
-        T::residual(self.problem).duration_in(self.span.segment, self.q)
-    }
-}
-
-impl<'a, T> Interval<'a, T> {
-    /// A scalar along its segment.
-    pub(super) fn watching(&self, observable: Observable) -> Watching<'a> {
-        let watched = Watched { segment: self.span.segment, observable };
-        Watching { problem: self.problem, watched }
-    }
-
-    /// Its length, as a part of the segment's duration.
-    pub fn length(&self) -> f64 {
-        self.span.end - self.span.start
-    }
-}
-
-/// The equations of one interval, linearised: `m·n` rows.
-pub struct Block<'a> {
-    /// The residual.
-    pub residual: &'a mut [f64],
-    /// Derivatives by the `(m + 1)·n` values at the interval's nodes, one row after the other.
-    pub nodes: &'a mut [f64],
-    /// Derivatives by the active components of `q`, one row after the other.
-    pub numbers: &'a mut [f64],
-}
-
-/// What is watched along an interval, numbered from the first extremum to the last rise.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Watchlist<'a> {
-    /// Scalars whose extrema are wanted.
-    pub extrema: &'a [Observable],
-    /// Pairs of which the second is wanted where the first one rises through zero.
-    pub rises: &'a [[Observable; 2]],
-}
-
-impl Watchlist<'_> {
-    /// Whether nothing is watched.
-    pub fn is_empty(&self) -> bool {
-        self.extrema.is_empty() && self.rises.is_empty()
-    }
-}
-
 /// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
-/// with the next interval, and `m·n` equations. Collocation and shooting (`m = 1`) are methods.
-pub trait Method: Send {
-    /// Buffers for evaluations in one scalar type.
-    type Work<T: Scalar>: Default + Send;
+/// with the next interval, and `m·n` equations.
+#[derive(Clone)]
+pub enum Method {
+    /// Polynomials through the nodes.
+    Collocation(Box<Collocation>),
+    /// Flows from one node to the next, `m = 1`.
+    Shooting(Box<Shooting>),
+}
 
+impl From<Collocation> for Method {
+    fn from(method: Collocation) -> Self {
+        Method::Collocation(Box::new(method))
+    }
+}
+
+impl From<Shooting> for Method {
+    fn from(method: Shooting) -> Self {
+        Method::Shooting(Box::new(method))
+    }
+}
+
+/// Buffers for evaluations in one scalar type.
+pub(super) struct MethodWork<T: Scalar> {
+    collocation: CollocationWork<T>,
+    flow: Flow<T>,
+}
+
+impl<T: Scalar> Default for MethodWork<T> {
+    fn default() -> Self {
+        MethodWork { collocation: CollocationWork::default(), flow: Flow::default() }
+    }
+}
+
+impl Method {
     /// Whether extrema come from the same work as the residual and its derivatives, so that they are best
     /// asked for together.
-    const EXTREMA_WITH_RESIDUAL: bool = false;
+    pub(super) fn watches_with_residual(&self) -> bool {
+        matches!(self, Method::Shooting(_))
+    }
 
     /// The places of the nodes in an interval, from 0 to 1: `m + 1` of them.
-    fn places(&self) -> &[f64];
+    pub(super) fn places(&self) -> &[f64] {
+        match self {
+            Method::Collocation(method) => method.places(),
+            Method::Shooting(_) => &[0.0, 1.0],
+        }
+    }
 
     /// The residual of an interval.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn residual<T: Number>(
+    pub(super) fn residual<T: Number>(
         &self,
         interval: Interval<T>,
-        work: &mut Self::Work<T>,
+        work: &mut MethodWork<T>,
         r: &mut [T],
-    ) -> Result<(), LeftDomain>;
+    ) -> Result<(), LeftDomain> {
+        match self {
+            Method::Collocation(method) => method.residual(interval, &mut work.collocation, r),
+            Method::Shooting(method) => method.residual(interval, &mut work.flow, r),
+        }
+    }
 
     /// The states at a place in an interval (from 0 to 1).
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn value<T: Number>(
+    pub(super) fn value<T: Number>(
         &self,
         interval: Interval<T>,
         place: f64,
-        work: &mut Self::Work<T>,
+        work: &mut MethodWork<T>,
         x: &mut [T],
-    ) -> Result<(), LeftDomain>;
+    ) -> Result<(), LeftDomain> {
+        match self {
+            Method::Collocation(method) => {
+                method.value(interval, place, x);
+                Ok(())
+            }
+            Method::Shooting(method) => method.value(interval, place, &mut work.flow, x),
+        }
+    }
 
     /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start on, for
     /// drawing.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn trajectory(
+    pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
         count: usize,
-        work: &mut Self::Work<f64>,
+        work: &mut MethodWork<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
     ) -> Result<(), LeftDomain> {
-        let mut x = vec![0.0; interval.nodes.len() / self.places().len()];
-        for place in (0..count).map(|k| k as f64 / count as f64) {
-            self.value(interval, place, work, &mut x)?;
-            visit(place, &x);
+        match self {
+            Method::Collocation(method) => {
+                let mut x = vec![0.0; interval.nodes.len() / method.places().len()];
+                for place in (0..count).map(|k| k as f64 / count as f64) {
+                    method.value(interval, place, &mut x);
+                    visit(place, &x);
+                }
+                Ok(())
+            }
+            Method::Shooting(method) => method.trajectory(interval, count, &mut work.flow, visit),
         }
-        Ok(())
     }
 
     /// The residual of an interval with its derivatives by the nodes and by the active components
-    /// of `q`.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn linearise(
-        &mut self,
-        interval: Interval<f64>,
-        active: &[usize],
-        block: Block,
-    ) -> Result<(), LeftDomain>;
-
-    /// The same with what [`extrema`](Self::extrema) visits, for methods that have both from the same work.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn linearise_watching(
+    /// of `q`, and with what [`extrema`](Self::extrema) visits.
+    pub(super) fn linearise(
         &mut self,
         interval: Interval<f64>,
         active: &[usize],
@@ -169,60 +119,79 @@ pub trait Method: Send {
         watched: Watchlist,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
-        self.linearise(interval, active, block)?;
-        self.extrema(interval, watched, None, visit)
+        match self {
+            Method::Collocation(method) => {
+                method.extrema(interval, watched, visit);
+                method.linearise(interval, active, block)
+            }
+            Method::Shooting(method) => method.linearise(interval, active, block, watched, visit),
+        }
     }
 
     /// From now on residuals, their derivatives and extrema may err by as much as this: what is asked for is on
     /// the way to a solution. 0 asks for the method's own accuracy. Returns whether what is computed meanwhile
     /// serves on the way only.
-    fn allow(&mut self, _error: f64) -> bool {
-        false
+    pub(super) fn allow(&mut self, error: f64) -> bool {
+        match self {
+            Method::Collocation(_) => false,
+            Method::Shooting(method) => method.allow(error),
+        }
     }
 
     /// Calls `visit` with number, place (from 0 to 1) and value of what is watched: at every local extremum inside
-    /// an interval and at its ends, and at every rise; and writes the residual, where that is asked for.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn extrema(
+    /// an interval and at its ends, and at every rise. Shooting writes the residual, where that is asked for.
+    pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
         watched: Watchlist,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain>;
+    ) -> Result<(), LeftDomain> {
+        match self {
+            Method::Collocation(method) => {
+                method.extrema(interval, watched, visit);
+                Ok(())
+            }
+            Method::Shooting(method) => method.extrema(interval, watched, residual, visit),
+        }
+    }
 
     /// Calls `visit` with weight (in time), time since the segment's beginning and states at the places of a
     /// quadrature over an interval that is as accurate as the trajectory.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
-    fn quadrature<T: Number>(
+    pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
-        work: &mut Self::Work<T>,
+        work: &mut MethodWork<T>,
         visit: &mut dyn FnMut(T, T, &[T]),
-    ) -> Result<(), LeftDomain>;
+    ) -> Result<(), LeftDomain> {
+        match self {
+            Method::Collocation(method) => {
+                method.quadrature(interval, &mut work.collocation, visit);
+                Ok(())
+            }
+            Method::Shooting(method) => method.quadrature(interval, &mut work.flow, visit),
+        }
+    }
 
     /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m` through the
     /// nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh
     /// causes no error.
-    fn error_constant(&self) -> Option<f64> {
-        None
+    pub(super) fn error_constant(&self) -> Option<f64> {
+        match self {
+            Method::Collocation(method) => Some(method.error_constant()),
+            Method::Shooting(_) => None,
+        }
     }
 
     /// The same method, of a smaller error, and by how much the intervals are to be divided; `None`
     /// where there is none finer.
-    fn finer(&self) -> Option<(Self, usize)>
-    where
-        Self: Sized;
-}
-
-/// The cause with the segment and the time at which it happened.
-pub(super) fn left_domain(cause: LeftDomain, segment: usize, t: f64) -> LeftDomain {
-    LeftDomain {
-        quantity: format!("{} at t = {t:.6e} on segment {segment}", cause.quantity),
-        ..cause
+    pub(super) fn finer(&self) -> Option<(Self, usize)> {
+        match self {
+            Method::Collocation(method) => {
+                let (finer, parts) = method.finer();
+                Some((finer.into(), parts))
+            }
+            Method::Shooting(method) => Some((method.finer()?.into(), 1)),
+        }
     }
 }

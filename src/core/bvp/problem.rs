@@ -1,127 +1,11 @@
 //! Boundary-value problems as a user states them.
 
-use super::erased::{Equations, IntoEquations};
+use super::erased::{Birth, Equations};
+use super::terms::{Ends, Monitor, Return};
 use crate::core::condition::Failure;
-use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
-use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use std::sync::Arc;
-
-/// States at the two ends of all segments, one segment after the other.
-#[derive(Clone, Copy, Debug)]
-pub struct Ends<'a, T> {
-    /// States where the segments begin.
-    pub start: &'a [T],
-    /// States where they end: where their meshes do, at 1 or at the number of periods.
-    pub end: &'a [T],
-}
-
-/// A scalar that is watched along a segment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Watched {
-    /// The segment.
-    pub segment: usize,
-    /// The scalar; functions are those of [`BoundaryProblem::watch`].
-    pub observable: Observable,
-}
-
-impl Watched {
-    /// A state on a segment.
-    pub fn state(segment: usize, state: usize) -> Self {
-        Watched { segment, observable: Observable::State(state) }
-    }
-
-    /// A function of the problem's own on a segment.
-    pub fn function(segment: usize, function: usize) -> Self {
-        Watched { segment, observable: Observable::Function(function) }
-    }
-}
-
-/// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not of the mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Monitor {
-    /// The duration of all segments together, in time.
-    Duration,
-    /// The largest value.
-    Maximum(Vec<Watched>),
-    /// The smallest value.
-    Minimum(Vec<Watched>),
-    /// The difference between the largest and the smallest value.
-    Range(Vec<Watched>),
-    /// The least local minimum inside segments, or at a segment's end: a distance that vanishes where a
-    /// trajectory touches. Without any, the largest value. It is said of each scalar whether it vanishes in
-    /// the events that begin and end the segment. Then neither that end counts, nor a minimum to which the
-    /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the
-    /// event.
-    Distance(Vec<(Watched, [bool; 2])>),
-    /// Less the same: how far a trajectory would penetrate a surface that is not there.
-    Penetration(Vec<(Watched, [bool; 2])>),
-    /// The largest value of a scalar where another one rises through zero; 0 where none does.
-    Rising {
-        /// Which scalar rises, on each segment.
-        through: Vec<Watched>,
-        /// Which one is taken, on the same segments.
-        value: Vec<Observable>,
-    },
-    /// An integral over time of several scalars together, on all segments that have any of them.
-    Integral(Integral, Vec<Watched>),
-    /// A function of the states at the ends and the numbers ([`BoundaryProblem::of_ends`]), by number.
-    Ends(usize),
-}
-
-impl Monitor {
-    /// The largest value of a state on a segment.
-    pub fn maximum(segment: usize, state: usize) -> Self {
-        Monitor::Maximum(vec![Watched::state(segment, state)])
-    }
-
-    /// The smallest value of a state on a segment.
-    pub fn minimum(segment: usize, state: usize) -> Self {
-        Monitor::Minimum(vec![Watched::state(segment, state)])
-    }
-
-    /// All scalars that have to be watched for it.
-    pub fn watched(&self) -> Vec<Watched> {
-        match self {
-            Monitor::Duration | Monitor::Ends(_) => Vec::new(),
-            Monitor::Maximum(watched)
-            | Monitor::Minimum(watched)
-            | Monitor::Range(watched)
-            | Monitor::Integral(_, watched) => watched.clone(),
-            Monitor::Distance(watched) | Monitor::Penetration(watched) => {
-                watched.iter().map(|(watched, _)| *watched).collect()
-            }
-            Monitor::Rising { through, .. } => through.clone(),
-        }
-    }
-}
-
-/// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's start must be
-/// what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong to the multiplier `μ`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Return {
-    /// Which boundary condition it is.
-    pub condition: usize,
-    /// The unknown `y`, which the condition contains with the coefficient 1 (less what is in `Y`).
-    pub unknown: Unknown,
-}
-
-impl Return {
-    /// Those of one segment of `n` states with the conditions `x(0) − x(1) = 0`.
-    pub fn of_states(n: usize) -> Vec<Return> {
-        (0..n).map(|i| Return { condition: i, unknown: Unknown::Start(i) }).collect()
-    }
-}
-
-/// An unknown of a boundary-value problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknown {
-    /// A state where its segment begins, counted over all segments as in [`Ends::start`].
-    Start(usize),
-    /// A further unknown number, as in [`BoundaryProblem::extras`].
-    Extra(usize),
-}
 
 /// A boundary-value problem: trajectories of vector fields on segments,
 ///
@@ -141,29 +25,19 @@ pub enum Unknown {
 /// /// The eigenvalues of `u'' + λu = 0`, `u(0) = u(1) = 0`, `∫u² dt = norm`: `λ` is a further unknown.
 /// struct TautString;
 /// impl BoundaryProblem for TautString {
-///     fn segments(&self) -> Vec<Vec<String>> {
-///         vec![vec!["u".into(), "v".into()]]
-///     }
-///     fn parameters(&self) -> Vec<String> {
-///         vec!["norm".into()]
-///     }
-///     fn extras(&self) -> Vec<String> {
-///         vec!["lambda".into()]
-///     }
+///     fn segments(&self) -> Vec<Vec<String>> { vec![vec!["u".into(), "v".into()]] }
+///     fn parameters(&self) -> Vec<String> { vec!["norm".into()] }
+///     fn extras(&self) -> Vec<String> { vec!["lambda".into()] }
 ///     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
 ///         f[0] = x[1];
 ///         f[1] = -q[1] * x[0];
 ///     }
-///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-///         T::one()
-///     }
+///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T { T::one() }
 ///     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
 ///         b[0] = ends.start[0];
 ///         b[1] = ends.end[0];
 ///     }
-///     fn integrals(&self) -> usize {
-///         1
-///     }
+///     fn integrals(&self) -> usize { 1 }
 ///     fn integrand<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], g: &mut [T]) {
 ///         g[0] = x[0] * x[0] - q[0];
 ///     }
@@ -226,21 +100,6 @@ pub trait BoundaryProblem: Send + Sync {
     /// A function of the problem's own, at time `t` from the beginning of a segment.
     fn watch<T: Scalar>(&self, _function: usize, _segment: usize, _t: T, _x: &[T], _q: &[T]) -> T {
         T::zero()
-    }
-
-    /// A scalar at time `t` from the beginning of a segment.
-    fn observe<T: Scalar>(
-        &self,
-        observable: Observable,
-        segment: usize,
-        t: T,
-        x: &[T],
-        q: &[T],
-    ) -> T {
-        match observable {
-            Observable::State(i) => x[i],
-            Observable::Function(k) => self.watch(k, segment, t, x, q),
-        }
     }
 
     /// A function of the problem's own, of the states at the ends and the numbers.
@@ -313,24 +172,5 @@ pub trait BoundaryProblem: Send + Sync {
     /// [`LeftDomain`] with the quantity, its value and the domain.
     fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), LeftDomain> {
         Ok(())
-    }
-}
-
-/// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated cycle: that one by
-/// the states where its segments begin.
-pub struct Birth<P = Arc<dyn Equations>> {
-    /// The problem that they solve.
-    pub problem: P,
-    /// The states where segments begin.
-    pub starts: Vec<f64>,
-    /// The extras.
-    pub extras: Vec<f64>,
-}
-
-impl<P: IntoEquations> Birth<P> {
-    /// The same with the problem behind its object-safe face.
-    pub fn erased(self) -> Birth {
-        let Birth { problem, starts, extras } = self;
-        Birth { problem: problem.into_equations(), starts, extras }
     }
 }

@@ -4,9 +4,8 @@ mod lookout;
 mod variation;
 
 use super::erased::Number;
-use super::method::{Block, Interval, Method, Watchlist};
+use super::interval::{Block, Interval, Watchlist};
 use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
-use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
 use lookout::{Lookout, Search};
 use std::ops::ControlFlow;
@@ -33,6 +32,9 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// assert_eq!(shooting.settings().relative, 1e-10);
 /// assert!(Shooting::new(Scheme::DormandPrince8, 0.0).is_err());
 /// ```
+///
+/// The default is the method of order 8 with a tolerance of 1e-12.
+#[derive(Default)]
 pub struct Shooting {
     settings: Settings,
     /// The error that is allowed on the way to a solution.
@@ -67,26 +69,16 @@ impl Shooting {
         &self.settings
     }
 
-    /// The settings with the error that is allowed at present.
-    fn present(&self) -> Settings {
+    /// The settings with an error that is allowed.
+    fn allowing(&self, error: f64) -> Settings {
         let Settings { relative, absolute, .. } = self.settings;
-        let (relative, absolute) = (relative.max(self.allowed), absolute.max(self.allowed));
+        let (relative, absolute) = (relative.max(error), absolute.max(error));
         Settings { relative, absolute, ..self.settings }
     }
-}
 
-impl Default for Shooting {
-    /// The method of order 8 with a tolerance of 1e-12.
-    fn default() -> Self {
-        Shooting {
-            settings: Settings::default(),
-            allowed: 0.0,
-            four: Variation::default(),
-            eight: Variation::default(),
-            plain: Flow::default(),
-            search: Search::default(),
-            x: Vec::new(),
-        }
+    /// The settings with the error that is allowed at present.
+    fn present(&self) -> Settings {
+        self.allowing(self.allowed)
     }
 }
 
@@ -95,19 +87,6 @@ impl Clone for Shooting {
     fn clone(&self) -> Self {
         Shooting { settings: self.settings, ..Shooting::default() }
     }
-}
-
-/// A flow from the start of an interval to a place in it, `x` being the states there.
-fn flow_to<T: Number>(
-    flow: &mut Flow<T>,
-    interval: Interval<T>,
-    place: f64,
-    x: &mut [T],
-) -> Result<(), LeftDomain> {
-    let (start, length) = times(&interval);
-    let field = interval.field();
-    flow.advance(&field, start, length * place, x, interval.q)?;
-    Ok(())
 }
 
 /// A segment over which a deviation grows by more leaves but one or two digits: rounding grows alike.
@@ -128,36 +107,25 @@ fn growth(nodes: &[f64], n: usize) -> Result<(), LeftDomain> {
     })
 }
 
-/// The time at which an interval starts, and its length in time.
-fn times<T: Number>(interval: &Interval<T>) -> (T, T) {
-    let duration = interval.duration();
-    (duration * interval.span.start, duration * interval.length())
-}
-
-impl Method for Shooting {
-    type Work<T: Scalar> = Flow<T>;
-
-    fn places(&self) -> &[f64] {
-        &[0.0, 1.0]
-    }
-
-    const EXTREMA_WITH_RESIDUAL: bool = true;
-
-    fn residual<T: Number>(
+impl Shooting {
+    /// The residual of an interval.
+    ///
+    /// # Errors
+    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut Flow<T>,
         r: &mut [T],
     ) -> Result<(), LeftDomain> {
-        let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
-        r.copy_from_slice(left);
-        work.settings = self.present();
-        flow_to(work, interval, 1.0, r)?;
+        self.value(interval, 1.0, work, r)?;
+        let right = &interval.nodes[r.len()..];
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
         Ok(())
     }
 
-    fn value<T: Number>(
+    /// The states at a place in an interval (from 0 to 1).
+    pub fn value<T: Number>(
         &self,
         interval: Interval<T>,
         place: f64,
@@ -166,11 +134,16 @@ impl Method for Shooting {
     ) -> Result<(), LeftDomain> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
         work.settings = self.present();
-        if place == 0.0 { Ok(()) } else { flow_to(work, interval, place, x) }
+        if place > 0.0 {
+            let (start, length) = interval.times();
+            let field = interval.field();
+            work.advance(&field, start, length * place, x, interval.q)?;
+        }
+        Ok(())
     }
 
     /// From the dense output of one flow.
-    fn trajectory(
+    pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
         count: usize,
@@ -179,10 +152,8 @@ impl Method for Shooting {
     ) -> Result<(), LeftDomain> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         let (mut next, mut between) = (0, x.clone());
-        let Settings { relative, absolute, .. } = self.settings;
-        let (relative, absolute) = (relative.max(DRAWN), absolute.max(DRAWN));
-        work.settings = Settings { relative, absolute, ..self.settings };
-        let (start, length) = times(&interval);
+        work.settings = self.allowing(DRAWN);
+        let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {
             let (start, end) = step.span();
@@ -197,16 +168,9 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn linearise(
-        &mut self,
-        interval: Interval<f64>,
-        active: &[usize],
-        block: Block,
-    ) -> Result<(), LeftDomain> {
-        self.linearise_watching(interval, active, block, Watchlist::default(), &mut |_, _, _| {})
-    }
-
-    fn linearise_watching(
+    /// The residual of an interval with its derivatives by the nodes and by the active components of `q`, and
+    /// with what [`extrema`](Self::extrema) visits.
+    pub fn linearise(
         &mut self,
         interval: Interval<f64>,
         active: &[usize],
@@ -215,7 +179,7 @@ impl Method for Shooting {
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         if !(watched.is_empty() || self.settings.scheme.is_explicit()) {
-            self.linearise(interval, active, block)?;
+            self.linearise(interval, active, block, Watchlist::default(), visit)?;
             return self.extrema(interval, watched, None, visit);
         }
         let n = interval.nodes.len() / 2;
@@ -239,12 +203,15 @@ impl Method for Shooting {
         flowed.and_then(|()| growth(block.nodes, n))
     }
 
-    fn allow(&mut self, error: f64) -> bool {
+    /// As [`Method::allow`](super::Method).
+    pub(super) fn allow(&mut self, error: f64) -> bool {
         self.allowed = error;
         error > 0.0
     }
 
-    fn extrema(
+    /// What is watched in an interval, by its number, at places from 0 to 1; and the residual, where that is
+    /// asked for.
+    pub fn extrema(
         &mut self,
         interval: Interval<f64>,
         watched: Watchlist,
@@ -260,7 +227,7 @@ impl Method for Shooting {
         lookout.end(&interval, 0.0, left);
         x.clear();
         x.extend_from_slice(left);
-        let (start, length) = times(&interval);
+        let (start, length) = interval.times();
         let field = interval.field();
         plain
             .observe(&field, start, length, x, interval.q, |step| lookout.real(&interval, step))?;
@@ -272,7 +239,7 @@ impl Method for Shooting {
     }
 
     /// By dense output in every step of one flow.
-    fn quadrature<T: Number>(
+    pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut Flow<T>,
@@ -280,7 +247,7 @@ impl Method for Shooting {
     ) -> Result<(), LeftDomain> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         work.settings = self.present();
-        let (start, length) = times(&interval);
+        let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {
             step.quadrature(1.0, &mut *visit);
@@ -289,13 +256,14 @@ impl Method for Shooting {
         Ok(())
     }
 
-    fn finer(&self) -> Option<(Self, usize)> {
+    /// A hundredth of the tolerance, as far as rounding allows; `None` there.
+    pub fn finer(&self) -> Option<Self> {
         // A power of ten remains one.
         let digits = (1.0 / self.settings.relative).round();
         let tolerance = (1.0 / (100.0 * digits)).max(SMALLEST_TOLERANCE);
         let ratio = tolerance / self.settings.relative;
         let absolute = self.settings.absolute * ratio;
         let settings = Settings { relative: tolerance, absolute, ..self.settings };
-        (ratio < 1.0).then(|| (Shooting { settings, ..Shooting::default() }, 1))
+        (ratio < 1.0).then(|| Shooting { settings, ..Shooting::default() })
     }
 }

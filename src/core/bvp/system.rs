@@ -13,20 +13,19 @@ mod mesh_error;
 mod monitors;
 mod periodic;
 mod profiles;
+mod rotating;
 mod start;
 
-use super::erased::Stated;
-use super::{BoundaryError, BoundaryProblem, Equations, IntoEquations, Mesh, Method};
+use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
 use equations::{Discretised, Work};
-use factorisation::{Factorisation, Form};
+use factorisation::{Bordered, Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
 use local::Passes;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
-use periodic::Rotating;
-use std::any::Any;
+use rotating::Rotating;
 use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
@@ -46,45 +45,21 @@ const MOST_REFINEMENTS: usize = 5;
 /// Monitors are those of the problem and, where the mesh causes an error, its estimate `mesh_error`.
 ///
 /// ```
-/// use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Monitor};
-/// use tangency::core::{continuation::{Continuation, Kind}, scalar::Scalar};
-/// /// Bratu's problem: `u'' + λeᵘ = 0`, `u(0) = u(1) = 0`.
-/// #[derive(Clone)]
-/// struct Bratu;
-/// impl BoundaryProblem for Bratu {
-///     fn segments(&self) -> Vec<Vec<String>> {
-///         vec![vec!["u".into(), "v".into()]]
-///     }
-///     fn parameters(&self) -> Vec<String> {
-///         vec!["lambda".into()]
-///     }
-///     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
-///         f[0] = x[1];
-///         f[1] = -q[0] * x[0].exp();
-///     }
-///     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-///         T::one()
-///     }
-///     fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-///         b[0] = ends.start[0];
-///         b[1] = ends.end[0];
-///     }
-///     fn monitors(&self) -> Vec<(String, Monitor)> {
-///         vec![("max".into(), Monitor::maximum(0, 0))]
-///     }
-/// }
+/// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
+/// use tangency::core::continuation::{Continuation, Kind};
+/// use tangency::problems::classic::Bratu;
 /// let mut bratu = BoundarySystem::new(Bratu, Collocation::new(4)?, vec![Mesh::uniform(10)])?;
 /// let branch = Continuation::of(&mut bratu)
 ///     .at("lambda", 0.5)
 ///     .along("lambda", 0.0..=4.0)
-///     .bound("max", 0.0..=3.0)
+///     .bound("max_u", 0.0..=3.0)
 ///     .trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().unwrap();
 /// assert!((fold.parameters[0] - 3.51383071912516).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct BoundarySystem<M: Method> {
-    equations: Discretised<M>,
+pub struct BoundarySystem {
+    equations: Discretised,
     names: Names,
     linearisation: Linearisation,
     factors: [Factorisation; 2],
@@ -98,19 +73,17 @@ pub struct BoundarySystem<M: Method> {
     /// How the returns depend on each other, one row after the other, and the right side of a solution.
     returned: Vec<f64>,
     right: Vec<f64>,
-    /// The trial multiplier, and the sign of its determinant.
-    trial: (f64, f64),
     /// The sign of the leading coefficient of the multipliers' polynomial.
     orientation: f64,
-    plain: Work<f64, M>,
+    plain: Work<f64>,
     /// Where `plain` holds the accurate residual; empty if it is none.
     evaluated: Vec<f64>,
-    first: Work<Dual64, M>,
-    second: Work<HyperDual64, M>,
-    third: Work<HyperHyperDual64, M>,
-    chunk: Passes<Chunk, M>,
-    nested: Passes<Dual<Chunk>, M>,
-    nested_twice: Passes<Dual2<Chunk>, M>,
+    first: Work<Dual64>,
+    second: Work<HyperDual64>,
+    third: Work<HyperHyperDual64>,
+    chunk: Passes<Chunk>,
+    nested: Passes<Dual<Chunk>>,
+    nested_twice: Passes<Dual2<Chunk>>,
     /// Monitors that are positive on admissible solutions.
     grazings: Vec<usize>,
     /// Components of `q` by which a gradient is taken.
@@ -121,17 +94,17 @@ pub struct BoundarySystem<M: Method> {
     refinements: usize,
 }
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The system of a problem on one mesh for each segment.
     ///
     /// # Errors
     /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit together.
     pub fn new(
         problem: impl IntoEquations,
-        method: M,
+        method: impl Into<Method>,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let equations = Discretised::new(problem.into_equations(), method, meshes)?;
+        let equations = Discretised::new(problem.into_equations(), method.into(), meshes)?;
         let Discretised { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.numbers()).collect();
         let names = names_of(&**problem, method, layout);
@@ -145,7 +118,6 @@ impl<M: Method> BoundarySystem<M> {
             twisted: Vec::new(),
             returned: Vec::new(),
             right: Vec::new(),
-            trial: (0.0, 1.0),
             orientation: 1.0,
             plain: Work::new(layout),
             evaluated: Vec::new(),
@@ -168,12 +140,6 @@ impl<M: Method> BoundarySystem<M> {
         &self.equations.problem
     }
 
-    /// The problem as its user has stated it, if it is of this type.
-    pub fn stated<P: BoundaryProblem + 'static>(&self) -> Option<&P> {
-        let problem: &dyn Any = &*self.equations.problem;
-        problem.downcast_ref::<Stated<P>>().map(|stated| &stated.0)
-    }
-
     /// The mesh of each segment.
     pub fn meshes(&self) -> &[Mesh] {
         &self.equations.meshes
@@ -187,9 +153,11 @@ impl<M: Method> BoundarySystem<M> {
     /// # use tangency::problems::classic::Decay;
     /// // x' = −rate·x, x(0) = 1.
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let z = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
+    /// let z = system.sampled(&[], |_, tau, x| x[0] = tau * tau);
     /// // Four intervals of three nodes, and the last one.
-    /// assert_eq!((z.len(), z[0], z[12]), (13, 1.0, (-1.0_f64).exp()));
+    /// assert_eq!((z.len(), z[0], z[12]), (13, 0.0, 1.0));
+    /// let x = [&z[..], &[1.0]].concat();
+    /// assert!((system.states(&x, 0, 0.3)?[0] - 0.09).abs() < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn sampled(
@@ -218,17 +186,6 @@ impl<M: Method> BoundarySystem<M> {
     ///
     /// # Errors
     /// [`LeftDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
-    ///
-    /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
-    /// # use tangency::problems::classic::Decay;
-    /// // x' = −rate·x, x(0) = 1.
-    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = tau * tau);
-    /// x.push(1.0);
-    /// assert!((system.states(&x, 0, 0.3)?[0] - 0.09).abs() < 1e-15);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, LeftDomain> {
         let layout = &self.equations.layout;
         let Some(s) = layout.segments.get(segment) else {
@@ -247,18 +204,6 @@ impl<M: Method> BoundarySystem<M> {
     ///
     /// # Errors
     /// [`LeftDomain`] where the field has no meaning at the nodes.
-    ///
-    /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
-    /// # use tangency::problems::classic::Decay;
-    /// // x' = −rate·x, x(0) = 1.
-    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
-    /// x.push(1.0);
-    /// // Without a phase condition, a reference changes nothing.
-    /// system.set_reference(&x)?;
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
         self.forget();
         self.equations.set_reference(x, &mut self.plain)
@@ -291,7 +236,8 @@ impl<M: Method> BoundarySystem<M> {
         }
         let pencil = &mut self.pencil;
         if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {
-            self.condensed.condense(layout, assembled, Form::Jacobian, Border::NONE)?;
+            let (form, border) = (Form::Jacobian, Border::NONE);
+            self.condensed.condense(Bordered { layout, assembled, form, border })?;
             self.condensed.pencil(layout, assembled, pencil);
         }
         let [p, q] = &self.pencil;
@@ -301,7 +247,7 @@ impl<M: Method> BoundarySystem<M> {
 
 /// Names of unknowns, parameters and monitors. States of several segments that share a name are told
 /// apart by the segment's number.
-fn names_of<M: Method>(problem: &dyn Equations, method: &M, layout: &Layout) -> Names {
+fn names_of(problem: &dyn Equations, method: &Method, layout: &Layout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();
     for (s, states) in segments.iter().enumerate() {

@@ -225,10 +225,10 @@ impl<'a> Continuation<'a> {
     ///
     /// ```
     /// # use tangency::core::continuation::{Continuation, Kind};
-    /// # use tangency::core::orbit::by_shooting;
+    /// # use tangency::core::orbit::periodic_orbits;
     /// # use tangency::core::bvp::Shooting;
     /// # use tangency::problems::mita::Block;
-    /// let mut orbits = by_shooting(Block, 1, Shooting::default()).unwrap();
+    /// let mut orbits = periodic_orbits(Block, 1, Shooting::default()).unwrap();
     /// let branch = Continuation::of(&mut orbits)
     ///     .at("voltage", 0.01).at("frequency", 0.5).at("damping", 0.04)
     ///     .along("voltage", 0.01..=0.3)

@@ -1,16 +1,49 @@
 //! Motion near a grazing point on jets.
 
 use super::error::GrazingError;
-use super::map::MapSettings;
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
 use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations, time_scale};
-use crate::core::jet::Jet;
+use crate::core::jet::{Jet, Space};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
+
+/// What a local map is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapSettings {
+    /// The order of the polynomials, from 1 to 7.
+    pub order: usize,
+    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest one.
+    pub tolerance: f64,
+}
+
+impl Default for MapSettings {
+    /// The second order, and a tolerance of 1e-13.
+    fn default() -> Self {
+        MapSettings { order: 2, tolerance: 1e-13 }
+    }
+}
+
+/// What a map is computed of: the system at a grazing point with its section, and positions of the parameters
+/// that deviate.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub system: &'a dyn HybridEquations,
+    pub point: &'a GrazingPoint,
+    pub section: &'a Section,
+    pub parameters: &'a [usize],
+    pub settings: MapSettings,
+}
+
+impl Source<'_> {
+    /// The space of the polynomials: coordinates, then parameters.
+    pub fn space(&self, order: usize) -> Result<&'static Space, GrazingError> {
+        Ok(Space::of(self.section.coordinates.len() + self.parameters.len(), order)?)
+    }
+}
 
 /// A time and a state.
 #[derive(Clone, Debug)]
@@ -29,10 +62,10 @@ const REACHED: f64 = 1e-6;
 
 /// The section of a grazing point with parameters that are jets: places on it, and motion from them.
 pub(super) struct Chart<'a, const C: usize> {
-    pub system: &'a dyn HybridEquations,
-    pub point: &'a GrazingPoint,
-    pub section: &'a Section,
-    pub p: Vec<Jet<C>>,
+    pub source: Source<'a>,
+    /// Deviations of the coordinates, as variables.
+    pub deviations: Vec<Jet<C>>,
+    p: Vec<Jet<C>>,
     /// Time in units of phase, `T(p)/phase of a period`.
     unit: Jet<C>,
     /// The scale of time.
@@ -54,11 +87,16 @@ where
     Dual<Jet<C>>: FieldNumber + GuardNumber,
     Dual<Dual<Jet<C>>>: GuardNumber,
 {
-    pub fn new(
-        (system, point, section): (&'a dyn HybridEquations, &'a GrazingPoint, &'a Section),
-        p: Vec<Jet<C>>,
-        settings: MapSettings,
-    ) -> Result<Self, GrazingError> {
+    pub fn of(source: Source<'a>, space: &'static Space) -> Result<Self, GrazingError> {
+        let Source { system, point, section, parameters, settings } = source;
+        let count = section.coordinates.len();
+        let mut p: Vec<Jet<C>> = point.p.iter().map(|p| Jet::from(*p)).collect();
+        for (k, parameter) in parameters.iter().enumerate() {
+            p[*parameter] = Jet::variable(space, count + k, point.p[*parameter])?;
+        }
+        // In units of their scales: terms of all orders are of one size then.
+        let deviation = |k: usize| Ok(Jet::variable(space, k, 0.0)? * section.scales[k]);
+        let deviations: Vec<_> = (0..count).map(deviation).collect::<Result<_, GrazingError>>()?;
         let long = Settings::new(Scheme::DormandPrince8, settings.tolerance);
         let short = Settings { first_step: Some(1.0), ..long };
         let cycle = match system.forcing() {
@@ -70,14 +108,15 @@ where
         let states = system.modes().iter().map(|mode| mode.states.len()).collect();
         let (long, short) = (Flow::new(long)?.measured_by(Jet::size), Flow::new(short)?);
         let scale = time_scale(system, &point.p);
-        Ok(Chart { system, point, section, p, unit, scale, phase, cycle, states, long, short })
+        Ok(Chart { source, deviations, p, unit, scale, phase, cycle, states, long, short })
     }
 
     /// The place with these deviations of the coordinates, not on the section yet.
     fn place(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
-        let x = self.point.x.iter().map(|x| Jet::from(*x)).collect();
-        let mut place = Place { mode: self.point.mode, t: self.point.time.into(), x };
-        for (coordinate, deviation) in self.section.coordinates.iter().zip(deviations) {
+        let Source { point, section, .. } = self.source;
+        let x = point.x.iter().map(|x| Jet::from(*x)).collect();
+        let mut place = Place { mode: point.mode, t: point.time.into(), x };
+        for (coordinate, deviation) in section.coordinates.iter().zip(deviations) {
             match coordinate {
                 Coordinate::State(i) => place.x[*i] += *deviation,
                 Coordinate::Phase => place.t = (*deviation + self.phase) * self.unit,
@@ -88,16 +127,21 @@ where
 
     /// The function of a surface at a place.
     pub fn value(&self, surface: Surface, place: &Place<Jet<C>>) -> Jet<C> {
-        surface.value(self.system, place.mode, place.t, &place.x, &self.p)
+        surface.value(self.source.system, place.mode, place.t, &place.x, &self.p)
+    }
+
+    /// The function of a surface at a place, and its rate.
+    pub fn moving(&self, surface: Surface, place: &Place<Jet<C>>) -> Dual<Jet<C>> {
+        surface.moving(self.source.system, place.mode, place.t, &place.x, &self.p)
     }
 
     /// The place on the section with these deviations of the coordinates.
     pub fn on_section(&self, deviations: &[Jet<C>]) -> Place<Jet<C>> {
-        let mut place = self.place(deviations);
-        let slope = self.section.slopes[1][1];
+        let (mut place, section) = (self.place(deviations), self.source.section);
+        let slope = section.slopes[1][1];
         for _ in 0..ROUNDS {
-            let turning = self.value(Surface::Turning(self.point.guard), &place);
-            place.x[self.section.eliminated] -= turning / slope;
+            let turning = self.value(Surface::Turning(self.source.point.guard), &place);
+            place.x[section.eliminated] -= turning / slope;
             if turning.size() == 0.0 {
                 break;
             }
@@ -109,13 +153,14 @@ where
     /// coordinates.
     pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
         let mut place = self.place(deviations);
-        let [[a, b], [c, d]] = self.section.slopes;
+        let Source { point, section, .. } = self.source;
+        let [[a, b], [c, d]] = section.slopes;
         let determinant = a * d - b * c;
         for _ in 0..ROUNDS {
-            let h = self.value(Surface::Guard(self.point.guard), &place) - guard;
-            let r = self.value(Surface::Turning(self.point.guard), &place);
-            place.x[self.section.normal] -= (h * d - r * b) / determinant;
-            place.x[self.section.eliminated] -= (r * a - h * c) / determinant;
+            let h = self.value(Surface::Guard(point.guard), &place) - guard;
+            let r = self.value(Surface::Turning(point.guard), &place);
+            place.x[section.normal] -= (h * d - r * b) / determinant;
+            place.x[section.eliminated] -= (r * a - h * c) / determinant;
             if h.size() == 0.0 && r.size() == 0.0 {
                 break;
             }
@@ -124,12 +169,12 @@ where
     }
 
     /// The deviations of the coordinates of a place from those of the touch so many periods before.
-    pub fn deviations(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
+    pub fn deviations_of(&self, place: &Place<Jet<C>>, periods: usize) -> Vec<Jet<C>> {
         let deviation = |coordinate: &Coordinate| match coordinate {
-            Coordinate::State(i) => place.x[*i] - self.point.x[*i],
+            Coordinate::State(i) => place.x[*i] - self.source.point.x[*i],
             Coordinate::Phase => place.t / self.unit - (self.phase + self.cycle * periods as f64),
         };
-        self.section.coordinates.iter().map(deviation).collect()
+        self.source.section.coordinates.iter().map(deviation).collect()
     }
 
     /// Moves a place on for a real time.
@@ -151,7 +196,7 @@ where
         duration: Jet<C>,
         long: bool,
     ) -> Result<(), GrazingError> {
-        let (system, mode) = (self.system, place.mode);
+        let (system, mode) = (self.source.system, place.mode);
         let flow = if long { &mut self.long } else { &mut self.short };
         let field = Jet::in_mode(system, mode, Jet::from(0.0));
         flow.advance(&field, place.t, duration, &mut place.x, &self.p).map_err(|source| {
@@ -169,7 +214,7 @@ where
     ) -> Result<(), GrazingError> {
         let (mut largest, mut last) = (f64::MIN_POSITIVE, 0.0);
         for _ in 0..ROUNDS {
-            let moving = surface.moving(self.system, place.mode, place.t, &place.x, &self.p);
+            let moving = self.moving(surface, place);
             let step = -moving.re / moving.eps;
             self.shift(place, step)?;
             last = step.size();
@@ -182,8 +227,8 @@ where
             return Ok(());
         }
         Err(GrazingError::NotReached {
-            mode: self.system.modes()[place.mode].name.clone(),
-            surface: surface.name(self.system),
+            mode: self.source.system.modes()[place.mode].name.clone(),
+            surface: surface.name(self.source.system),
             time: place.t.real(),
             step: last,
         })
@@ -192,7 +237,7 @@ where
     /// Passes the event of a guard into a mode.
     pub fn pass(&self, place: &mut Place<Jet<C>>, guard: usize, next: usize) {
         let mut after = vec![Jet::from(0.0); self.states[next]];
-        self.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);
+        self.source.system.reset(guard, (place.mode, next), place.t, &place.x, &self.p, &mut after);
         (place.mode, place.x) = (next, after);
     }
 }

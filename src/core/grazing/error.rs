@@ -7,6 +7,7 @@ use crate::core::kind::Kind;
 
 /// Why a local map cannot be computed, or used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GrazingError {
     /// No branch is born at the orbit.
     #[error(transparent)]
@@ -26,29 +27,8 @@ pub enum GrazingError {
         known: String,
     },
     /// A grazing point that does not belong to the system.
-    #[error(
-        "the grazing point does not belong to the system: {what} {found}, where {expected} {meant}"
-    )]
-    Mismatch {
-        /// What does not fit.
-        what: &'static str,
-        /// The number that was found.
-        found: usize,
-        /// The number that it should be, or below which it should be.
-        expected: usize,
-        /// What that number is.
-        meant: &'static str,
-    },
-    /// A leg of a grazing point, or the point itself, is in a mode that its guard does not end.
-    #[error(
-        "the grazing point does not belong to the system: guard `{guard}` does not end mode `{mode}`"
-    )]
-    NoEnd {
-        /// The guard.
-        guard: String,
-        /// The mode.
-        mode: String,
-    },
+    #[error("the grazing point does not belong to the system: {0}")]
+    Foreign(String),
     /// Deviations of another number than there are coordinates or parameters.
     #[error("{found} deviations of {what} are given, there are {expected}")]
     Length {
@@ -60,25 +40,14 @@ pub enum GrazingError {
         expected: usize,
     },
     /// The phase of a period has no meaning.
-    #[error(
-        "the phase grows by {phase} in a period of the forcing: it should be a positive number"
-    )]
-    Phase {
-        /// The phase.
-        phase: f64,
-    },
+    #[error("the phase grows by {0} in a period of the forcing: it should be a positive number")]
+    Phase(f64),
     /// There is no such measure.
-    #[error("a local map measures no `{name}`, only `penetration`")]
-    NoMeasure {
-        /// The name.
-        name: String,
-    },
+    #[error("a local map measures no `{0}`, only `penetration`")]
+    NoMeasure(String),
     /// The order is none.
-    #[error("a local map has at least order 1, not {order}")]
-    Order {
-        /// The order asked for.
-        order: usize,
-    },
+    #[error("a local map has at least order 1, not {0}")]
+    Order(usize),
     /// The touched mode has too few states for coordinates on a section.
     #[error(
         "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode \
@@ -172,19 +141,13 @@ pub enum GrazingError {
     /// No curve of special points begins at the grazing.
     #[error(
         "no curve of folds or period doublings of orbits with one impact begins at this grazing: the test \
-         function is {multiplier:.1e} and should vanish; locate the degenerate point on the curve of \
+         function is {0:.1e} and should vanish; locate the degenerate point on the curve of \
          grazings first"
     )]
-    NotDegenerate {
-        /// The test function.
-        multiplier: f64,
-    },
+    NotDegenerate(f64),
     /// No such curve is known.
-    #[error("curves of LP and PD begin at a degenerate grazing, none of {kind}")]
-    NoCurve {
-        /// The kind asked for.
-        kind: Kind,
-    },
+    #[error("curves of LP and PD begin at a degenerate grazing, none of {0}")]
+    NoCurve(Kind),
     /// Too far from grazing.
     #[error(
         "the local map of order {order} is used too far from grazing: its last order still changes the \
@@ -201,4 +164,14 @@ pub enum GrazingError {
         /// The penetration, negative on this side of the surface.
         penetration: f64,
     },
+}
+
+impl GrazingError {
+    /// The position of a parameter among those that are known.
+    pub(super) fn position(name: &str, known: &[String]) -> Result<usize, GrazingError> {
+        known
+            .iter()
+            .position(|known| known == name)
+            .ok_or_else(|| GrazingError::Parameter { name: name.into(), known: known.join(", ") })
+    }
 }

@@ -13,7 +13,6 @@
 //! `z`, `v` and another parameter gives the Taylor series of the curve, a term an iteration.
 
 use super::error::GrazingError;
-use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::condition::Failure;
 use crate::core::jet::{Jet, Space};
@@ -114,7 +113,7 @@ impl Curve<'_> {
     fn along<T: Scalar>(&self, z: &[T], v: &[T], p: &[T]) -> [Vec<Dual<T>>; 2] {
         let z: Vec<_> = z.iter().zip(v).map(|(z, v)| Dual::new(*z, *v)).collect();
         let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
-        let mut iteration: Iteration<Dual<T>> = self.map.iteration();
+        let mut iteration = self.map.iteration::<Dual<T>>();
         let (mut image, mut place) = (z.clone(), z.clone());
         iteration.apply_regular(&z, &p, &mut image);
         place[self.map.normal()] = iteration.entry(&z, &p);
@@ -157,7 +156,7 @@ impl Curve<'_> {
         v[n] = 1.0;
         lu.solve(&mut v);
         match v.pop() {
-            Some(g) if g.abs() > SINGULAR => Err(GrazingError::NotDegenerate { multiplier: g }),
+            Some(g) if g.abs() > SINGULAR => Err(GrazingError::NotDegenerate(g)),
             _ => Ok(v),
         }
     }
@@ -233,14 +232,15 @@ impl LocalMap {
         let mu = match kind {
             Kind::LP => 1.0,
             Kind::PD => -1.0,
-            _ => return Err(GrazingError::NoCurve { kind }),
+            _ => return Err(GrazingError::NoCurve(kind)),
         };
-        let positions = [self.deviating(parameters[0])?, self.deviating(parameters[1])?];
+        let position = |name| GrazingError::position(name, self.parameters());
+        let parameters = [position(parameters[0])?, position(parameters[1])?];
         // Null vectors have a part along y.
         let (n, order) = (self.coordinates().len(), self.space().order());
         let mut scale = vec![0.0; n];
         scale[self.normal()] = 1.0;
-        let curve = Curve { map: self, mu, parameters: positions, scale };
+        let curve = Curve { map: self, mu, parameters, scale };
         let u = curve.solved(order)?;
         let terms = |series: &Series, count: usize| -> Vec<f64> {
             (1..=count).map(|k| series.coefficient(&[k as u8])).collect()

@@ -1,12 +1,14 @@
 //! The local map as a motion that is looked at once in every period.
 
 use super::error::GrazingError;
-use super::iteration::Buffers;
+use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::attractor::{EventRecord, Layout, Period, StroboscopicError, StroboscopicMap};
-use crate::core::hybrid::{HybridState, Mode};
+use crate::core::hybrid::{Member, Mode};
 use crate::core::measure::Measure;
+use crate::core::scalar::Scalar;
 use num_dual::Dual64;
+use std::sync::Arc;
 
 /// Beyond this deviation a polynomial in deviations means nothing.
 const MOST: f64 = 1.0;
@@ -42,15 +44,47 @@ const IMPACT: usize = 0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Iterated {
-    map: LocalMap,
-    /// The positions of the map's parameters among all, and their deviations.
+    /// The positions of the map's parameters among all.
     positions: Vec<usize>,
-    p: Vec<f64>,
     layout: Layout,
-    real: Buffers<f64>,
-    dual: Buffers<Dual64>,
-    /// Parameters on dual numbers.
-    fixed: Vec<Dual64>,
+    real: Moving<f64>,
+    dual: Moving<Dual64>,
+}
+
+/// The map in one scalar type, with the deviations of its parameters.
+struct Moving<T> {
+    iteration: Iteration<Arc<LocalMap>, T>,
+    p: Vec<T>,
+}
+
+impl<T: Scalar> Moving<T> {
+    fn of(map: Arc<LocalMap>) -> Self {
+        let order = map.space().order();
+        Moving { iteration: Iteration::new(map, order), p: Vec::new() }
+    }
+
+    /// Replaces a state by its image. Returns the penetration before. Refuses an image that is nowhere near the
+    /// grazing.
+    fn image(
+        &mut self,
+        positions: &[usize],
+        Member { state, p }: &mut Member<T>,
+    ) -> Result<T, StroboscopicError> {
+        let deviations = positions.iter().zip(self.iteration.map.origin().1);
+        self.p.clear();
+        self.p.extend(deviations.map(|(k, at)| p[*k] - *at));
+        let penetration = self.iteration.apply(&mut state.x, &self.p);
+        let map = &self.iteration.map;
+        let far = |(x, _): &(f64, &String)| x.is_nan() || x.abs() > MOST;
+        match state.x.iter().map(Scalar::real).zip(map.coordinates()).find(far) {
+            None => Ok(penetration),
+            Some((x, name)) => Err(StroboscopicError::Map(format!(
+                "the local map of order {} has left its grazing: the deviation of `{name}` is {x:.1e}, and should stay \
+                 small; begin nearer",
+                map.space().order()
+            ))),
+        }
+    }
 }
 
 impl Iterated {
@@ -64,60 +98,22 @@ impl Iterated {
         parameters: &[String],
         measures: &[String],
     ) -> Result<Self, GrazingError> {
-        let position = |name: &String| {
-            let found = parameters.iter().position(|known| known == name);
-            let (name, known) = (name.clone(), parameters.join(", "));
-            found.ok_or(GrazingError::Parameter { name, known })
-        };
+        let position = |name: &String| GrazingError::position(name, parameters);
         let positions = map.parameters().iter().map(position).collect::<Result<_, _>>()?;
         if let Some(name) = measures.iter().find(|name| *name != Measure::PENETRATION) {
-            return Err(GrazingError::NoMeasure { name: name.clone() });
+            return Err(GrazingError::NoMeasure(name.clone()));
         }
-        let order = map.space().order();
+        let map = Arc::new(map);
         Ok(Iterated {
             positions,
-            p: Vec::new(),
             layout: Layout {
                 modes: vec![Mode { name: "map".into(), states: map.coordinates().to_vec() }],
                 events: vec!["impact".into()],
                 measures: measures.to_vec(),
             },
-            real: Buffers::new(order),
-            dual: Buffers::new(order),
-            fixed: Vec::new(),
-            map,
+            real: Moving::of(map.clone()),
+            dual: Moving::of(map),
         })
-    }
-
-    /// The map.
-    pub fn map(&self) -> &LocalMap {
-        &self.map
-    }
-
-    /// Takes over parameters.
-    fn load(&mut self, p: &[f64]) {
-        let origin = self.map.origin().1;
-        self.p.clear();
-        self.p.extend(self.positions.iter().zip(origin).map(|(k, at)| p[*k] - at));
-    }
-
-    /// The image of a state in its place, and the penetration before.
-    fn image(&mut self, state: &mut HybridState<f64>, p: &[f64]) -> Result<f64, StroboscopicError> {
-        self.load(p);
-        let penetration = self.real.apply(&self.map, &mut state.x, &self.p);
-        self.check(&state.x)?;
-        Ok(penetration)
-    }
-
-    /// Refuses a point that is nowhere near the grazing.
-    fn check(&self, x: &[f64]) -> Result<(), StroboscopicError> {
-        let far = |(x, _): &(&f64, &String)| x.is_nan() || x.abs() > MOST;
-        let Some((x, name)) = x.iter().zip(self.map.coordinates()).find(far) else { return Ok(()) };
-        Err(StroboscopicError::Map(format!(
-            "the local map of order {} has left its grazing: the deviation of `{name}` is {x:.1e}, and should stay small; \
-             begin nearer",
-            self.map.space().order()
-        )))
     }
 }
 
@@ -126,21 +122,13 @@ impl StroboscopicMap for Iterated {
         &self.layout
     }
 
-    fn advance(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError> {
-        self.image(state, p).map(|_| ())
+    fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {
+        self.real.image(&self.positions, member).map(|_| ())
     }
 
-    fn record(
-        &mut self,
-        state: &mut HybridState<f64>,
-        p: &[f64],
-    ) -> Result<Period, StroboscopicError> {
-        let start = state.clone();
-        let penetration = self.image(state, p)?;
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
+        let start = member.state.clone();
+        let penetration = self.real.image(&self.positions, member)?;
         let impact = || {
             let before = start.clone();
             EventRecord { event: IMPACT, time: 0.0, before, accumulation: false }
@@ -150,17 +138,7 @@ impl StroboscopicMap for Iterated {
         Ok(Period { start, events, measures })
     }
 
-    fn push_forward(
-        &mut self,
-        state: &mut HybridState<Dual64>,
-        p: &[f64],
-    ) -> Result<(), StroboscopicError> {
-        self.load(p);
-        let Iterated { map, dual, fixed, .. } = self;
-        fixed.clear();
-        fixed.extend(self.p.iter().map(|p| Dual64::from(*p)));
-        dual.apply(map, &mut state.x, fixed);
-        let real: Vec<f64> = state.x.iter().map(|x| x.re).collect();
-        self.check(&real)
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
+        self.dual.image(&self.positions, member).map(|_| ())
     }
 }

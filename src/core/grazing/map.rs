@@ -1,29 +1,13 @@
 //! The local map `P = P_smooth ∘ D`.
 
+use super::chart::{MapSettings, Source};
 use super::error::GrazingError;
-use super::iteration::Iteration;
-use super::maps::{Discontinuity, Smooth, Source};
+use super::maps::{Discontinuity, Smooth};
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::hybrid::{HybridEquations, guard_scale, time_scale};
 use crate::core::jet::{Polynomial, Space};
-
-/// What a local map is to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MapSettings {
-    /// The order of the polynomials, from 1 to 7.
-    pub order: usize,
-    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest one.
-    pub tolerance: f64,
-}
-
-impl Default for MapSettings {
-    /// The second order, and a tolerance of 1e-13.
-    fn default() -> Self {
-        MapSettings { order: 2, tolerance: 1e-13 }
-    }
-}
 
 /// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
 const TOUCHES: f64 = 1e-8;
@@ -52,29 +36,13 @@ const TOUCHES: f64 = 1e-8;
 /// ```
 #[derive(Clone, Debug)]
 pub struct LocalMap {
-    space: &'static Space,
     coordinates: Vec<String>,
     parameters: Vec<String>,
     /// Coordinates and parameters of the grazing orbit.
     origin: Vec<f64>,
-    pub(super) normal: usize,
+    normal: usize,
     pub(super) smooth: Smooth,
     pub(super) discontinuity: Discontinuity,
-}
-
-/// The positions of parameters.
-pub(super) fn positions(
-    system: &dyn HybridEquations,
-    names: &[&str],
-) -> Result<Vec<usize>, GrazingError> {
-    let known = system.parameters();
-    let position = |name: &&str| {
-        known.iter().position(|known| known == name).ok_or_else(|| {
-            let (name, known) = (name.to_string(), known.join(", "));
-            GrazingError::Parameter { name, known }
-        })
-    };
-    names.iter().map(position).collect()
 }
 
 impl LocalMap {
@@ -90,32 +58,28 @@ impl LocalMap {
         settings: MapSettings,
     ) -> Result<Self, GrazingError> {
         if settings.order == 0 {
-            return Err(GrazingError::Order { order: 0 });
+            return Err(GrazingError::Order(0));
         }
         point.check(system)?;
-        let positions = positions(system, parameters)?;
+        let known = system.parameters();
+        let position = |name: &&str| GrazingError::position(name, &known);
+        let positions: Vec<usize> = parameters.iter().map(position).collect::<Result<_, _>>()?;
         let section = &Section::of(system, point)?;
         touches(system, point)?;
         let source = Source { system, point, section, parameters: &positions, settings };
         let (smooth, discontinuity) = (source.smooth()?, source.discontinuity()?);
         let states = system.modes().swap_remove(point.mode).states;
-        let name = |coordinate: &Coordinate| match coordinate {
-            Coordinate::State(i) => states[*i].clone(),
-            Coordinate::Phase => "phase".to_string(),
-        };
-        let coordinates: Vec<String> = section.coordinates.iter().map(name).collect();
+        let described = section.coordinates.iter().map(|coordinate| match coordinate {
+            Coordinate::State(i) => (states[*i].clone(), point.x[*i]),
+            Coordinate::Phase => ("phase".into(), point.time / unit_of_phase(system, &point.p)),
+        });
+        let (coordinates, mut origin): (Vec<String>, Vec<f64>) = described.unzip();
+        origin.extend(positions.iter().map(|k| point.p[*k]));
         returns(&smooth, section, &coordinates)?;
-        let unit = unit_of_phase(system, &point.p);
-        let value = |coordinate: &Coordinate| match coordinate {
-            Coordinate::State(i) => point.x[*i],
-            Coordinate::Phase => point.time / unit,
-        };
-        let origin = section.coordinates.iter().map(value);
         Ok(LocalMap {
-            space: smooth.penetration.space(),
             coordinates,
             parameters: parameters.iter().map(|name| name.to_string()).collect(),
-            origin: origin.chain(positions.iter().map(|k| point.p[*k])).collect(),
+            origin,
             normal: section.normal_coordinate(),
             smooth,
             discontinuity,
@@ -124,7 +88,7 @@ impl LocalMap {
 
     /// The monomials of all polynomials: coordinates, then parameters.
     pub fn space(&self) -> &'static Space {
-        self.space
+        self.penetration().space()
     }
 
     /// The names of the coordinates.
@@ -166,49 +130,6 @@ impl LocalMap {
     /// The normal coordinate of the virtual point as a function of the same.
     pub fn entry(&self) -> &Polynomial {
         &self.discontinuity.entry
-    }
-
-    /// The map, to be applied to deviations.
-    pub fn iteration<T: crate::core::scalar::Scalar>(&self) -> Iteration<'_, T> {
-        self.iteration_to(self.space.order())
-    }
-
-    /// The map without terms beyond an order.
-    pub fn iteration_to<T: crate::core::scalar::Scalar>(&self, order: usize) -> Iteration<'_, T> {
-        Iteration::new(self, order)
-    }
-
-    /// How much the highest order changes the image of a point: an estimate of the error of the map of one
-    /// order less, and where the series converges a bound for that of its own.
-    pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
-        let (mut image, mut lower) = (x.to_vec(), x.to_vec());
-        self.iteration().apply(&mut image, p);
-        self.iteration_to(self.space.order() - 1).apply(&mut lower, p);
-        image.iter().zip(&lower).fold(0.0, |most, (a, b)| (a - b).abs().max(most))
-    }
-
-    /// The image of a point of the section, given deviations of its coordinates and of the parameters.
-    ///
-    /// # Errors
-    /// [`GrazingError::TooFar`] if the highest order changes it by more than the tolerance,
-    /// [`GrazingError::Length`] for another number of deviations.
-    pub fn image(&self, x: &[f64], p: &[f64], tolerance: f64) -> Result<Vec<f64>, GrazingError> {
-        let lengths = [
-            ("coordinates", x.len(), self.coordinates.len()),
-            ("parameters", p.len(), self.parameters.len()),
-        ];
-        if let Some((what, found, expected)) = lengths.into_iter().find(|(_, a, b)| a != b) {
-            return Err(GrazingError::Length { what, found, expected });
-        }
-        let (order, estimate) = (self.space.order(), self.error(x, p));
-        let mut iteration = self.iteration();
-        if estimate.is_nan() || estimate > tolerance {
-            let penetration = iteration.penetration(x, p);
-            return Err(GrazingError::TooFar { order, estimate, tolerance, penetration });
-        }
-        let mut image = x.to_vec();
-        iteration.apply(&mut image, p);
-        Ok(image)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Fixed and periodic points of local maps, as a boundary-value problem.
 
-use super::iteration::Iteration;
 use super::map::LocalMap;
 use crate::core::bvp::{
     Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh,
@@ -36,11 +35,16 @@ use std::sync::Arc;
 /// let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
 /// let settings = MapSettings { order: 3, ..MapSettings::default() };
 /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], settings)?;
-/// let mut orbits = LocalOrbit::of(map, &[true]).system()?;
+/// let mut orbits = LocalOrbit::of(map.clone(), &[true]).system()?;
 /// let start = orbits.flowed(&[0.0, 0.0], &[0.0], &[0.0])?;
 /// let branch = Continuation::of(&mut orbits).from(&start).along("amplitude", -1e-4..=1e-4).trace()?;
 /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
 /// assert!((0.1 + fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
+/// // The same with the amplitude itself in place of deviations.
+/// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
+/// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1).trace()?;
+/// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+/// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -67,25 +71,6 @@ impl LocalOrbit {
 
     /// With parameters and monitors of the system in place of deviations, so that branches lie beside those of
     /// the flow. Coordinates among the unknowns remain deviations, which have more digits.
-    ///
-    /// ```
-    /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
-    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
-    /// # use tangency::problems::classic::ImpactOscillator;
-    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
-    /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
-    /// // The oscillator of the example of `LocalMap`: from A = 0.1, where it grazes at x = 1.
-    /// let map = LocalMap::of(&ImpactOscillator, &point, &["amplitude"], MapSettings::default())?;
-    /// let mut orbits = LocalOrbit::of(map, &[true]).in_place().system()?;
-    /// let branch = Continuation::of(&mut orbits).at("amplitude", 0.1).along("amplitude", 0.0999..=0.1);
-    /// let branch = branch.trace()?;
-    /// let fold = branch.of_kind(Kind::LP).next().expect("a fold");
-    /// assert!((fold.parameters[0] - 0.0999707536283).abs() < 1e-6);
-    /// let displacement = fold.value(branch.column("max_displacement").expect("a monitor"));
-    /// assert!(displacement.is_some_and(|x| (x - 1.0).abs() < 1e-2 && x > 1.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn in_place(mut self) -> Self {
         self.in_place = true;
         self
@@ -97,17 +82,12 @@ impl LocalOrbit {
         self
     }
 
-    /// The map.
-    pub fn map(&self) -> &LocalMap {
-        &self.map
-    }
-
     /// The problem as a system. Its unknowns are made by
     /// [`flowed`](crate::core::bvp::BoundarySystem::flowed) from the points and the `y` or distance of each.
     ///
     /// # Errors
     /// [`BoundaryError`] if there is no iterate.
-    pub fn system(self) -> Result<BoundarySystem<Shooting>, BoundaryError> {
+    pub fn system(self) -> Result<BoundarySystem, BoundaryError> {
         let meshes = self.impacts.iter().map(|_| Mesh::uniform(1)).collect();
         // Any method is exact where nothing moves.
         BoundarySystem::new(self, Shooting::default(), meshes)
@@ -171,7 +151,7 @@ impl BoundaryProblem for LocalOrbit {
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
         let (n, count) = (self.size(), self.impacts.len());
         let p = &self.deviations(q);
-        let mut iteration: Iteration<T> = self.map.iteration_to(self.order);
+        let mut iteration = self.map.iteration_to::<T>(self.order);
         for (k, (x, impact, extra)) in self.points(ends.end, q).enumerate() {
             let next = (k + 1) % count;
             let rows = n * next..n * (next + 1);
@@ -181,7 +161,8 @@ impl BoundaryProblem for LocalOrbit {
                 iteration.apply_regular(&z, p, &mut b[rows.clone()]);
                 x[self.map.normal()] - entry
             } else {
-                iteration.apply_smooth(x, p, &mut b[rows.clone()]);
+                b[rows.clone()].copy_from_slice(x);
+                iteration.apply_smooth(&mut b[rows.clone()], p);
                 iteration.penetration(x, p) + extra
             };
             for i in rows {
@@ -217,10 +198,7 @@ impl BoundaryProblem for LocalOrbit {
     }
 
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        let watched = |k: usize, i: usize| match self.in_place {
-            true => Watched::function(k, i),
-            false => Watched::state(k, i),
-        };
+        let watched = if self.in_place { Watched::function } else { Watched::state };
         let all = |i: usize| (0..self.impacts.len()).map(|k| watched(k, i)).collect();
         let names = self.map.coordinates().iter().enumerate();
         let mut monitors: Vec<(String, Monitor)> =

@@ -14,11 +14,11 @@
 //! *J. Sound Vib.* 145:279, 1991).
 
 use super::error::GrazingError;
+use super::locate::solved;
 use super::map::LocalMap;
-use crate::core::condition::Failure;
 use crate::core::jet::Polynomial;
-use crate::core::linear::{BorderedLu, multipliers};
-use crate::core::zero::{Border, Spectrum};
+use crate::core::linear::multipliers;
+use crate::core::zero::Spectrum;
 use std::fmt::{Display, Formatter};
 
 /// The scenarios of a grazing as one parameter changes (X. Zhao, *Modeling and Simulation of MEMS Devices*,
@@ -63,20 +63,6 @@ pub struct Classification {
     pub growth: f64,
 }
 
-/// Solves `A x = b` for a matrix given by its entries.
-fn solved(
-    n: usize,
-    entry: impl Fn(usize, usize) -> f64,
-    right: impl Fn(usize) -> f64,
-) -> Result<Vec<f64>, GrazingError> {
-    let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
-    let mut x: Vec<f64> = (0..n).map(right).collect();
-    let mut lu = BorderedLu::default();
-    lu.factor(&matrix, Border::NONE).map_err(Failure::from)?;
-    lu.solve(&mut x);
-    Ok(x)
-}
-
 /// The derivative of a polynomial by a variable, where all deviations vanish.
 fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
     polynomial.coefficients()[1 + variable]
@@ -105,7 +91,7 @@ impl LocalMap {
     /// multiplier of either orbit is 1: at points of codimension two.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
-        let p = n + self.deviating(parameter)?;
+        let p = n + GrazingError::position(parameter, self.parameters())?;
         let smooth = |i: usize, j: usize| slope(&self.smooth()[i], j);
         let jump = |i: usize, j: usize| slope(&self.discontinuity()[i], j);
         let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
@@ -114,10 +100,8 @@ impl LocalMap {
             let direct = if j < n { 0.0 } else { smooth(i, j) };
             (0..n).map(|k| smooth(i, k) * jump(k, j)).sum::<f64>() + direct
         };
-        let place = |i: usize, j: usize| match i == normal {
-            true => slope(self.entry(), j),
-            false => unit(i, j),
-        };
+        let place =
+            |i: usize, j: usize| if i == normal { slope(self.entry(), j) } else { unit(i, j) };
         let difference = |i: usize, j: usize| image(i, j) - place(i, j);
         let with = solved(n, difference, |i| -difference(i, p))?;
         let without = solved(n, |i, j| unit(i, j) - smooth(i, j), |i| smooth(i, p))?;
@@ -136,13 +120,5 @@ impl LocalMap {
         // ∂y/∂(normal coordinate) = ∂(y²)/∂(normal coordinate) / 2y.
         let growth = 0.5 * image(normal, normal) * slope(self.penetration(), normal);
         Ok(Classification { scenario, multipliers, distance, depth, growth })
-    }
-
-    /// The position of a parameter among those that deviate.
-    pub(super) fn deviating(&self, parameter: &str) -> Result<usize, GrazingError> {
-        self.parameters().iter().position(|known| known == parameter).ok_or_else(|| {
-            let (name, known) = (parameter.to_string(), self.parameters().join(", "));
-            GrazingError::Parameter { name, known }
-        })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
-use crate::core::bvp::{BoundarySystem, Equations, Method, Residual};
+use crate::core::bvp::{BoundarySystem, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::hybrid::{guard_scale, rate, time_scale};
@@ -21,28 +21,17 @@ struct Orbit<'a> {
 }
 
 impl Orbit<'_> {
-    fn legs(&self) -> &[Leg] {
-        &self.problem.itinerary().legs
-    }
-
-    fn parameters(&self) -> &[f64] {
-        &self.q[..self.problem.parameters().len()]
-    }
-
     /// When the first leg begins (under forcing), and how long each lasts.
     fn times(&self) -> (f64, &[f64]) {
-        let extras = &self.q[self.parameters().len()..];
-        let (begins, durations) = extras.split_at(extras.len().saturating_sub(self.legs().len()));
+        let (_, extras) = self.problem.split(self.q);
+        let legs = self.problem.legs().len();
+        let (begins, durations) = extras.split_at(extras.len().saturating_sub(legs));
         (begins.first().copied().unwrap_or(0.0), durations)
     }
 
     /// The state at the end of a leg.
     fn end(&self, leg: usize) -> Result<Vec<f64>, GrazingError> {
-        let modes = self.problem.system().modes();
-        let sizes = |legs: &[Leg]| legs.iter().map(|leg| modes[leg.mode].states.len()).sum();
-        let first: usize = sizes(&self.legs()[..leg]);
-        let size: usize = sizes(&self.legs()[leg..=leg]);
-        let mut x = self.starts[first..first + size].to_vec();
+        let mut x = self.starts[self.problem.of_leg(leg)].to_vec();
         let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
         Flow::<f64>::default()
             .advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
@@ -52,9 +41,9 @@ impl Orbit<'_> {
 
     /// The point at which a leg ends by an event without a speed, if it does.
     fn ending(&self, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
-        let Leg { mode, exit } = self.legs()[leg];
+        let Leg { mode, exit } = self.problem.legs()[leg];
         let Some(guard) = exit else { return Ok(None) };
-        let ((begins, durations), p) = (self.times(), self.parameters());
+        let ((begins, durations), p) = (self.times(), self.problem.split(self.q).0);
         let last = leg + 1 == durations.len();
         // The end of the last leg is the beginning of the first one.
         let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
@@ -65,7 +54,7 @@ impl Orbit<'_> {
             return Ok(None);
         }
         let mut legs: Vec<(Leg, f64)> =
-            self.legs().iter().copied().zip(durations.iter().copied()).collect();
+            self.problem.legs().iter().copied().zip(durations.iter().copied()).collect();
         legs.rotate_left(leg + 1);
         let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
         if legs[..returns].iter().any(|(_, duration)| duration.abs() > NONE * unit) {
@@ -79,10 +68,10 @@ impl Orbit<'_> {
     /// The point at which the orbit touches a guard that it does not pass.
     fn touching(&self) -> Result<GrazingPoint, GrazingError> {
         let birth = self.problem.born(self.starts, self.q)?;
-        let q = [self.parameters(), &birth.extras].concat();
+        let q = [self.problem.split(self.q).0, &birth.extras].concat();
         let born = Orbit { problem: &birth.problem, starts: &birth.starts, q: &q };
         // The orbit that is born ends with the touch.
-        let last = born.legs().len() - 1;
+        let last = born.problem.legs().len() - 1;
         let point = born.ending(last)?.ok_or_else(|| {
             let reason =
                 "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
@@ -100,7 +89,7 @@ impl GrazingPoint {
     /// [`GrazingError::NotBorn`] if it does neither.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let orbit = Orbit { problem: orbit, starts, q };
-        for leg in 0..orbit.legs().len() {
+        for leg in 0..orbit.problem.legs().len() {
             if let Some(point) = orbit.ending(leg)? {
                 return Ok(point);
             }
@@ -114,29 +103,26 @@ impl GrazingPoint {
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
     /// use tangency::core::continuation::{Continuation, Kind};
-    /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings, Scenario};
+    /// use tangency::core::{grazing::GrazingPoint, hybrid::HybridSystem};
     /// use tangency::core::orbit::{HybridOrbit, Itinerary};
-    /// use tangency::problems::mita::Actuator;
-    /// let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
+    /// use tangency::problems::classic::ImpactOscillator;
+    /// let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
     /// let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
-    /// let names = ["frequency", "clearance", "restitution", "damping", "static_friction"];
-    /// let more = ["dynamic_friction", "frame_mass", "gravity"];
-    /// let run = Continuation::of(&mut orbits).at("voltage", 0.01);
-    /// let known = names.iter().chain(&more).zip(&Actuator::DEFAULTS[1..]);
-    /// let run = known.fold(run, |run, (name, p)| run.at(name, *p));
-    /// let branch = run.along("voltage", 0.01..=1.0).trace()?;
+    /// let known = ImpactOscillator.parameters().into_iter().zip(ImpactOscillator::DEFAULTS);
+    /// let run = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(&name, p));
+    /// let branch = run.along("amplitude", 0.05..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
     /// let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
-    /// let map = LocalMap::of(&Actuator, &point, &["voltage"], MapSettings::default())?;
-    /// // At ω = 0.5 the motion jumps.
-    /// assert_eq!(map.classified("voltage")?.scenario, Scenario::Jump);
+    /// // At resonance it grazes for A = 0.1, at t = π/2.
+    /// assert!((point.p[0] - 0.1).abs() < 1e-8);
+    /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn at<M: Method>(
-        orbits: &mut BoundarySystem<M>,
+    pub fn at(
+        orbits: &mut BoundarySystem,
         state: &[f64],
         parameters: &[f64],
     ) -> Result<Self, GrazingError> {
@@ -146,7 +132,7 @@ impl GrazingPoint {
             Failure::NotApplicable(reason.into())
         })?;
         let (x, mut starts) = ([state, parameters].concat(), Vec::new());
-        for leg in 0..problem.itinerary().legs.len() {
+        for leg in 0..problem.legs().len() {
             starts.extend(orbits.states(&x, leg, 0.0).map_err(Failure::LeftDomain)?);
         }
         let extras = &state[state.len() - problem.extras().len()..];

@@ -4,18 +4,16 @@
 //! a leg, with legs between that last no time: an impact of no speed, a slip of no length. With those legs
 //! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
 
-use super::hybrid::HybridOrbit;
+use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{
-    Cycle, GuardNumber, HybridEquations, MeasureNumber, guard_scale, rate, time_scale,
-};
+use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, guard_scale, rate, time_scale};
 use crate::core::watch::{WatchIn, Watchable};
+use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 /// Where an orbit comes nearest to a guard.
 struct Touch {
@@ -62,21 +60,7 @@ impl HybridOrbit {
     ///
     /// # Errors
     /// [`Failure`] if the cycle holds a series of infinitely many events, which is no itinerary.
-    pub fn of_cycle(
-        system: impl HybridEquations + 'static,
-        cycle: &Cycle,
-    ) -> Result<Birth<Self>, Failure> {
-        HybridOrbit::of_shared_cycle(Arc::new(system), cycle)
-    }
-
-    /// The same for a system that is shared.
-    ///
-    /// # Errors
-    /// As [`HybridOrbit::of_cycle`].
-    pub fn of_shared_cycle(
-        system: Arc<dyn HybridEquations>,
-        cycle: &Cycle,
-    ) -> Result<Birth<Self>, Failure> {
+    pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Birth<Self>, Failure> {
         if cycle.legs.iter().any(|leg| leg.accumulation) {
             let reason =
                 "the simulated motion chatters completely: infinitely many events are no itinerary";
@@ -86,7 +70,7 @@ impl HybridOrbit {
         let itinerary = Itinerary { legs, periods: cycle.periods };
         let starts = cycle.legs.iter().flat_map(|leg| leg.start.clone()).collect();
         let durations = cycle.legs.iter().map(|leg| leg.duration);
-        let problem = HybridOrbit::shared(system, itinerary);
+        let problem = HybridOrbit::of(system, itinerary);
         // The time of the start comes first where it is an unknown.
         let extras = match problem.extras().len().checked_sub(cycle.legs.len()) {
             None => Vec::new(),
@@ -100,50 +84,36 @@ impl HybridOrbit {
     pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
         let touch = self.touch(starts, q)?;
         let following = self.following(&touch, q)?;
-        let legs = self.itinerary().legs.as_slice();
+        let legs = self.legs();
         let (before, after) = (&legs[..touch.leg], &legs[touch.leg..]);
         let first = Leg { exit: Some(touch.guard), ..after[0] };
-        let inserted = following.iter().map(|(leg, _)| *leg);
-        let (mut new, periods) = (Vec::new(), self.itinerary().periods);
         // The orbit begins after the touch.
-        new.extend(inserted);
-        if self.itinerary().is_smooth() {
-            new.push(first);
+        let (mut new, mut states): (Vec<Leg>, Vec<Vec<f64>>) = following.into_iter().unzip();
+        // The time of the start comes first where it is an unknown.
+        let begins = self.forced.then(|| self.time(touch.leg, q) + touch.since);
+        let mut extras: Vec<f64> = begins.into_iter().chain(new.iter().map(|_| 0.0)).collect();
+        states.push(touch.x);
+        if self.smooth() {
+            extras.push(self.duration_in(0, q));
         } else {
-            new.extend(after);
-            new.extend(before);
-            new.push(first);
-        }
-        let problem = self.like(Itinerary { legs: new, periods });
-        let zero = following.iter().map(|_| 0.0);
-        let (_, extras) = self.split(q);
-        let (mut states, mut durations): (Vec<f64>, Vec<f64>) =
-            (following.iter().flat_map(|(_, x)| x.clone()).collect(), zero.collect());
-        states.extend(&touch.x);
-        let begins: f64 = self.time(touch.leg, q);
-        if self.itinerary().is_smooth() {
-            durations.push(self.duration_in(0, q));
-        } else {
-            let old = self.durations(extras);
-            durations.push(old[touch.leg] - touch.since);
-            let others = (touch.leg + 1..legs.len()).chain(0..touch.leg + 1);
-            for leg in others {
-                states.extend(&starts[self.of_leg(leg)]);
-                durations.push(if leg == touch.leg { touch.since } else { old[leg] });
+            let old = self.durations(self.split(q).1);
+            new.extend(after.iter().chain(before));
+            extras.push(old[touch.leg] - touch.since);
+            for leg in (touch.leg + 1..legs.len()).chain(0..=touch.leg) {
+                states.push(starts[self.of_leg(leg)].to_vec());
+                extras.push(if leg == touch.leg { touch.since } else { old[leg] });
             }
         }
-        let mut extras = durations;
-        if self.system().forcing().is_periodic() {
-            extras.insert(0, begins + touch.since);
-        }
-        Ok(Birth { problem, starts: states, extras })
+        new.push(first);
+        let problem = self.like(Itinerary { legs: new, periods: self.itinerary.periods });
+        Ok(Birth { problem, starts: states.concat(), extras })
     }
 
     /// Where the orbit comes nearest to a guard that it does not pass.
     fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, Failure> {
         let mut nearest: Option<Touch> = None;
-        for leg in 0..self.itinerary().legs.len() {
-            let (mode, p) = (self.itinerary().legs[leg].mode, self.split(q).0);
+        for leg in 0..self.legs().len() {
+            let (mode, p) = (self.legs()[leg].mode, self.split(q).0);
             let start = &starts[self.of_leg(leg)];
             for guard in self.guards_in(mode) {
                 let place = (self.time(leg, q), start);
@@ -178,20 +148,19 @@ impl HybridOrbit {
             });
             ControlFlow::Continue(())
         });
-        outcome.map_err(crate::core::zero::LeftDomain::from)?;
+        outcome.map_err(LeftDomain::from)?;
         let Some((place, value)) = found else { return Ok(None) };
         x.copy_from_slice(start);
-        flow.advance(&field, 0.0, place * duration, &mut x, q)
-            .map_err(crate::core::zero::LeftDomain::from)?;
-        let guard = watch.guard;
-        Ok(Some(Touch { leg, guard, since: place * duration, value, x }))
+        let since = place * duration;
+        flow.advance(&field, 0.0, since, &mut x, q).map_err(LeftDomain::from)?;
+        Ok(Some(Touch { leg, guard: watch.guard, since, value, x }))
     }
 
     /// The legs that follow a touch at once, with the states at which they begin, until motion goes on in
     /// the mode that was touched. Which events come next is decided at a small approach speed; the states are
     /// those of the touch itself.
     fn following(&self, touch: &Touch, q: &[f64]) -> Result<Vec<(Leg, Vec<f64>)>, Failure> {
-        let (system, mode) = (self.system(), self.itinerary().legs[touch.leg].mode);
+        let (system, mode) = (self.system(), self.legs()[touch.leg].mode);
         let p = &q[..self.parameters().len()];
         let t = self.time(touch.leg, q) + touch.since;
         let (mut limit, mut near) = (touch.x.clone(), self.nudged(touch, mode, t, p));
@@ -200,7 +169,7 @@ impl HybridOrbit {
         loop {
             let next = system.next_mode(guard, last, t, &near, p);
             let reset = |x: &[f64]| {
-                let mut after = vec![0.0; self.states_of(next)];
+                let mut after = vec![0.0; self.modes[next].states.len()];
                 system.reset(guard, (last, next), t, x, p, &mut after);
                 after
             };
@@ -213,7 +182,7 @@ impl HybridOrbit {
                 return Err(Failure::NotApplicable(format!(
                     "after the touch, motion does not come back to mode `{}` at once: start the branch from \
                      a simulated cycle (`orbit::from_cycle`)",
-                    self.mode_name(mode)
+                    self.modes[mode].name
                 )));
             };
             legs.push((Leg { mode: next, exit: Some(exit) }, limit.clone()));

@@ -2,17 +2,23 @@
 
 use super::hybrid::HybridOrbit;
 use super::itinerary::Itinerary;
+use super::measures::{APPROACH, SHORTEST};
 use crate::core::bvp::{
-    Birth, EndFunctions, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown,
-    Watched, Watches,
+    Birth, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown, Watched, Watches,
 };
 use crate::core::condition::Failure;
-use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, MeasureNumber};
+use crate::core::hybrid::{EventNumber, GuardNumber, MeasureNumber, guard_scale, rate, time_scale};
+use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
 use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
-use num_dual::Dual;
 use std::sync::Arc;
+
+/// What follows an event that is approached faster, in units of the scales, is beyond doubt.
+const SURE: f64 = 1e-4;
+
+/// Names of the monitors that are positive on admissible orbits.
+const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
 
 impl IntoEquations for HybridOrbit {
     fn into_equations(self) -> Arc<dyn Equations> {
@@ -56,12 +62,27 @@ impl<T: EventNumber> Residual<T> for HybridOrbit {
     }
 
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        match self.smooth() {
-            true => {
-                let ends = ends.start.iter().zip(ends.end);
-                b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
+        if self.smooth() {
+            let ends = ends.start.iter().zip(ends.end);
+            return b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
+        }
+        let (p, extras) = self.split(q);
+        let (count, all) = (self.legs().len(), self.places[self.legs().len()]);
+        for (s, leg) in self.legs().iter().enumerate() {
+            let Some(exit) = leg.exit else { continue };
+            let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
+            let time = self.time(s, q) + self.durations(extras)[s];
+            let after = &mut b[self.of_leg(next)];
+            let modes = (leg.mode, self.legs()[next].mode);
+            self.system.reset(exit, modes, time, x, p, after);
+            for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
+                *b = *start - *b;
             }
-            false => self.events(ends, q, b),
+            b[all + s] = self.system.guard(exit, leg.mode, time, x, p);
+        }
+        if self.forced {
+            let cycle = self.cycle(p);
+            b[all + count] = self.durations(extras).iter().fold(cycle, |rest, l| rest - *l);
         }
     }
 
@@ -74,17 +95,6 @@ impl<T: GuardNumber + MeasureNumber> Watches<T> for HybridOrbit {
             Observable::State(i) => x[i],
             Observable::Function(function) => self.function_on(segment, function, t, x, q),
         }
-    }
-}
-
-impl<T> EndFunctions<T> for HybridOrbit
-where
-    T: EventNumber + MeasureNumber,
-    Dual<T>: FieldNumber + GuardNumber,
-    Dual<Dual<T>>: GuardNumber,
-{
-    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        self.number(function, ends, q)
     }
 }
 
@@ -132,23 +142,53 @@ impl Equations for HybridOrbit {
     }
 
     fn grazings(&self) -> Vec<usize> {
-        self.grazing_monitors()
+        let names = self.monitors().into_iter().map(|(name, _)| name).enumerate();
+        names.filter(|(_, name)| GRAZINGS.contains(&name.as_str())).map(|(k, _)| k).collect()
     }
 
+    /// That of the guards where states have half their scales, of their rates, or of time.
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.scale_of_grazing(monitor, p)
+        let (system, time) = (self.system(), time_scale(self.system(), p));
+        let scale = |mode: usize| {
+            let mut x = system.scales_of(mode, p);
+            x.resize(self.modes[mode].states.len(), 1.0);
+            x.iter_mut().for_each(|x| *x *= 0.5);
+            let guards = self.guards_in(mode);
+            guards.map(move |guard| guard_scale(system, (guard, mode), (0.0, &x), p))
+        };
+        let modes = self.legs().iter().map(|leg| leg.mode);
+        let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
+        match self.monitors().swap_remove(monitor).1 {
+            Monitor::Ends(SHORTEST) => time,
+            Monitor::Ends(APPROACH) => least() / time,
+            _ => least(),
+        }
     }
 
+    /// Guards are the functions that are watched.
     fn monitors(&self) -> Vec<(String, Monitor)> {
-        self.all_monitors()
+        let measures = self.system().measures();
+        let known = measures.iter().map(|(name, measure)| (name.clone(), self.monitor(measure)));
+        let [approach, shortest, distance] = GRAZINGS.map(String::from);
+        let mut monitors = vec![("period".to_string(), Monitor::Duration)];
+        monitors.extend(known);
+        if !self.smooth() {
+            monitors.push((approach, Monitor::Ends(APPROACH)));
+            monitors.push((shortest, Monitor::Ends(SHORTEST)));
+        }
+        let guards = self.watched_guards();
+        if self.penetration {
+            monitors.push((Measure::PENETRATION.into(), self.monitor(&Measure::Penetration)));
+        }
+        if !guards.is_empty() {
+            monitors.push((distance, Monitor::Distance(guards)));
+        }
+        monitors
     }
 
     /// Where there is no guard, all orbits have the same itinerary.
     fn itinerary(&self) -> String {
-        match self.guards.is_empty() {
-            true => String::new(),
-            false => self.itinerary.in_words(&self.modes, &self.guards),
-        }
+        if self.guards.is_empty() { String::new() } else { self.itinerary.written(&*self.system) }
     }
 
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
@@ -163,13 +203,37 @@ impl Equations for HybridOrbit {
     }
 
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        match self.guards.is_empty() {
-            true => Ok(None),
-            false => Ok(Some(self.born(starts, q)?.erased())),
-        }
+        (!self.guards.is_empty()).then(|| Ok(self.born(starts, q)?.erased())).transpose()
     }
 
+    /// Every event must lead to the mode that the itinerary says. At an event that is tangent, or virtual,
+    /// nothing can be told.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
-        self.check_events(ends, q)
+        let ((p, extras), legs) = (self.split(q), self.legs());
+        for (s, leg) in legs.iter().enumerate() {
+            let Some(guard) = leg.exit else { continue };
+            let (x, time) =
+                (&ends.end[self.of_leg(s)], self.time(s, q) + self.durations(extras)[s]);
+            let approach = -rate(self.system(), (guard, leg.mode), time, x, p);
+            let meant = legs[(s + 1) % legs.len()].mode;
+            let next = self.system().next_mode(guard, leg.mode, time, x, p);
+            let sure = || {
+                let scale = guard_scale(self.system(), (guard, leg.mode), (time, x), p);
+                approach > SURE * scale / time_scale(self.system(), p)
+            };
+            if next != meant && sure() {
+                let (event, mode) = (&self.guards[guard].name, &self.modes[leg.mode].name);
+                return Err(LeftDomain {
+                    quantity: format!("the time of the event `{event}` of mode `{mode}`, leg {s},"),
+                    value: time,
+                    verdict: "leads to another mode than the itinerary says",
+                    remedy: format!(
+                        "it leads to `{}`, not to `{}`: write an itinerary that closes, or let a simulation find it",
+                        self.modes[next].name, self.modes[meant].name
+                    ),
+                });
+            }
+        }
+        Ok(())
     }
 }

@@ -2,9 +2,10 @@
 
 use super::itinerary::{Itinerary, Leg};
 use super::smooth::Smooth;
-use crate::core::bvp::Ends;
 use crate::core::field::VectorField;
-use crate::core::hybrid::{EventNumber, Guard, GuardNumber, HybridEquations, MeasureNumber, Mode};
+use crate::core::hybrid::{
+    EventNumber, Guard, GuardNumber, HybridEquations, HybridSystem, MeasureNumber, Mode,
+};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
 use std::sync::Arc;
@@ -36,22 +37,36 @@ pub struct HybridOrbit {
     /// Where the states of each leg begin among those of all legs, and their number at the end.
     pub(super) places: Vec<usize>,
     /// Whether the penetration is recorded.
-    penetration: bool,
+    pub(super) penetration: bool,
+}
+
+/// What orbits belong to: a [`HybridSystem`], or one that is shared.
+pub trait IntoHybrid {
+    /// The system behind its object-safe face.
+    fn into_hybrid(self) -> Arc<dyn HybridEquations>;
+}
+
+impl<S: HybridSystem + 'static> IntoHybrid for S {
+    fn into_hybrid(self) -> Arc<dyn HybridEquations> {
+        Arc::new(self)
+    }
+}
+
+impl IntoHybrid for Arc<dyn HybridEquations> {
+    fn into_hybrid(self) -> Arc<dyn HybridEquations> {
+        self
+    }
 }
 
 impl HybridOrbit {
-    /// The orbits of a system with an itinerary.
-    pub fn of(system: impl HybridEquations + 'static, itinerary: Itinerary) -> Self {
-        HybridOrbit::shared(Arc::new(system), itinerary)
-    }
-
     /// The periodic orbits of a vector field, over several periods of its forcing.
     pub fn smooth_of(field: impl VectorField + 'static, periods: usize) -> Self {
         HybridOrbit::of(Smooth(field), Itinerary::smooth(0, periods))
     }
 
-    /// The orbits of a system that is shared, with an itinerary.
-    pub fn shared(system: Arc<dyn HybridEquations>, itinerary: Itinerary) -> Self {
+    /// The orbits of a system with an itinerary.
+    pub fn of(system: impl IntoHybrid, itinerary: Itinerary) -> Self {
+        let system = system.into_hybrid();
         let (modes, guards, parameters) = (system.modes(), system.guards(), system.parameters());
         let forced = system.forcing().is_periodic();
         let mut places = vec![0];
@@ -77,14 +92,9 @@ impl HybridOrbit {
         self
     }
 
-    /// Whether the penetration is recorded.
-    pub(super) fn records_penetration(&self) -> bool {
-        self.penetration
-    }
-
     /// Orbits of the same system with another itinerary.
     pub(super) fn like(&self, itinerary: Itinerary) -> Self {
-        let orbit = HybridOrbit::shared(self.system.clone(), itinerary);
+        let orbit = HybridOrbit::of(self.system.clone(), itinerary);
         HybridOrbit { penetration: self.penetration, ..orbit }
     }
 
@@ -104,21 +114,6 @@ impl HybridOrbit {
         guards.filter(move |(_, guard)| guard.ends(mode)).map(|(k, _)| k)
     }
 
-    /// The name of a guard.
-    pub(super) fn guard_name(&self, guard: usize) -> &str {
-        &self.guards[guard].name
-    }
-
-    /// The name of a mode.
-    pub(super) fn mode_name(&self, mode: usize) -> &str {
-        &self.modes[mode].name
-    }
-
-    /// The number of states of a mode.
-    pub(super) fn states_of(&self, mode: usize) -> usize {
-        self.modes[mode].states.len()
-    }
-
     /// A function at a time since the beginning of a leg: a guard, or after all guards a monitor.
     pub(super) fn function_on<T: GuardNumber + MeasureNumber>(
         &self,
@@ -135,7 +130,7 @@ impl HybridOrbit {
         }
     }
 
-    pub(super) fn legs(&self) -> &[Leg] {
+    pub(in crate::core) fn legs(&self) -> &[Leg] {
         &self.itinerary.legs
     }
 
@@ -144,12 +139,12 @@ impl HybridOrbit {
     }
 
     /// The states of a leg among those of all legs.
-    pub(super) fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
+    pub(in crate::core) fn of_leg(&self, leg: usize) -> std::ops::Range<usize> {
         self.places[leg]..self.places[leg + 1]
     }
 
     /// Parameters and further unknowns.
-    pub(super) fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
+    pub(in crate::core) fn split<'q, T>(&self, q: &'q [T]) -> (&'q [T], &'q [T]) {
         q.split_at(self.parameters.len())
     }
 
@@ -161,38 +156,12 @@ impl HybridOrbit {
     /// When a leg begins.
     pub(super) fn time<T: Scalar>(&self, leg: usize, q: &[T]) -> T {
         let (_, extras) = self.split(q);
-        match self.smooth() {
-            true => T::zero(),
-            false => extras[..leg + usize::from(self.forced)]
-                .iter()
-                .fold(T::zero(), |time, extra| time + *extra),
-        }
+        let count = if self.smooth() { 0 } else { leg + usize::from(self.forced) };
+        extras[..count].iter().fold(T::zero(), |time, extra| time + *extra)
     }
 
     /// The time that a cycle takes under forcing.
     pub(super) fn cycle<T: EventNumber>(&self, p: &[T]) -> T {
         self.system.period(p) * self.itinerary.periods as f64
-    }
-
-    /// Conditions of a cycle with events.
-    pub(super) fn events<T: EventNumber>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        let (p, extras) = self.split(q);
-        let (count, all) = (self.legs().len(), self.places[self.legs().len()]);
-        for (s, leg) in self.legs().iter().enumerate() {
-            let Some(exit) = leg.exit else { continue };
-            let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
-            let time = self.time(s, q) + self.durations(extras)[s];
-            let after = &mut b[self.of_leg(next)];
-            let modes = (leg.mode, self.legs()[next].mode);
-            self.system.reset(exit, modes, time, x, p, after);
-            for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
-                *b = *start - *b;
-            }
-            b[all + s] = self.system.guard(exit, leg.mode, time, x, p);
-        }
-        if self.forced {
-            let cycle = self.cycle(p);
-            b[all + count] = self.durations(extras).iter().fold(cycle, |rest, l| rest - *l);
-        }
     }
 }

@@ -1,7 +1,6 @@
 //! Itineraries: what a hybrid orbit goes through.
 
 use crate::core::hybrid::{Guard, HybridEquations, Mode};
-use std::fmt::{Display, Formatter, Write};
 
 /// A leg of an itinerary: motion in a mode until a guard vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,25 +19,11 @@ pub struct Leg {
 ///
 /// ```
 /// use tangency::core::orbit::Itinerary;
-/// # use tangency::core::{hybrid::{Guard, HybridSystem, Mode}, scalar::Scalar};
-/// # struct Ball;
-/// # impl HybridSystem for Ball {
-/// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
-/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", [0])] }
-/// #     fn parameters(&self) -> Vec<String> { vec![] }
-/// #     fn field<T: Scalar>(&self, _: usize, _: T, x: &[T], _: &[T], f: &mut [T]) { f[0] = x[1]; }
-/// #     fn guard<T: Scalar>(&self, _: usize, _: usize, _: T, x: &[T], _: &[T]) -> T { x[0] }
-/// #     fn reset<T: Scalar>(
-/// #         &self, _: usize, _: (usize, usize), _: T, x: &[T], _: &[T], after: &mut [T],
-/// #     ) {
-/// #         after.copy_from_slice(x);
-/// #     }
-/// #     fn next_mode(&self, _: usize, _: usize, _: f64, _: &[f64], _: &[f64]) -> usize { 0 }
-/// # }
-/// let itinerary = Itinerary::read("2* flight:bounce flight:bounce", &Ball)?;
+/// use tangency::problems::classic::ImpactOscillator;
+/// let itinerary = Itinerary::read("2* flight:impact flight:impact", &ImpactOscillator)?;
 /// assert_eq!((itinerary.periods, itinerary.legs.len()), (2, 2));
-/// assert_eq!(itinerary.written(&Ball), "2* flight:bounce flight:bounce");
-/// assert!(Itinerary::read("flight:landing", &Ball).is_err());
+/// assert_eq!(itinerary.written(&ImpactOscillator), "2* flight:impact flight:impact");
+/// assert!(Itinerary::read("flight:landing", &ImpactOscillator).is_err());
 /// # Ok::<(), tangency::core::orbit::ItineraryError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,6 +36,7 @@ pub struct Itinerary {
 
 /// Why an itinerary has no meaning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ItineraryError {
     /// There is no leg.
     #[error("the itinerary `{0}` has no legs: write each as `mode:event`")]
@@ -77,11 +63,8 @@ pub enum ItineraryError {
         known: String,
     },
     /// A leg that does not end, among others.
-    #[error("the leg `{mode}` does not end: an itinerary of several legs names the event of each")]
-    Endless {
-        /// The mode.
-        mode: String,
-    },
+    #[error("the leg `{0}` does not end: an itinerary of several legs names the event of each")]
+    Endless(String),
 }
 
 impl Itinerary {
@@ -91,12 +74,12 @@ impl Itinerary {
     }
 
     /// Whether there are no events.
-    pub fn is_smooth(&self) -> bool {
+    pub(super) fn is_smooth(&self) -> bool {
         self.legs.iter().any(|leg| leg.exit.is_none())
     }
 
     /// The same cycle, gone through several times.
-    pub fn repeated(&self, times: usize) -> Self {
+    pub(super) fn repeated(&self, times: usize) -> Self {
         Itinerary { legs: self.legs.repeat(times), periods: self.periods * times }
     }
 
@@ -117,56 +100,24 @@ impl Itinerary {
             .split_whitespace()
             .map(|word| read_leg(word, &modes, &guards))
             .collect::<Result<_, _>>()?;
-        let itinerary = Itinerary { legs, periods };
-        itinerary.check(&modes, text)?;
-        Ok(itinerary)
-    }
-
-    fn check(&self, modes: &[Mode], text: &str) -> Result<(), ItineraryError> {
-        let endless = self.legs.iter().find(|leg| leg.exit.is_none());
-        match endless {
-            _ if self.legs.is_empty() => Err(ItineraryError::Empty(text.into())),
-            Some(leg) if self.legs.len() > 1 => {
-                Err(ItineraryError::Endless { mode: modes[leg.mode].name.clone() })
+        match legs.iter().find(|leg| leg.exit.is_none()) {
+            _ if legs.is_empty() => Err(ItineraryError::Empty(text.into())),
+            Some(leg) if legs.len() > 1 => {
+                Err(ItineraryError::Endless(modes[leg.mode].name.clone()))
             }
-            _ => Ok(()),
+            _ => Ok(Itinerary { legs, periods }),
         }
     }
 
     /// The itinerary in the words of a system, as [`read`](Self::read) understands it.
     pub fn written(&self, system: &dyn HybridEquations) -> String {
-        self.in_words(&system.modes(), &system.guards())
-    }
-
-    /// The itinerary in the names of modes and guards.
-    pub(super) fn in_words(&self, modes: &[Mode], guards: &[Guard]) -> String {
-        let mut text = String::new();
-        if self.periods != 1 {
-            // Writing to a string does not fail.
-            let _ = write!(text, "{}*", self.periods);
-        }
-        for leg in &self.legs {
-            let separator = if text.is_empty() { "" } else { " " };
-            let _ = write!(text, "{separator}{}", Words { leg, modes, guards });
-        }
-        text
-    }
-}
-
-/// One leg in words.
-struct Words<'a> {
-    leg: &'a Leg,
-    modes: &'a [Mode],
-    guards: &'a [Guard],
-}
-
-impl Display for Words<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.modes[self.leg.mode].name)?;
-        match self.leg.exit {
-            Some(guard) => write!(f, ":{}", self.guards[guard].name),
-            None => Ok(()),
-        }
+        let (modes, guards) = (system.modes(), system.guards());
+        let periods = (self.periods != 1).then(|| format!("{}*", self.periods));
+        let word = |leg: &Leg| {
+            let exit = leg.exit.map(|guard| format!(":{}", guards[guard].name));
+            modes[leg.mode].name.clone() + &exit.unwrap_or_default()
+        };
+        periods.into_iter().chain(self.legs.iter().map(word)).collect::<Vec<_>>().join(" ")
     }
 }
 
@@ -175,16 +126,16 @@ fn read_leg(word: &str, modes: &[Mode], guards: &[Guard]) -> Result<Leg, Itinera
         Some((name, event)) => (name, Some(event)),
         None => (word, None),
     };
-    let listed = |names: Vec<&str>| names.join(", ");
     let mode = modes.iter().position(|mode| mode.name == name).ok_or_else(|| {
-        let known = listed(modes.iter().map(|mode| mode.name.as_str()).collect());
-        ItineraryError::Mode { name: name.into(), known }
+        let known: Vec<&str> = modes.iter().map(|mode| mode.name.as_str()).collect();
+        ItineraryError::Mode { name: name.into(), known: known.join(", ") }
     })?;
-    let of_mode = || guards.iter().enumerate().filter(|(_, guard)| guard.ends(mode));
     let exit = event.map(|event| {
-        of_mode().find(|(_, guard)| guard.name == event).map(|(k, _)| k).ok_or_else(|| {
-            let known = listed(of_mode().map(|(_, guard)| guard.name.as_str()).collect());
-            ItineraryError::Event { mode: name.into(), name: event.into(), known }
+        let own = |guard: &Guard| guard.ends(mode) && guard.name == event;
+        guards.iter().position(own).ok_or_else(|| {
+            let of_mode = guards.iter().filter(|guard| guard.ends(mode));
+            let known: Vec<&str> = of_mode.map(|guard| guard.name.as_str()).collect();
+            ItineraryError::Event { mode: name.into(), name: event.into(), known: known.join(", ") }
         })
     });
     Ok(Leg { mode, exit: exit.transpose()? })

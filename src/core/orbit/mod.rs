@@ -1,17 +1,8 @@
-//! Periodic orbits of vector fields.
+//! Periodic orbits of vector fields and hybrid systems, as boundary-value problems ([`HybridOrbit`]).
 //!
-//! A periodic orbit is the boundary-value problem
-//!
-//! ```text
-//!     dx/dτ = T f(τT, x, p),    x(0) = x(1)
-//! ```
-//!
-//! with `T` the period of the forcing, a function of the parameters, or, for an autonomous field, an
-//! unknown, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on
-//! the branch. One description serves every discretisation: [`by_collocation`] and [`by_shooting`].
-//!
-//! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation
-//! ([`from_cycle`]).
+//! An orbit has the period of the forcing, a function of the parameters, or, where there is none, an unknown one,
+//! with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on the branch.
+//! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation ([`from_cycle`]).
 
 mod birth;
 mod equations;
@@ -21,7 +12,7 @@ mod measures;
 mod periodic;
 mod smooth;
 
-pub use hybrid::HybridOrbit;
+pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
-pub use periodic::{by_collocation, by_shooting, from_cycle};
+pub use periodic::{from_cycle, periodic_orbits};
 pub use smooth::Smooth;

@@ -1,18 +1,18 @@
 //! Periodic orbits of vector fields, discretised.
 
-use super::hybrid::HybridOrbit;
-use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Mesh, Method, Shooting};
+use super::hybrid::{HybridOrbit, IntoHybrid};
+use crate::core::bvp::{BoundaryError, BoundarySystem, Mesh, Method};
 use crate::core::condition::Failure;
 use crate::core::field::VectorField;
-use crate::core::hybrid::{Cycle, HybridEquations};
+use crate::core::hybrid::Cycle;
 
-/// Periodic orbits by collocation on a number of intervals.
+/// The periodic orbits of a vector field on a number of intervals, over one period of its forcing.
 ///
 /// ```
-/// use tangency::core::bvp::Collocation;
+/// use tangency::core::bvp::{Collocation, Shooting};
 /// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::{dense::Dense, field::Equilibria, orbit::by_collocation};
-/// use tangency::problems::classic::Lure;
+/// use tangency::core::{dense::Dense, field::Equilibria, orbit::periodic_orbits};
+/// use tangency::problems::{classic::Lure, mita::Block};
 /// // A Hopf point of the equilibrium 0 …
 /// let mut rest = Dense::new(Equilibria(Lure));
 /// let branch = Continuation::of(&mut rest)
@@ -22,34 +22,14 @@ use crate::core::hybrid::{Cycle, HybridEquations};
 ///     .trace()?;
 /// let hopf = branch.of_kind(Kind::HB).next().unwrap().label;
 /// // … and the orbits that are born there, until they double their period.
-/// let mut orbits = by_collocation(Lure, 20, Collocation::new(4)?)?;
+/// let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4)?)?;
 /// let branch =
 ///     Continuation::of(&mut orbits).restart(&branch, hopf).along("alpha", 0.6..=1.5).trace()?;
 /// let doubling = branch.of_kind(Kind::PD).next().unwrap();
 /// assert!((doubling.parameters[0] - 0.630302006160).abs() < 1e-9);
 /// assert!((doubling.monitors[0] - 6.3640713394).abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`BoundaryError`] if the field has no states, or there is no interval.
-pub fn by_collocation<F: VectorField + 'static>(
-    field: F,
-    intervals: usize,
-    method: Collocation,
-) -> Result<BoundarySystem<Collocation>, BoundaryError> {
-    discretised(field, intervals, method)
-}
-
-/// Periodic orbits by multiple shooting over a number of segments.
-///
-/// ```
-/// use tangency::core::bvp::Shooting;
-/// use tangency::core::continuation::{Continuation, Kind};
-/// use tangency::core::orbit::by_shooting;
-/// use tangency::problems::mita::Block;
 /// // The forced block, from near rest to the fold of its vibrations.
-/// let mut orbits = by_shooting(Block, 1, Shooting::default())?;
+/// let mut orbits = periodic_orbits(Block, 1, Shooting::default())?;
 /// let branch = Continuation::of(&mut orbits)
 ///     .at("voltage", 0.01)
 ///     .at("frequency", 0.45)
@@ -63,13 +43,17 @@ pub fn by_collocation<F: VectorField + 'static>(
 /// ```
 ///
 /// # Errors
-/// [`BoundaryError`] if the field has no states, or there is no segment.
-pub fn by_shooting<F: VectorField + 'static>(
-    field: F,
-    segments: usize,
-    method: Shooting,
-) -> Result<BoundarySystem<Shooting>, BoundaryError> {
-    discretised(field, segments, method)
+/// [`BoundaryError`] if the field has no states, or there is no interval.
+pub fn periodic_orbits(
+    field: impl VectorField + 'static,
+    intervals: usize,
+    method: impl Into<Method>,
+) -> Result<BoundarySystem, BoundaryError> {
+    if intervals == 0 {
+        return Err(BoundaryError::NoIntervals(0));
+    }
+    let orbit = HybridOrbit::smooth_of(field, 1);
+    BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
 }
 
 /// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of intervals for each leg, and
@@ -102,24 +86,12 @@ pub fn by_shooting<F: VectorField + 'static>(
 /// # Errors
 /// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
 /// domain of its field.
-pub fn from_cycle<M: Method + Clone + 'static>(
-    system: impl HybridEquations + 'static,
+pub fn from_cycle(
+    system: impl IntoHybrid,
     cycle: &Cycle,
     p: &[f64],
-    method: M,
+    method: impl Into<Method>,
     intervals: usize,
-) -> Result<(BoundarySystem<M>, Vec<f64>), Failure> {
+) -> Result<(BoundarySystem, Vec<f64>), Failure> {
     HybridOrbit::of_cycle(system, cycle)?.discretised(p, method, intervals)
-}
-
-fn discretised<F: VectorField + 'static, M: Method>(
-    field: F,
-    intervals: usize,
-    method: M,
-) -> Result<BoundarySystem<M>, BoundaryError> {
-    if intervals == 0 {
-        return Err(BoundaryError::NoIntervals { segment: 0 });
-    }
-    let orbit = HybridOrbit::smooth_of(field, 1);
-    BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
 }

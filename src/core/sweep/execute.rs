@@ -21,13 +21,6 @@ pub struct Found {
     pub crisis: Option<[f64; 2]>,
 }
 
-impl Found {
-    /// The state from which the next run of its strand goes on.
-    fn end(&self) -> Option<HybridState<f64>> {
-        self.attractor.as_ref().ok().map(|attractor| attractor.end.clone())
-    }
-}
-
 /// Sees a run that is done; the sweep may be ended.
 pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
 
@@ -123,7 +116,7 @@ fn batch_size(strands: usize, threads: usize) -> usize {
 }
 
 /// What a run has found: an attractor, and where it is lost if that is sought.
-type Outcome = Result<(Attractor, Option<[f64; 2]>), StroboscopicError>;
+type Outcome = (Result<Attractor, StroboscopicError>, Option<[f64; 2]>);
 
 /// What all batches of strands share.
 struct Batch<'a, 'm> {
@@ -156,11 +149,9 @@ impl<'m> Batch<'_, 'm> {
             if self.stop.load(Ordering::Relaxed) {
                 return;
             }
-            for ((run, before), outcome) in runs.into_iter().zip(outcomes) {
-                let crisis = outcome.as_ref().ok().and_then(|(_, crisis)| *crisis);
-                let attractor = outcome.map(|(attractor, _)| attractor);
+            for ((run, before), (attractor, crisis)) in runs.into_iter().zip(outcomes) {
                 let found = Found { run, values: self.plan.values(run), attractor, crisis };
-                *before = found.end();
+                *before = found.attractor.as_ref().ok().map(|found| found.end.clone());
                 if sender.send(found).is_err() {
                     return;
                 }
@@ -183,19 +174,19 @@ impl<'m> Batch<'_, 'm> {
     ) -> Vec<Outcome> {
         let map = match map {
             Ok(map) => &mut **map,
-            Err(error) => return starts.iter().map(|_| Err(error.clone())).collect(),
+            Err(error) => return starts.iter().map(|_| (Err(error.clone()), None)).collect(),
         };
         let Plan { search, crisis, .. } = self.plan;
         if self.abreast {
             let found = search.follow_all(map, starts, &|| !self.stop.load(Ordering::Relaxed));
-            return found.into_iter().map(|found| Ok((found?, None))).collect();
+            return found.into_iter().map(|found| (found, None)).collect();
         }
         let follow = |Member { state, p }: Member<f64>| match crisis {
-            None => Ok((search.follow(map, state, &p)?, None)),
-            Some(sought) => {
-                let found = search.crisis(map, state, &p, sought)?;
-                Ok((found.attractor, Some(found.between)))
-            }
+            None => (search.follow(map, state, &p), None),
+            Some(sought) => match search.crisis(map, state, &p, sought) {
+                Ok(found) => (Ok(found.attractor), Some(found.between)),
+                Err(cause) => (Err(cause), None),
+            },
         };
         starts.into_iter().map(follow).collect()
     }

@@ -109,24 +109,19 @@ pub struct Plan {
 
 /// Why there is no such sweep.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlanError {
     /// No values.
     #[error(
-        "a sweep needs at least one value on every axis, one start and one period to look at; {what} is 0"
+        "a sweep needs at least one value on every axis, one start and one period to look at; {0} is 0"
     )]
-    Nothing {
-        /// What is missing.
-        what: &'static str,
-    },
+    Nothing(&'static str),
     /// Runs cannot follow each other.
     #[error(
-        "runs follow each other along one parameter: with {axes} axes, or along a state in which motion begins, let \
+        "runs follow each other along one parameter: with {0} axes, or along a state in which motion begins, let \
          them begin anew"
     )]
-    Followed {
-        /// How many axes there are.
-        axes: usize,
-    },
+    Followed(usize),
     /// An interval without meaning.
     #[error("an axis from {low} to {high} has no values: both ends must be finite")]
     Interval {
@@ -182,7 +177,7 @@ impl Plan {
     }
 
     /// The parameters and the start of a run, given the parameters that do not vary.
-    pub fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
+    pub(super) fn setting(&self, run: usize, p: &[f64]) -> (Vec<f64>, HybridState<f64>) {
         let (mut p, mut state) = (p.to_vec(), self.starts[self.start(run)].clone());
         for (axis, value) in self.axes.iter().zip(self.values(run)) {
             match axis.quantity {
@@ -222,7 +217,7 @@ impl Plan {
             (self.search.max_period, "`max_period`"),
         ];
         if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count == 0) {
-            return Err(PlanError::Nothing { what });
+            return Err(PlanError::Nothing(what));
         }
         if let Some(axis) = self.axes.iter().find(|a| !(a.low.is_finite() && a.high.is_finite())) {
             return Err(PlanError::Interval { low: axis.low, high: axis.high });
@@ -230,7 +225,7 @@ impl Plan {
         let one_parameter =
             matches!(self.axes[..], [Axis { quantity: Quantity::Parameter(_), .. }]);
         if self.order != Order::Anew && !one_parameter {
-            return Err(PlanError::Followed { axes: self.axes.len() });
+            return Err(PlanError::Followed(self.axes.len()));
         }
         Ok(())
     }

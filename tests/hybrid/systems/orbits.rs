@@ -80,23 +80,18 @@ pub fn resting(stiffness: f64) -> [Start; 2] {
     by_both(Reference::DryImpact, "stick:impact up:turn down:turn", &starts, &extras, &p)
 }
 
-fn discretised<M: Method>(
+fn discretised(
     problem: impl IntoEquations,
-    method: M,
+    method: impl Into<Method>,
     intervals: usize,
-) -> BoundarySystem<M> {
+) -> BoundarySystem {
     let problem = problem.into_equations();
     let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
     BoundarySystem::new(problem, method, meshes).unwrap()
 }
 
 /// Unknowns on trajectories from the states where legs begin.
-fn sampled<M: Method>(
-    system: &BoundarySystem<M>,
-    starts: &[&[f64]],
-    extras: &[f64],
-    p: &[f64],
-) -> Vec<f64> {
+fn sampled(system: &BoundarySystem, starts: &[&[f64]], extras: &[f64], p: &[f64]) -> Vec<f64> {
     let q = [p, extras].concat();
     let problem = f64::residual(&**system.problem());
     let mut flow = Flow::<f64>::default();

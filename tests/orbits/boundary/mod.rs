@@ -14,7 +14,7 @@ pub fn collocated(
     problem: impl BoundaryProblem + 'static,
     points: usize,
     intervals: usize,
-) -> BoundarySystem<Collocation> {
+) -> BoundarySystem {
     let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
     BoundarySystem::new(problem, Collocation::new(points).unwrap(), meshes).unwrap()
 }

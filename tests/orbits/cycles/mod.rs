@@ -9,15 +9,12 @@ use tangency::core::flow::Scheme;
 use tangency::core::hybrid::{
     Cycle, CycleSearch, CycleSearchError, HybridFlow, HybridSettings, HybridState,
 };
-use tangency::core::orbit::{Smooth, by_collocation, by_shooting};
+use tangency::core::orbit::{Smooth, periodic_orbits};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::Names;
 
-pub fn collocated(
-    field: impl VectorField + 'static,
-    intervals: usize,
-) -> BoundarySystem<Collocation> {
-    by_collocation(field, intervals, collocation(4)).unwrap()
+pub fn collocated(field: impl VectorField + 'static, intervals: usize) -> BoundarySystem {
+    periodic_orbits(field, intervals, collocation(4)).unwrap()
 }
 
 pub fn collocation(degree: usize) -> Collocation {
@@ -36,16 +33,13 @@ pub fn cycle_of(
     search.find(&mut flow, HybridState { mode: 0, time: 0.0, x: start.to_vec() }, p)
 }
 
-pub fn shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem<Shooting> {
-    by_shooting(field, segments, Shooting::default()).unwrap()
+pub fn shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem {
+    periodic_orbits(field, segments, Shooting::default()).unwrap()
 }
 
-pub fn precisely_shot(
-    field: impl VectorField + 'static,
-    segments: usize,
-) -> BoundarySystem<Shooting> {
+pub fn precisely_shot(field: impl VectorField + 'static, segments: usize) -> BoundarySystem {
     let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
-    by_shooting(field, segments, method).unwrap()
+    periodic_orbits(field, segments, method).unwrap()
 }
 
 /// The equilibria of a field in its first parameter, from a guess.

@@ -2,6 +2,7 @@
 
 use crate::core::bvp::interpolation::lagrange;
 use crate::core::quadrature::gauss_legendre;
+use crate::core::scalar::Scalar;
 
 /// The largest number of nodes.
 const MOST: usize = 8;
@@ -62,6 +63,17 @@ impl Basis {
         }
         let (roots, count) = roots_inside(&slope[..m]);
         roots[..count].iter().for_each(|y| visit(0.5 * (1.0 + y)));
+    }
+}
+
+/// The states at a place: `Σ_j ℓ_j x_j`.
+pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
+    let n = x.len();
+    for (i, x) in x.iter_mut().enumerate() {
+        *x = nodes[i] * coefficients[0];
+        for (j, coefficient) in coefficients.iter().enumerate().skip(1) {
+            *x += nodes[j * n + i] * *coefficient;
+        }
     }
 }
 

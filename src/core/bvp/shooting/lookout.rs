@@ -1,6 +1,5 @@
 //! What is watched while an interval is flowed.
 
-use super::times;
 use crate::core::bvp::erased::Watching;
 use crate::core::bvp::{Interval, Watchlist};
 use crate::core::flow::{Extrema, Extremum, RealStep, Rises, Step};
@@ -103,6 +102,6 @@ type RisesIn<S> = fn(&mut Rises, &Watching, &mut S, &mut RealStep, &mut dyn FnMu
 
 /// What is seen of a scalar at a place of an interval, where the states are `x`.
 fn seen(interval: &Interval<f64>, observable: Observable, place: f64, x: &[f64]) -> f64 {
-    let (start, length) = times(interval);
+    let (start, length) = interval.times();
     interval.watching(observable).value_in(start + place * length, x, interval.q)
 }

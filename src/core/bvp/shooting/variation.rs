@@ -1,7 +1,6 @@
 //! Flows with derivatives in a number of directions that the compiler knows.
 
 use super::lookout::Lookout;
-use super::times;
 use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
 use crate::core::flow::{Flow, Settings};
@@ -54,7 +53,7 @@ where
         }
         self.flow.settings = settings;
         let dual = Interval { problem, span, nodes: &[], q: &self.q };
-        let (start, length) = times(&dual);
+        let (start, length) = dual.times();
         lookout.begin();
         lookout.end(interval, 0.0, &nodes[..n]);
         let field = dual.field();

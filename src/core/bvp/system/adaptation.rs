@@ -1,29 +1,14 @@
 //! Meshes that follow the solution.
 
-use super::carry::Onto;
-use super::layout::Layout;
 use super::{BoundarySystem, MOST_INTERVALS};
-use crate::core::bvp::{BoundaryError, Mesh, Method};
+use crate::core::bvp::{BoundaryError, Mesh};
 use crate::core::zero::LeftDomain;
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The estimated error of a solution that its mesh causes: the largest of any state anywhere, in units of
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
-    ///
-    /// ```
-    /// # use tangency::core::{bvp::*, zero::System};
-    /// # use tangency::problems::classic::Decay;
-    /// // x' = −rate·x, x(0) = 1.
-    /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
-    /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
-    /// x.push(1.0);
-    /// // A cubic on each of four intervals.
-    /// let error = system.error_estimate(&x);
-    /// assert!(error > 1e-6 && error < 1e-4);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.largest_error(&self.plain.nodes).map_or(0.0, |largest| largest.error)
@@ -96,6 +81,9 @@ impl<M: Method> BoundarySystem<M> {
     /// let mut system = BoundarySystem::new(Decay, Collocation::new(3)?, vec![Mesh::uniform(4)])?;
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
     /// x.push(1.0);
+    /// // A cubic on each of four intervals.
+    /// let error = system.error_estimate(&x);
+    /// assert!(error > 1e-6 && error < 1e-4);
     /// let (mut fine, x) = system.with_error(&x, 1e-6)?;
     /// assert!(fine.meshes()[0].intervals() > 4);
     /// assert!(fine.error_estimate(&x) < 1e-4);
@@ -118,16 +106,11 @@ impl<M: Method> BoundarySystem<M> {
             }
             meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
         }
-        let layout = Layout::new(&*equations.problem, &equations.method, &meshes)?;
-        let places = equations.method.places();
-        let onto = Onto { meshes: &meshes, layout: &layout, places };
-        let carried = equations.carried(&onto, x)?;
-        let reference = &equations.phase.reference;
-        let reference =
-            (!reference.is_empty()).then(|| equations.carried(&onto, reference)).transpose()?;
-        let (problem, method) = (before.equations.problem, before.equations.method);
+        let (problem, method) = (equations.problem.clone(), equations.method.clone());
         let mut system = BoundarySystem::new(problem, method, meshes)?;
-        if let Some(reference) = reference {
+        let carried = equations.carried(&system.equations, x)?;
+        if !equations.phase.reference.is_empty() {
+            let reference = equations.carried(&system.equations, &equations.phase.reference)?;
             system.set_reference(&reference)?;
         }
         Ok((system, carried))

@@ -2,17 +2,9 @@
 
 use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
+use crate::core::bvp::Mesh;
 use crate::core::bvp::interpolation::lagrange;
-use crate::core::bvp::{Mesh, Method, Number};
 use crate::core::zero::LeftDomain;
-
-/// The nodes on which a solution is wanted.
-pub(super) struct Onto<'a> {
-    pub meshes: &'a [Mesh],
-    pub layout: &'a Layout,
-    /// The places of the nodes in an interval.
-    pub places: &'a [f64],
-}
 
 /// The weights by which values at new nodes are made of those at old ones.
 #[derive(Default)]
@@ -47,25 +39,37 @@ impl Transfer {
     }
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// The states at a place in an interval, at the arguments of `work`.
-    pub fn value<T: Number>(
+    pub fn value(
         &self,
-        work: &mut Work<T, M>,
+        work: &mut Work<f64>,
         (segment, interval): (usize, usize),
         place: f64,
-        out: &mut [T],
+        out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
         let interval = self.interval((segment, interval), nodes, &work.q);
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
-    /// `x = (z, p)` on other nodes.
-    pub fn carried(&self, onto: &Onto, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
+    /// `x = (z, p)` on the nodes of another discretisation.
+    pub fn carried(&self, onto: &Discretised, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
         let mut out = vec![0.0; onto.layout.values()];
         out.extend_from_slice(&x[self.layout.values()..]);
-        self.carry(onto, |i| x[i], |z, value: f64| out[z] = value)?;
+        let mut work: Work<f64> = Work::new(&self.layout);
+        work.load(&self.layout, |i| x[i]);
+        for (s, j) in onto.layout.intervals() {
+            let (span, n) = (onto.span(s, j), onto.layout.segments[s].states);
+            let mut states = vec![0.0; n];
+            let nodes = onto.layout.order[onto.layout.interval(s, j)].chunks_exact(n);
+            for (place, node) in onto.method.places().iter().zip(nodes) {
+                let tau = span.start + (span.end - span.start) * place;
+                let (interval, place) = self.meshes[s].locate(tau);
+                self.value(&mut work, (s, interval), place, &mut states)?;
+                node.iter().zip(&states).for_each(|(&z, state)| out[z] = *state);
+            }
+        }
         Ok(out)
     }
 
@@ -84,28 +88,5 @@ impl<M: Method> Discretised<M> {
             }
         }
         transfer
-    }
-
-    /// Hands the values at other nodes to `put`, with their positions.
-    fn carry<T: Number>(
-        &self,
-        onto: &Onto,
-        argument: impl Fn(usize) -> T,
-        mut put: impl FnMut(usize, T),
-    ) -> Result<(), LeftDomain> {
-        let mut work: Work<T, M> = Work::new(&self.layout);
-        work.load(&self.layout, argument);
-        for (s, j) in onto.layout.intervals() {
-            let (span, n) = (span(onto.meshes, s, j), onto.layout.segments[s].states);
-            let mut states = vec![T::zero(); n];
-            let nodes = onto.layout.order[onto.layout.interval(s, j)].chunks_exact(n);
-            for (place, node) in onto.places.iter().zip(nodes) {
-                let (interval, place) =
-                    self.meshes[s].locate(span.start + (span.end - span.start) * place);
-                self.value(&mut work, (s, interval), place, &mut states)?;
-                node.iter().zip(&states).for_each(|(&z, state)| put(z, *state));
-            }
-        }
-        Ok(())
     }
 }

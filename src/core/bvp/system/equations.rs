@@ -2,22 +2,21 @@
 
 use super::extremes::Extremes;
 use super::layout::{Layout, span};
-use super::mesh_error::highest_derivative;
-use crate::core::bvp::interpolation::lagrange;
-use crate::core::bvp::method::left_domain;
+use crate::core::bvp::interpolation::{highest_derivative, node_weights};
+use crate::core::bvp::interval::left_domain;
+use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     BoundaryError, Ends, Equations, Interval, Mesh, Method, Monitor, Number, Span,
 };
-use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
 /// A problem, how it is discretised, and the reference of its phase condition.
-pub(super) struct Discretised<M> {
+pub(super) struct Discretised {
     pub problem: Arc<dyn Equations>,
-    pub method: M,
+    pub method: Method,
     pub meshes: Vec<Mesh>,
     pub layout: Layout,
     pub phase: Phase,
@@ -42,24 +41,24 @@ pub(super) struct Phase {
 }
 
 /// Arguments and residual in one scalar type, kept so that nothing is allocated twice.
-pub(super) struct Work<T: Scalar, M: Method> {
+pub(super) struct Work<T: Scalar> {
     /// Values at the nodes of all segments, node by node.
     pub nodes: Vec<T>,
     /// `q = (p, e)`.
     pub q: Vec<T>,
     pub r: Vec<T>,
     pub ends: Vec<T>,
-    pub local: Local<T, M>,
+    pub local: Local<T>,
 }
 
 /// Buffers for what happens in an interval.
-pub(super) struct Local<T: Scalar, M: Method> {
-    pub method: M::Work<T>,
+pub(super) struct Local<T: Scalar> {
+    pub method: MethodWork<T>,
     pub x: Vec<T>,
     g: Vec<T>,
 }
 
-impl<T: Scalar, M: Method> Local<T, M> {
+impl<T: Scalar> Local<T> {
     pub fn new(layout: &Layout) -> Self {
         let most = layout.segments.iter().map(|s| s.states).max().unwrap_or(0);
         let (x, g) = (vec![T::zero(); most], vec![T::zero(); layout.integrals]);
@@ -67,7 +66,7 @@ impl<T: Scalar, M: Method> Local<T, M> {
     }
 }
 
-impl<T: Scalar, M: Method> Work<T, M> {
+impl<T: Scalar> Work<T> {
     pub fn new(layout: &Layout) -> Self {
         let zeros = |length: usize| vec![T::zero(); length];
         Work {
@@ -88,10 +87,10 @@ impl<T: Scalar, M: Method> Work<T, M> {
     }
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     pub fn new(
         problem: Arc<dyn Equations>,
-        method: M,
+        method: Method,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
         let layout = Layout::new(&*problem, &method, &meshes)?;
@@ -126,14 +125,14 @@ impl<M: Method> Discretised<M> {
     }
 
     /// All left sides at the arguments of `work`, into its `r`.
-    pub fn residual<T: Number>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+    pub fn residual<T: Number>(&self, work: &mut Work<T>) -> Result<(), LeftDomain> {
         self.residual_inside(work)?;
         self.residual_beside(work)
     }
 
     /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
-    pub fn residual_watching(&mut self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
-        if M::EXTREMA_WITH_RESIDUAL {
+    pub fn residual_watching(&mut self, work: &mut Work<f64>) -> Result<(), LeftDomain> {
+        if self.method.watches_with_residual() {
             self.find_extremes(&work.nodes, &work.q, Some(&mut work.r))?;
         } else {
             self.residual_inside(work)?;
@@ -142,7 +141,7 @@ impl<M: Method> Discretised<M> {
     }
 
     /// Left sides of the equations of all intervals.
-    fn residual_inside<T: Number>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+    fn residual_inside<T: Number>(&self, work: &mut Work<T>) -> Result<(), LeftDomain> {
         let Work { nodes, q, r, local, .. } = work;
         for (s, j) in self.layout.intervals() {
             let interval = self.interval((s, j), &nodes[self.layout.interval(s, j)], q);
@@ -153,7 +152,7 @@ impl<M: Method> Discretised<M> {
     }
 
     /// Left sides of boundary, integral and phase conditions.
-    fn residual_beside<T: Number>(&self, work: &mut Work<T, M>) -> Result<(), LeftDomain> {
+    fn residual_beside<T: Number>(&self, work: &mut Work<T>) -> Result<(), LeftDomain> {
         let layout = &self.layout;
         let conditions = &mut work.r[layout.conditions()..];
         let (boundary, closing) = conditions.split_at_mut(layout.boundary);
@@ -181,7 +180,7 @@ impl<M: Method> Discretised<M> {
     pub fn integrals<T: Number>(
         &self,
         interval: Interval<T>,
-        local: &mut Local<T, M>,
+        local: &mut Local<T>,
         sums: &mut [T],
     ) -> Result<(), LeftDomain> {
         if sums.is_empty() {
@@ -211,7 +210,7 @@ impl<M: Method> Discretised<M> {
     }
 
     /// Makes `x = (z, p)` the reference of the phase condition.
-    pub fn set_reference(&mut self, x: &[f64], work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+    pub fn set_reference(&mut self, x: &[f64], work: &mut Work<f64>) -> Result<(), LeftDomain> {
         if !self.layout.phase {
             return Ok(());
         }
@@ -222,12 +221,13 @@ impl<M: Method> Discretised<M> {
     }
 
     /// `dx/dτ` at all nodes, ordered as `z`, at the arguments of `work`.
-    fn motion(&self, work: &mut Work<f64, M>) -> Result<Vec<f64>, LeftDomain> {
+    fn motion(&self, work: &mut Work<f64>) -> Result<Vec<f64>, LeftDomain> {
         let (layout, places) = (&self.layout, self.method.places());
         let mut motion = vec![0.0; layout.values()];
         for (s, j) in layout.intervals() {
             let (span, n) = (self.span(s, j), layout.segments[s].states);
             let duration = self.duration_of(s, &work.q);
+            let field = f64::residual(&*self.problem).on_segment(s, &work.q);
             let f = &mut work.local.x[..n];
             let nodes = layout.interval(s, j);
             let values = work.nodes[nodes.clone()].chunks_exact(n);
@@ -235,7 +235,12 @@ impl<M: Method> Discretised<M> {
                 places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
             {
                 let t = duration * (span.start + (span.end - span.start) * place);
-                self.flow(s, t, x, &work.q, f)?;
+                let refuse = |cause| left_domain(cause, s, t);
+                field.domain(x, &work.q).map_err(refuse)?;
+                field.slope(t, x, &work.q, f);
+                if let Some(i) = first_not_finite(f) {
+                    return Err(refuse(self.not_finite(s, i, f[i])));
+                }
                 order.iter().zip(f.iter()).for_each(|(&z, f)| motion[z] = duration * f);
             }
         }
@@ -267,25 +272,6 @@ impl<M: Method> Discretised<M> {
         self.phase.row = row;
         self.phase.reference.clear();
         self.phase.reference.extend_from_slice(x);
-    }
-
-    /// The field of a segment where it has a meaning.
-    fn flow(
-        &self,
-        segment: usize,
-        t: f64,
-        x: &[f64],
-        q: &[f64],
-        f: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        let refuse = |cause| left_domain(cause, segment, t);
-        let field = f64::residual(&*self.problem).on_segment(segment, q);
-        field.domain(x, q).map_err(refuse)?;
-        field.slope(t, x, q, f);
-        match first_not_finite(f) {
-            Some(i) => Err(refuse(self.not_finite(segment, i, f[i]))),
-            None => Ok(()),
-        }
     }
 
     /// Refuses a residual that is not finite.
@@ -342,18 +328,4 @@ pub(super) fn gather_ends<T: Scalar>(layout: &Layout, nodes: &[T], ends: &mut [T
         start[place.clone()].copy_from_slice(&nodes[s.values..s.values + s.states]);
         end[place].copy_from_slice(&nodes[last..last + s.states]);
     }
-}
-
-/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their Lagrange
-/// polynomials.
-fn node_weights(places: &[f64]) -> Vec<f64> {
-    let (points, weights) = gauss_legendre(places.len());
-    let integral = |j: usize| -> f64 {
-        points
-            .iter()
-            .zip(&weights)
-            .map(|(y, w)| 0.5 * w * lagrange(places, j, 0.5 * (1.0 + y)))
-            .sum()
-    };
-    (0..places.len()).map(integral).collect()
 }

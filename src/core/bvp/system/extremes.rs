@@ -112,7 +112,7 @@ impl Extremes {
     /// What these monitors ask for.
     pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
         let mut watched = vec![Vec::new(); layout.segments.len()];
-        let others = |m: &&Monitor| matches!(m, Monitor::Rising { .. } | Monitor::Integral(..));
+        let others = |m: &&Monitor| matches!(m, Monitor::Rising(_) | Monitor::Integral(..));
         let extreme = monitors.iter().filter(|m| !others(m));
         for Watched { segment, observable } in extreme.flat_map(Monitor::watched) {
             if !watched[segment].contains(&observable) {
@@ -121,8 +121,8 @@ impl Extremes {
         }
         let mut rises = vec![Vec::new(); layout.segments.len()];
         for monitor in monitors {
-            let Monitor::Rising { through, value } = monitor else { continue };
-            for (w, value) in through.iter().zip(value) {
+            let Monitor::Rising(pairs) = monitor else { continue };
+            for (w, value) in pairs {
                 rises[w.segment].push([w.observable, *value]);
             }
         }

@@ -1,11 +1,10 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
-use super::carry::Onto;
-use super::equations::Discretised;
-use super::factorisation::Form;
+use super::equations::{Discretised, Work};
+use super::factorisation::{Bordered, Form};
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
-use crate::core::bvp::{Mesh, Method};
+use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
 use crate::core::condition::Failure;
 use crate::core::solution::{Adopted, Solution};
@@ -19,7 +18,7 @@ use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 /// converges, not where to.
 const GRADIENT: f64 = 1e-8;
 
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -32,6 +31,11 @@ impl<M: Method> BoundarySystem<M> {
     /// Whether the equations are assembled at `x`, as accurately as is asked for.
     fn is_assembled(&self, x: &[f64]) -> bool {
         self.linearisation.at == x && (self.equations.rough || !self.linearisation.rough)
+    }
+
+    /// Whether solutions are periodic.
+    fn is_periodic(&self) -> bool {
+        !self.equations.layout.returns.is_empty()
     }
 
     /// What was evaluated belongs to other equations.
@@ -59,7 +63,7 @@ impl<M: Method> BoundarySystem<M> {
     }
 }
 
-impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
+impl System for BoundarySystem {
     fn names(&self) -> &Names {
         &self.names
     }
@@ -102,8 +106,8 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
 
     fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let (boundary, form) = (&assembled.boundary, Form::Jacobian);
-        self.factors[slot as usize].factor(layout, assembled, boundary, form, border)
+        let of = Bordered { layout, assembled, form: Form::Jacobian, border };
+        self.factors[slot as usize].factor(of, &assembled.boundary)
     }
 
     fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
@@ -111,10 +115,7 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
     }
 
     fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        match self.equations.layout.returns.is_empty() {
-            true => None,
-            false => Some(self),
-        }
+        if self.is_periodic() { Some(self) } else { None }
     }
 
     fn solve(&mut self, slot: Slot, right: &mut [f64]) {
@@ -145,33 +146,25 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
                 return self.linearisation.column(&self.equations.layout, parameter, out);
             }
         }
-        self.first.load(&self.equations.layout, |i| Dual64::new(x[i], d[i]));
-        let outcome = self.equations.residual(&mut self.first);
-        write(outcome, self.first.r.iter().map(|r| r.eps), out);
+        let argument = |i: usize| Dual64::new(x[i], d[i]);
+        self.equations.derivative(&mut self.first, argument, |r| r.eps, out);
     }
 
     fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
         let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-        self.second.load(&self.equations.layout, argument);
-        let outcome = self.equations.residual(&mut self.second);
-        write(outcome, self.second.r.iter().map(|r| r.eps1eps2), out);
+        self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out);
     }
 
     fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
         let argument = |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-        self.third.load(&self.equations.layout, argument);
-        let outcome = self.equations.residual(&mut self.third);
-        write(outcome, self.third.r.iter().map(|r| r.eps1eps2eps3), out);
+        self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out);
     }
 
     fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
         self.release(released, out);
         let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
         let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.eps };
-        self.equations.method.allow(GRADIENT);
-        let outcome = self.equations.add_gradient(&weighted, &mut self.nested, out);
-        self.equations.method.allow(0.0);
-        not_a_number(outcome, out);
+        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, &mut self.nested, out));
     }
 
     fn second_gradient(
@@ -186,24 +179,16 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
         let make =
             |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), Chunk::from(0.0));
         let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.v2 };
-        self.equations.method.allow(GRADIENT);
-        let outcome = self.equations.add_gradient(&weighted, &mut self.nested_twice, out);
-        self.equations.method.allow(0.0);
-        not_a_number(outcome, out);
+        let passes = &mut self.nested_twice;
+        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out));
     }
 
     fn dynamics(&self) -> Dynamics {
-        match self.equations.layout.returns.is_empty() {
-            true => Dynamics::Static,
-            false => Dynamics::Periodic,
-        }
+        if self.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
     }
 
     fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
-        match self.equations.layout.returns.is_empty() {
-            true => None,
-            false => self.deciding_multipliers(),
-        }
+        self.is_periodic().then(|| self.deciding_multipliers())?
     }
 
     fn check_start(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -225,7 +210,10 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.evaluate_monitors(&mut self.plain, values)
+        for (monitor, value) in values.iter_mut().enumerate() {
+            *value = self.equations.evaluate_monitor(monitor, &mut self.plain)?;
+        }
+        Ok(())
     }
 
     fn monitor(
@@ -244,12 +232,10 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
         let Self { equations, plain, chunk, numbers, .. } = self;
         // Where extremes are is known as well as can be.
         let watched = equations.watch_for(monitor, plain);
-        equations.method.allow(GRADIENT);
-        let outcome = watched.and_then(|()| {
+        equations.gradient(out, |equations, out| {
+            watched?;
             equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out)
         });
-        equations.method.allow(0.0);
-        not_a_number(outcome, out);
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
@@ -287,17 +273,37 @@ impl<M: Method + Clone + 'static> System for BoundarySystem<M> {
         let mut system = BoundarySystem::new(self.problem().clone(), method, meshes).ok()?;
         system.refinements = self.refinements + 1;
         system.linearisation.active.clone_from(&self.linearisation.active);
-        let Discretised { method, meshes, layout, .. } = &system.equations;
-        let x =
-            self.equations.carried(&Onto { meshes, layout, places: method.places() }, x).ok()?;
+        let x = self.equations.carried(&system.equations, x).ok()?;
         Some(Refinement { system: Box::new(system), x })
     }
 }
 
-/// Writes derivatives, or that there are none.
-fn write(outcome: Result<(), LeftDomain>, values: impl Iterator<Item = f64>, out: &mut [f64]) {
-    out.iter_mut().zip(values).for_each(|(out, value)| *out = value);
-    not_a_number(outcome, out);
+impl Discretised {
+    /// A derivative of the residual, a part of it at arguments that carry directions.
+    fn derivative<T: Number>(
+        &self,
+        work: &mut Work<T>,
+        argument: impl Fn(usize) -> T,
+        part: fn(&T) -> f64,
+        out: &mut [f64],
+    ) {
+        work.load(&self.layout, argument);
+        let outcome = self.residual(work);
+        out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = part(r));
+        not_a_number(outcome, out);
+    }
+
+    /// Computes a gradient, which may err by a little.
+    fn gradient(
+        &mut self,
+        out: &mut [f64],
+        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), LeftDomain>,
+    ) {
+        self.method.allow(GRADIENT);
+        let outcome = add(self, out);
+        self.method.allow(0.0);
+        not_a_number(outcome, out);
+    }
 }
 
 /// Derivatives outside the domain are no numbers: whoever uses them refuses the point.

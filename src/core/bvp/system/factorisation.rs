@@ -13,6 +13,7 @@
 
 use super::layout::Layout;
 use super::linearisation::Linearisation;
+use crate::core::bvp::Unknown;
 use crate::core::linear::{BorderedLu, Chain};
 use crate::core::zero::{Border, Singular};
 
@@ -24,6 +25,15 @@ pub(super) enum Form {
     /// The same with the extras zero in place of integral and phase conditions: what is left of a periodic
     /// orbit's linearisation when its boundary conditions are others.
     Twisted,
+}
+
+/// The assembled linearisation of a system, in a form, within a border.
+#[derive(Clone, Copy)]
+pub(super) struct Bordered<'a> {
+    pub layout: &'a Layout,
+    pub assembled: &'a Linearisation,
+    pub form: Form,
+    pub border: Border<'a>,
 }
 
 /// The factors of the Jacobian within a border, with everything that solving needs.
@@ -57,46 +67,27 @@ impl Factorisation {
 
     /// Factors what is assembled, with these rows of boundary conditions (by the states where all segments
     /// begin, by those where they end, and by the active numbers).
-    pub fn factor(
-        &mut self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        boundary: &[f64],
-        form: Form,
-        border: Border,
-    ) -> Result<(), Singular> {
-        self.condense(layout, assembled, form, border)?;
-        self.place(layout, assembled, boundary, form, border);
+    pub fn factor(&mut self, of: Bordered, boundary: &[f64]) -> Result<(), Singular> {
+        self.condense(of)?;
+        self.place(of, boundary);
         self.lu.factor(&self.matrix, Border::NONE)
     }
 
     /// Puts the dense matrix together from condensed chains.
-    pub fn place(
-        &mut self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        boundary: &[f64],
-        form: Form,
-        border: Border,
-    ) {
-        self.place_reduced(layout, border);
-        self.place_boundary(layout, boundary, assembled.active.len(), border);
-        self.place_closing(layout, assembled, form, border);
+    pub fn place(&mut self, of: Bordered, boundary: &[f64]) {
+        self.place_reduced(of);
+        self.place_boundary(of, boundary);
+        self.place_closing(of);
     }
 
     /// Condenses all chains.
-    pub fn condense(
-        &mut self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        form: Form,
-        border: Border,
-    ) -> Result<(), Singular> {
+    pub fn condense(&mut self, of: Bordered) -> Result<(), Singular> {
+        let Bordered { layout, assembled, form, border } = of;
         let (k, l) = (layout.extras + border.width, layout.closing() + border.width);
         self.condensed = 0;
         for s in 0..layout.segments.len() {
-            self.fill_columns(layout, assembled, s, border);
-            self.fill_rows(layout, assembled, s, border);
+            self.fill_columns(of, s);
+            self.fill_rows(of, s);
             if form == Form::Twisted {
                 self.untie_extras(layout, k, l);
             }
@@ -108,13 +99,7 @@ impl Factorisation {
     }
 
     /// Columns of a chain: by the extras, then those of the border.
-    fn fill_columns(
-        &mut self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        s: usize,
-        border: Border,
-    ) {
+    fn fill_columns(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let (numbers, active) = (&assembled.numbers[s], assembled.active.len());
         self.columns.clear();
@@ -127,7 +112,7 @@ impl Factorisation {
     }
 
     /// Rows below a chain: integral and phase conditions, then those of the border.
-    fn fill_rows(&mut self, layout: &Layout, assembled: &Linearisation, s: usize, border: Border) {
+    fn fill_rows(&mut self, Bordered { layout, assembled, border, .. }: Bordered, s: usize) {
         let segment = &layout.segments[s];
         let values = segment.values..segment.values + segment.nodes * segment.states;
         self.rows.clear();
@@ -149,7 +134,7 @@ impl Factorisation {
     }
 
     /// The chains' equations and shares of the rows below them, in a matrix that is zero elsewhere.
-    fn place_reduced(&mut self, layout: &Layout, border: Border) {
+    fn place_reduced(&mut self, Bordered { layout, border, .. }: Bordered) {
         let (all, width) = (layout.states, layout.extras + border.width);
         let size = 2 * all + width;
         self.matrix.clear();
@@ -171,9 +156,10 @@ impl Factorisation {
     }
 
     /// Rows of the boundary conditions.
-    fn place_boundary(&mut self, layout: &Layout, boundary: &[f64], active: usize, border: Border) {
+    fn place_boundary(&mut self, of: Bordered, boundary: &[f64]) {
+        let Bordered { layout, assembled, border, .. } = of;
         let (all, size) = (layout.states, self.dense.len());
-        let by_states = 2 * all + active;
+        let by_states = 2 * all + assembled.active.len();
         for i in 0..layout.boundary {
             let row = &boundary[i * by_states..(i + 1) * by_states];
             for (j, entry) in row[..2 * all + layout.extras].iter().enumerate() {
@@ -191,13 +177,7 @@ impl Factorisation {
     }
 
     /// The corner: integral, phase and border rows by the extras and the border's unknowns.
-    fn place_closing(
-        &mut self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        form: Form,
-        border: Border,
-    ) {
+    fn place_closing(&mut self, Bordered { layout, assembled, form, border }: Bordered) {
         let (size, extras, active) = (self.dense.len(), layout.extras, assembled.active.len());
         let (closing, below) = (layout.closing(), layout.conditions() + layout.boundary);
         let (first_row, first_column) = (layout.states + layout.boundary, 2 * layout.states);
@@ -336,5 +316,18 @@ impl Factorisation {
     pub fn determinant_sign(&self) -> f64 {
         self.chains.iter().map(Chain::determinant_sign).product::<f64>()
             * self.lu.determinant_sign()
+    }
+}
+
+/// What becomes of integral and phase conditions.
+pub(super) fn form_of(layout: &Layout) -> Form {
+    if layout.closes() { Form::Twisted } else { Form::Jacobian }
+}
+
+/// The column of an unknown in the rows of boundary conditions, and in the dense matrix.
+pub(super) fn column_of(layout: &Layout, unknown: Unknown) -> usize {
+    match unknown {
+        Unknown::Start(i) => i,
+        Unknown::Extra(e) => 2 * layout.states + e,
     }
 }

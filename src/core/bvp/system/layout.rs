@@ -49,9 +49,9 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub fn new<M: Method>(
+    pub fn new(
         problem: &dyn Equations,
-        method: &M,
+        method: &Method,
         meshes: &[Mesh],
     ) -> Result<Self, BoundaryError> {
         let names = problem.segments();
@@ -63,7 +63,7 @@ impl Layout {
         for (segment, (states, mesh)) in names.iter().zip(meshes).enumerate() {
             let (states, intervals) = (states.len(), mesh.intervals());
             if states == 0 {
-                return Err(BoundaryError::NoStates { segment });
+                return Err(BoundaryError::NoStates(segment));
             }
             let nodes = intervals * degree + 1;
             segments.push(Segment { states, intervals, nodes, values, equations, ends });

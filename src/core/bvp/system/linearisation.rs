@@ -4,7 +4,7 @@
 use super::equations::{Discretised, Work, first_not_finite};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::{Block, Interval, Method};
+use crate::core::bvp::{Block, Interval, Watchlist};
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::zero::LeftDomain;
 
@@ -36,7 +36,7 @@ pub(super) struct Linearisation {
 
 impl Linearisation {
     /// Sizes for a layout and the active numbers.
-    pub fn resize<M: Method>(&mut self, equations: &Discretised<M>) {
+    pub fn resize(&mut self, equations: &Discretised) {
         let (layout, active) = (&equations.layout, self.active.len());
         self.residual.resize(layout.dimension, 0.0);
         self.blocks.resize(layout.segments.len(), Vec::new());
@@ -54,12 +54,12 @@ impl Linearisation {
     }
 
     /// Assembles at `x`, which `work` has loaded.
-    pub fn assemble<M: Method>(
+    pub fn assemble(
         &mut self,
-        equations: &mut Discretised<M>,
+        equations: &mut Discretised,
         x: &[f64],
-        work: &Work<f64, M>,
-        passes: &mut Passes<Chunk, M>,
+        work: &Work<f64>,
+        passes: &mut Passes<Chunk>,
     ) -> Result<(), LeftDomain> {
         self.count += 1;
         self.resize(equations);
@@ -69,14 +69,14 @@ impl Linearisation {
         self.check(equations, &work.q)
     }
 
-    fn intervals<M: Method>(
+    fn intervals(
         &mut self,
-        equations: &mut Discretised<M>,
-        work: &Work<f64, M>,
+        equations: &mut Discretised,
+        work: &Work<f64>,
     ) -> Result<(), LeftDomain> {
         let active = self.active.len();
         let Discretised { problem, method, meshes, layout, extremes, .. } = equations;
-        let watching = M::EXTREMA_WITH_RESIDUAL && !self.rough;
+        let watching = method.watches_with_residual() && !self.rough;
         if watching {
             extremes.begin();
         }
@@ -91,13 +91,9 @@ impl Linearisation {
                 };
                 let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
                 let interval = Interval { problem: &**problem, span, nodes, q: &work.q };
-                if watching {
-                    let (watched, mut visit) = extremes.visitor(s, j);
-                    let active = &self.active;
-                    method.linearise_watching(interval, active, block, watched, &mut visit)?;
-                } else {
-                    method.linearise(interval, &self.active, block)?;
-                }
+                let (watched, mut visit) = extremes.visitor(s, j);
+                let watched = if watching { watched } else { Watchlist::default() };
+                method.linearise(interval, &self.active, block, watched, &mut visit)?;
             }
         }
         if watching {
@@ -107,12 +103,7 @@ impl Linearisation {
     }
 
     /// Derivatives of the boundary conditions.
-    fn boundary<M: Method>(
-        &mut self,
-        equations: &Discretised<M>,
-        x: &[f64],
-        passes: &mut Passes<Chunk, M>,
-    ) {
+    fn boundary(&mut self, equations: &Discretised, x: &[f64], passes: &mut Passes<Chunk>) {
         let layout = &equations.layout;
         let dependence = Dependence { unknowns: &layout.ends, numbers: &self.active };
         let (width, first) = (dependence.len(), layout.conditions());
@@ -129,12 +120,12 @@ impl Linearisation {
     }
 
     /// Rows of the integral conditions and of the phase condition.
-    fn closing<M: Method>(
+    fn closing(
         &mut self,
-        equations: &Discretised<M>,
+        equations: &Discretised,
         x: &[f64],
-        work: &Work<f64, M>,
-        passes: &mut Passes<Chunk, M>,
+        work: &Work<f64>,
+        passes: &mut Passes<Chunk>,
     ) -> Result<(), LeftDomain> {
         let layout = &equations.layout;
         let first = layout.conditions() + layout.boundary;
@@ -154,12 +145,12 @@ impl Linearisation {
         Ok(())
     }
 
-    fn integrals<M: Method>(
+    fn integrals(
         &mut self,
-        equations: &Discretised<M>,
+        equations: &Discretised,
         (s, j): (usize, usize),
         x: &[f64],
-        passes: &mut Passes<Chunk, M>,
+        passes: &mut Passes<Chunk>,
     ) -> Result<(), LeftDomain> {
         let (layout, active) = (&equations.layout, self.active.len());
         let (values, local) = (layout.values(), layout.interval(s, j));
@@ -235,7 +226,7 @@ impl Linearisation {
     }
 
     /// Refuses entries that are not finite, by the equation in which they are.
-    fn check<M: Method>(&self, equations: &Discretised<M>, q: &[f64]) -> Result<(), LeftDomain> {
+    fn check(&self, equations: &Discretised, q: &[f64]) -> Result<(), LeftDomain> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
         for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {

@@ -2,7 +2,7 @@
 
 use super::equations::{Discretised, Local};
 use super::layout::Layout;
-use crate::core::bvp::{Method, Number};
+use crate::core::bvp::Number;
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -32,14 +32,14 @@ impl Dependence<'_> {
 }
 
 /// Arguments and values of a part of the equations, kept so that nothing is allocated twice.
-pub(super) struct Passes<T: Scalar, M: Method> {
+pub(super) struct Passes<T: Scalar> {
     pub unknowns: Vec<T>,
     pub q: Vec<T>,
     pub r: Vec<T>,
-    pub local: Local<T, M>,
+    pub local: Local<T>,
 }
 
-impl<T: Scalar, M: Method> Passes<T, M> {
+impl<T: Scalar> Passes<T> {
     pub fn new(layout: &Layout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
         let most = each.max(layout.boundary).max(layout.integrals);
@@ -72,6 +72,30 @@ impl<T: Scalar, M: Method> Passes<T, M> {
             self.q[number] = make(i, seeded(x[i], dependence.unknowns.len() + k, start));
         }
     }
+    /// Adds the gradient of a function of some unknowns and numbers at `x` to `out` (as long as `x`), with
+    /// arguments as [`load`](Self::load) takes them.
+    pub fn add_gradient(
+        &mut self,
+        layout: &Layout,
+        dependence: Dependence,
+        (x, make): (&[f64], &dyn Fn(usize, Chunk) -> T),
+        out: &mut [f64],
+        mut function: impl FnMut(&mut Self) -> Result<Chunk, LeftDomain>,
+    ) -> Result<(), LeftDomain> {
+        for start in (0..dependence.len()).step_by(CHUNK) {
+            self.load(layout, dependence, start, x, make);
+            let slopes = function(self)?.eps;
+            for (k, slope) in (start..dependence.len()).zip(slopes) {
+                out[dependence.position(layout, k)] += slope;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An argument of a function as [`Passes::load`] seeds it.
+pub(super) fn plain(_position: usize, seeded: Chunk) -> Chunk {
+    seeded
 }
 
 /// `wᵀ F(x)` as a scalar that carries derivatives, whose gradient is wanted.
@@ -88,68 +112,40 @@ pub(super) struct Weighted<'a, T> {
     pub take: fn(&T) -> Chunk,
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// Adds the gradient of a weighted sum of all left sides to `out` (as long as `x`).
     pub fn add_gradient<T: Number>(
         &self,
-        weighted: &Weighted<T>,
-        passes: &mut Passes<T, M>,
+        &Weighted { x, w, numbers, make, take }: &Weighted<T>,
+        passes: &mut Passes<T>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let layout = &self.layout;
-        let conditions = &weighted.w[layout.conditions()..];
-        let (boundary, closing) = conditions.split_at(layout.boundary);
-        let integrals = &closing[..layout.integrals];
+        let (boundary, closing) = w[layout.conditions()..].split_at(layout.boundary);
+        let weighted = |values: &[T], weights: &[f64]| {
+            let terms = values.iter().zip(weights);
+            terms.fold(Chunk::from(0.0), |sum, (value, weight)| sum + take(value) * *weight)
+        };
         for (s, j) in layout.intervals() {
             let rows = layout.equations(s, j);
             let unknowns = &layout.order[layout.interval(s, j)];
-            let dependence = Dependence { unknowns, numbers: weighted.numbers };
-            weighted.add(layout, dependence, passes, out, |passes| {
+            let dependence = Dependence { unknowns, numbers };
+            passes.add_gradient(layout, dependence, (x, make), out, |passes| {
                 let Passes { unknowns, q, r, local } = passes;
                 let interval = self.interval((s, j), unknowns, q);
                 self.method.residual(interval, &mut local.method, &mut r[..rows.len()])?;
-                let sum = weighted.sum(&r[..rows.len()], &weighted.w[rows.clone()]);
+                let sum = weighted(&r[..rows.len()], &w[rows.clone()]);
                 let sums = &mut r[..layout.integrals];
                 sums.fill(T::zero());
                 self.integrals(interval, local, sums)?;
-                Ok(sum + weighted.sum(sums, integrals))
+                Ok(sum + weighted(sums, &closing[..layout.integrals]))
             })?;
         }
-        let dependence = Dependence { unknowns: &layout.ends, numbers: weighted.numbers };
-        weighted.add(layout, dependence, passes, out, |passes| {
+        let dependence = Dependence { unknowns: &layout.ends, numbers };
+        passes.add_gradient(layout, dependence, (x, make), out, |passes| {
             let b = &mut passes.r[..layout.boundary];
             self.boundary(&passes.unknowns, &passes.q, b);
-            Ok(weighted.sum(b, boundary))
+            Ok(weighted(b, boundary))
         })
-    }
-}
-
-impl<T: Scalar> Weighted<'_, T> {
-    fn sum(&self, values: &[T], weights: &[f64]) -> Chunk {
-        let mut sum = Chunk::from(0.0);
-        for (value, weight) in values.iter().zip(weights) {
-            sum += (self.take)(value) * *weight;
-        }
-        sum
-    }
-
-    /// Adds the gradient of one part of the equations.
-    fn add<M: Method>(
-        &self,
-        layout: &Layout,
-        dependence: Dependence,
-        passes: &mut Passes<T, M>,
-        out: &mut [f64],
-        mut evaluate: impl FnMut(&mut Passes<T, M>) -> Result<Chunk, LeftDomain>,
-    ) -> Result<(), LeftDomain> {
-        let directions = dependence.len();
-        for start in (0..directions).step_by(CHUNK) {
-            passes.load(layout, dependence, start, self.x, self.make);
-            let slopes = evaluate(passes)?.eps;
-            for (k, slope) in (start..directions).zip(slopes) {
-                out[dependence.position(layout, k)] += slope;
-            }
-        }
-        Ok(())
     }
 }

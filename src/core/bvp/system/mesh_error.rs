@@ -1,24 +1,18 @@
-//! The error that a mesh causes, estimated.
-//!
-//! A method that replaces the trajectory by polynomials of degree `m` errs by `C h^{m+1} |x^{(m+1)}|` in an
-//! interval of length `h`. The polynomials have constant `m`-th derivatives; their differences from one
-//! interval to the next tell the derivative beyond (C. de Boor, *Good approximation by splines with
-//! variable knots II*, 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value
-//! Problems for Ordinary Differential Equations*, 1988, section 9.1):
+//! The error that a mesh causes, estimated from how the constant `m`-th derivatives of the polynomials differ between
+//! neighbouring intervals (C. de Boor, *Good approximation by splines with variable knots II*, 1974; U. Ascher,
+//! R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential Equations*,
+//! 1988, section 9.1):
 //!
 //! ```text
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
-//! Twice that is reported, since the derivative varies within an interval. Where not even the last term
-//! of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`, is small compared with the state, the
-//! expansion has no meaning: in a layer that is missed the neighbouring polynomials may be alike, and as
-//! wrong. The square of the last term is therefore added; where the mesh resolves the solution, it is
-//! negligible.
+//! Twice `C h^{m+1}` times that is reported, since the derivative varies within an interval, and the square of the last
+//! term of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`: in a layer that is missed the neighbouring
+//! polynomials may be alike, and as wrong. Where the mesh resolves the solution, it is negligible.
 
 use super::equations::{Discretised, Work};
-use super::local::{Dependence, Passes};
-use crate::core::bvp::Method;
+use super::local::{Dependence, Passes, plain};
 use crate::core::chunk::Chunk;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -31,7 +25,7 @@ pub(super) struct LargestError {
     pub error: f64,
 }
 
-impl<M: Method> Discretised<M> {
+impl Discretised {
     /// The largest estimated error; `None` if the method has none, or all states vanish.
     pub fn largest_error(&self, nodes: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
@@ -110,8 +104,8 @@ impl<M: Method> Discretised<M> {
     pub fn add_error_gradient(
         &mut self,
         x: &[f64],
-        work: &Work<f64, M>,
-        passes: &mut Passes<Chunk, M>,
+        work: &Work<f64>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let Some(LargestError { segment, state, interval, .. }) = self.largest_error(&work.nodes)
@@ -128,7 +122,7 @@ impl<M: Method> Discretised<M> {
         positions
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, numbers: &[] };
-        let outcome = self.add_slopes(dependence, x, passes, out, |passes| {
+        let outcome = passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
             let size = largest * largest.re.signum();
             Ok(self.error(segment, interval, size, |k| passes.unknowns[k - first]))
@@ -168,14 +162,4 @@ impl<M: Method> Discretised<M> {
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
         1.1 * self.meshes[segment].integral(density) * (2.0 * constant / tolerance).powf(exponent)
     }
-}
-
-/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of the
-/// polynomial through them.
-pub(super) fn highest_derivative(places: &[f64]) -> Vec<f64> {
-    let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
-    let product = |j: usize| -> f64 {
-        (0..places.len()).filter(|i| *i != j).map(|i| places[j] - places[i]).product()
-    };
-    (0..places.len()).map(|j| factorial / product(j)).collect()
 }

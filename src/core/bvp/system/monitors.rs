@@ -3,11 +3,12 @@
 use super::equations::{Discretised, Work, gather_ends};
 use super::extremes::Sighting;
 use super::layout::span;
-use super::local::{Dependence, Passes};
+use super::local::{Dependence, Passes, plain};
+use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
-    EndFunctions, Ends, Equations, Interval, Method, Monitor, Number, WatchNumber, Watched,
+    EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
 };
-use crate::core::chunk::{CHUNK, Chunk};
+use crate::core::chunk::Chunk;
 use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
@@ -21,24 +22,12 @@ pub(super) const MESH_ERROR: &str = "mesh_error";
 /// A scalar at a place, with the factor by which it counts.
 type Term = (Watched, Sighting, f64);
 
-impl<M: Method> Discretised<M> {
-    /// The values of all monitors at the arguments of `work`.
-    pub fn evaluate_monitors(
-        &mut self,
-        work: &mut Work<f64, M>,
-        values: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        for (monitor, value) in values.iter_mut().enumerate() {
-            *value = self.evaluate_monitor(monitor, work)?;
-        }
-        Ok(())
-    }
-
+impl Discretised {
     /// The value of a monitor at the arguments of `work`.
     pub fn evaluate_monitor(
         &mut self,
         monitor: usize,
-        work: &mut Work<f64, M>,
+        work: &mut Work<f64>,
     ) -> Result<f64, LeftDomain> {
         self.watch_for(monitor, work)?;
         Ok(match self.monitors.get(monitor) {
@@ -51,8 +40,8 @@ impl<M: Method> Discretised<M> {
                 let [sum, time] = self.sum_and_time(*integral, watched, work)?;
                 integral.of(sum, time)
             }
-            Some(monitor @ Monitor::Rising { .. }) => {
-                self.rising(monitor).map_or(0.0, |(_, place)| place.value)
+            Some(Monitor::Rising(pairs)) => {
+                self.rising(pairs).map_or(0.0, |(_, place)| place.value)
             }
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
@@ -62,18 +51,14 @@ impl<M: Method> Discretised<M> {
     }
 
     /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
-    pub fn check_ends(&self, work: &mut Work<f64, M>) -> Result<(), LeftDomain> {
+    pub fn check_ends(&self, work: &mut Work<f64>) -> Result<(), LeftDomain> {
         gather_ends(&self.layout, &work.nodes, &mut work.ends);
         let (start, end) = work.ends.split_at(self.layout.states);
         self.problem.check_ends(Ends { start, end }, &work.q)
     }
 
     /// Finds the extremes, if a monitor asks for them.
-    pub(super) fn watch_for(
-        &mut self,
-        monitor: usize,
-        work: &Work<f64, M>,
-    ) -> Result<(), LeftDomain> {
+    pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), LeftDomain> {
         match self.monitors.get(monitor) {
             None | Some(Monitor::Duration | Monitor::Ends(_) | Monitor::Integral(..)) => Ok(()),
             Some(_) => self.find_extremes(&work.nodes, &work.q, None),
@@ -86,36 +71,37 @@ impl<M: Method> Discretised<M> {
         &mut self,
         monitor: usize,
         (x, numbers): (&[f64], &[usize]),
-        work: &mut Work<f64, M>,
-        passes: &mut Passes<Chunk, M>,
+        work: &mut Work<f64>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         self.watch_for(monitor, work)?;
         match self.monitors.get(monitor) {
             Some(Monitor::Duration) => {
                 let dependence = Dependence { unknowns: &[], numbers };
-                self.add_slopes(dependence, x, passes, out, |passes| {
+                passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
                     Ok(self.duration(&passes.q, |_| true))
                 })
             }
             Some(Monitor::Ends(function)) => {
                 let dependence = Dependence { unknowns: &self.layout.ends, numbers };
-                self.add_slopes(dependence, x, passes, out, |passes| {
+                passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
                     Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
                 })
             }
             Some(Monitor::Integral(integral, watched)) => {
                 self.add_integral(*integral, watched, (x, numbers), (work, passes), out)
             }
-            Some(Monitor::Rising { through, value }) => {
-                let Some((k, sighting)) = self.rising(&self.monitors[monitor]) else {
+            Some(Monitor::Rising(pairs)) => {
+                let Some(((through, value), sighting)) = self.rising(pairs) else {
                     return Ok(());
                 };
-                let pair = [through[k].observable, value[k]];
-                let at = (through[k].segment, sighting);
-                let [height, level] =
-                    self.rates(at.0, (sighting.interval, sighting.place), pair, work)?;
-                self.add_rising(at, (pair, level.eps / height.eps), (x, numbers), passes, out)
+                let value = Watched { observable: value, ..through };
+                let [height, level] = self.rates(sighting, [through, value], work)?;
+                // The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
+                let ratio = level.eps / height.eps;
+                self.add_term(&(value, sighting, 1.0), (x, numbers), passes, out)?;
+                self.add_term(&(through, sighting, -ratio), (x, numbers), passes, out)
             }
             Some(monitor) => self
                 .terms(monitor)
@@ -138,7 +124,7 @@ impl<M: Method> Discretised<M> {
         &self,
         integral: Integral,
         watched: &[Watched],
-        work: &mut Work<f64, M>,
+        work: &mut Work<f64>,
     ) -> Result<[f64; 2], LeftDomain> {
         let Work { nodes, q, local, .. } = work;
         let mut sum = 0.0;
@@ -155,7 +141,7 @@ impl<M: Method> Discretised<M> {
         integral: Integral,
         watched: &[Watched],
         interval: Interval<T>,
-        work: &mut M::Work<T>,
+        work: &mut MethodWork<T>,
     ) -> Result<T, LeftDomain> {
         let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
         self.method.quadrature(interval, work, &mut |weight, t, x| {
@@ -172,7 +158,7 @@ impl<M: Method> Discretised<M> {
         integral: Integral,
         watched: &[Watched],
         (x, numbers): (&[f64], &[usize]),
-        (work, passes): (&mut Work<f64, M>, &mut Passes<Chunk, M>),
+        (work, passes): (&mut Work<f64>, &mut Passes<Chunk>),
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let [sum, time] = self.sum_and_time(integral, watched, work)?;
@@ -181,14 +167,20 @@ impl<M: Method> Discretised<M> {
         let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
         for (s, j) in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
             let unknowns = &self.layout.order[self.layout.interval(s, j)];
-            self.add_slopes(Dependence { unknowns, numbers }, x, passes, out, |passes| {
-                let Passes { unknowns, q, local, .. } = passes;
-                let interval = self.interval((s, j), unknowns, q);
-                Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
-            })?;
+            passes.add_gradient(
+                &self.layout,
+                Dependence { unknowns, numbers },
+                (x, &plain),
+                out,
+                |passes| {
+                    let Passes { unknowns, q, local, .. } = passes;
+                    let interval = self.interval((s, j), unknowns, q);
+                    Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
+                },
+            )?;
         }
         let dependence = Dependence { unknowns: &[], numbers };
-        self.add_slopes(dependence, x, passes, out, |passes| {
+        passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
             Ok(self.duration(&passes.q, |s| on_segment(watched, s)) * by_time)
         })
     }
@@ -267,51 +259,31 @@ impl<M: Method> Discretised<M> {
     }
 
     /// Which scalar rises through zero, of those on all segments with the largest value of another one, and where.
-    fn rising(&self, monitor: &Monitor) -> Option<(usize, Sighting)> {
-        let Monitor::Rising { through, value } = monitor else { return None };
-        let each = through.iter().zip(value).enumerate();
-        let risen = each.filter_map(|(k, (w, value))| Some((k, self.extremes.risen(*w, *value)?)));
+    fn rising(&self, pairs: &[(Watched, Observable)]) -> Option<((Watched, Observable), Sighting)> {
+        let sighting = |pair: &(Watched, Observable)| self.extremes.risen(pair.0, pair.1);
+        let risen = pairs.iter().filter_map(|pair| Some((*pair, sighting(pair)?)));
         risen.max_by(|a, b| a.1.value.total_cmp(&b.1.value))
     }
 
-    /// Two scalars at a place of an interval, and their rates.
+    /// Two scalars at a place of a segment, and their rates.
     fn rates(
         &self,
-        segment: usize,
-        (interval, place): (usize, f64),
-        observables: [Observable; 2],
-        work: &mut Work<f64, M>,
+        Sighting { interval, place, .. }: Sighting,
+        watched: [Watched; 2],
+        work: &mut Work<f64>,
     ) -> Result<[Dual64; 2], LeftDomain> {
+        let segment = watched[0].segment;
         let n = self.layout.segments[segment].states;
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
         let at = self.interval((segment, interval), nodes, &work.q);
-        let mut x = vec![0.0; n];
+        let (mut x, mut f) = (vec![0.0; n], vec![0.0; n]);
         self.method.value(at, place, &mut work.local.method, &mut x)?;
         let t = at.duration() * (at.span.start + at.length() * place);
-        let mut f = vec![0.0; n];
-        let field = at.field();
-        field.slope(t, &x, &work.q, &mut f);
+        at.field().slope(t, &x, &work.q, &mut f);
         let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
         let q: Vec<Dual64> = work.q.iter().map(|q| Dual64::from(*q)).collect();
-        let t = Dual64::new(t, 1.0);
-        Ok(observables.map(|observable| {
-            let watched = Watched { segment, observable };
-            Dual64::watches(&*self.problem).watch_in(watched, t, &moving, &q)
-        }))
-    }
-
-    /// The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
-    fn add_rising(
-        &self,
-        (segment, sighting): (usize, Sighting),
-        ([through, value], ratio): ([Observable; 2], f64),
-        at: (&[f64], &[usize]),
-        passes: &mut Passes<Chunk, M>,
-        out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
-        let watched = |observable| Watched { segment, observable };
-        self.add_term(&(watched(value), sighting, 1.0), at, passes, out)?;
-        self.add_term(&(watched(through), sighting, -ratio), at, passes, out)
+        let problem = Dual64::watches(&*self.problem);
+        Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
     }
 
     /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
@@ -320,14 +292,14 @@ impl<M: Method> Discretised<M> {
         &self,
         (watched, sighting, factor): &Term,
         (x, numbers): (&[f64], &[usize]),
-        passes: &mut Passes<Chunk, M>,
+        passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), LeftDomain> {
         let (layout, segment) = (&self.layout, watched.segment);
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
         let dependence = Dependence { unknowns, numbers };
-        self.add_slopes(dependence, x, passes, out, |passes| {
+        passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
             let Passes { unknowns, q, local, .. } = passes;
             let (interval, x) = (self.interval(at, unknowns, q), &mut local.x[..n]);
             self.method.value(interval, sighting.place, &mut local.method, x)?;
@@ -335,25 +307,6 @@ impl<M: Method> Discretised<M> {
                 interval.duration() * (interval.span.start + interval.length() * sighting.place);
             Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
         })
-    }
-
-    /// Adds the gradient of a function of some unknowns and numbers.
-    pub fn add_slopes(
-        &self,
-        dependence: Dependence,
-        x: &[f64],
-        passes: &mut Passes<Chunk, M>,
-        out: &mut [f64],
-        mut function: impl FnMut(&mut Passes<Chunk, M>) -> Result<Chunk, LeftDomain>,
-    ) -> Result<(), LeftDomain> {
-        for start in (0..dependence.len()).step_by(CHUNK) {
-            passes.load(&self.layout, dependence, start, x, |_, seeded| seeded);
-            let slopes = function(passes)?.eps;
-            for (k, slope) in (start..dependence.len()).zip(slopes) {
-                out[dependence.position(&self.layout, k)] += slope;
-            }
-        }
-        Ok(())
     }
 }
 

@@ -11,169 +11,30 @@
 //! chains of intervals are condensed in real arithmetic as they are; only what is left of them, a small
 //! dense matrix, is complex for `μ = e^{iω}`.
 
-use super::factorisation::{Factorisation, Form};
-use super::layout::Layout;
-use super::linearisation::Linearisation;
-use super::{BoundarySystem, Method};
-use crate::core::bvp::{Number, Unknown};
-use crate::core::linear::{BorderedLu, multipliers};
+use super::BoundarySystem;
+use super::factorisation::{Bordered, column_of, form_of};
+use crate::core::bvp::Number;
+use crate::core::linear::multipliers;
 use crate::core::scalar_field::FieldIn;
 use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
 
-/// The factored linearisation of a complex multiplier, within a complex column and row.
-///
-/// A complex column `b` is two real ones, `b_r` and `b_i`, which the chains eliminate independently:
-/// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`. So is the row `c*`.
-#[derive(Default)]
-pub(super) struct Rotating {
-    factors: Factorisation,
-    /// The dense complex matrix in real arithmetic of twice its size, one column after the other.
-    matrix: Vec<f64>,
-    lu: BorderedLu,
-    right: Vec<f64>,
-    /// Real and imaginary parts of a right side, and what the chains leave of them.
-    parts: [Vec<f64>; 2],
-    left: [Vec<f64>; 2],
-}
-
-impl Rotating {
-    pub fn new(layout: &Layout) -> Self {
-        Rotating { factors: Factorisation::new(layout), ..Default::default() }
-    }
-
-    fn factor(
-        &mut self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        omega: f64,
-        column: &[f64],
-        row: &[f64],
-    ) -> Result<(), Singular> {
-        let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
-        let form = form_of(layout);
-        self.factors.condense(layout, assembled, form, border)?;
-        self.factors.place(layout, assembled, &assembled.boundary, form, border);
-        let last = self.factors.dense().len() - 2;
-        let size = last + 1;
-        self.matrix.clear();
-        self.matrix.resize(4 * size * size, 0.0);
-        for i in 0..size {
-            for j in 0..size {
-                let entry = self.complex_entry(i, j, last);
-                self.add(size, (i, j), entry);
-            }
-        }
-        for r in &layout.returns {
-            let place = (layout.states + r.condition, column_of(layout, r.unknown));
-            self.add(size, place, (omega.cos() - 1.0, omega.sin()));
-        }
-        self.lu.factor(&self.matrix, Border::NONE)
-    }
-
-    /// Adds to an entry of the complex matrix.
-    fn add(&mut self, size: usize, (i, j): (usize, usize), (re, im): (f64, f64)) {
-        self.matrix[2 * size * j + i] += re;
-        self.matrix[2 * size * (size + j) + size + i] += re;
-        self.matrix[2 * size * j + size + i] += im;
-        self.matrix[2 * size * (size + j) + i] -= im;
-    }
-
-    /// An entry of the complex matrix: its last column is `b_r + i b_i`, its last row `c_r − i c_i`.
-    fn complex_entry(&self, i: usize, j: usize, last: usize) -> (f64, f64) {
-        let entry = |i, j| self.factors.entry(i, j);
-        match (i == last, j == last) {
-            (false, false) => (entry(i, j), 0.0),
-            (false, true) => (entry(i, last), entry(i, last + 1)),
-            (true, false) => (entry(last, j), -entry(last + 1, j)),
-            (true, true) => (
-                entry(last, last) + entry(last + 1, last + 1),
-                entry(last, last + 1) - entry(last + 1, last),
-            ),
-        }
-    }
-
-    /// Solves with the matrix, or with its conjugate transposed, in place.
-    fn solve(&mut self, layout: &Layout, right: &mut [f64], transposed: bool) {
-        let Rotating { factors, lu, right: dense, parts, left, .. } = self;
-        let length = right.len() / 2;
-        let (real, imaginary) = right.split_at_mut(length);
-        let g = [real[length - 1], imaginary[length - 1]];
-        for ((part, left), given) in parts.iter_mut().zip(&mut *left).zip([&*real, &*imaginary]) {
-            // Room for the two real unknowns of the border.
-            part.clear();
-            part.extend_from_slice(&given[..length - 1]);
-            part.extend([0.0, 0.0]);
-            match transposed {
-                true => factors.forward_transposed(layout, part),
-                false => factors.forward(layout, part),
-            }
-            left.clone_from(factors.dense());
-        }
-        let last = left[0].len() - 2;
-        let [a, b] = &*left;
-        dense.clear();
-        dense.extend_from_slice(&a[..last]);
-        dense.push(g[0] + a[last] + b[last + 1]);
-        dense.extend_from_slice(&b[..last]);
-        dense.push(g[1] + b[last] - a[last + 1]);
-        match transposed {
-            true => lu.solve_transposed(dense),
-            false => lu.solve(dense),
-        }
-        let (re, im) = dense.split_at(last + 1);
-        for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
-            if transposed {
-                // The chains remember one elimination only.
-                factors.forward_transposed(layout, part);
-            }
-            let (own, pair) =
-                if k == 0 { (re, [re[last], -im[last]]) } else { (im, [im[last], re[last]]) };
-            let ends = factors.dense();
-            ends[..last].copy_from_slice(&own[..last]);
-            ends[last..].copy_from_slice(&pair);
-            match transposed {
-                true => factors.back_transposed(layout, part),
-                false => factors.back(layout, part),
-            }
-            out[..length - 1].copy_from_slice(&part[..length - 1]);
-            out[length - 1] = own[last];
-        }
-    }
-}
-
-impl<M: Method> BoundarySystem<M> {
+impl BoundarySystem {
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
     /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever multiplying them
     /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
     /// multiplier 1 is among them.
     ///
     /// ```
-    /// use std::f64::consts::TAU;
-    /// use tangency::core::bvp::Collocation;
-    /// use tangency::core::{field::VectorField, orbit::by_collocation, scalar::Scalar};
-    /// use tangency::core::zero::{Names, System};
-    /// /// `r' = r (1 − r²), θ' = 1`: the circle r = 1 has the multipliers 1 and exp(−4π).
-    /// #[derive(Clone)]
-    /// struct Circle;
-    /// impl VectorField for Circle {
-    ///     fn names(&self) -> Names {
-    ///         Names::new(["x", "y"], ["p"])
-    ///     }
-    ///     fn field<T: Scalar>(&self, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
-    ///         let growth = T::one() - x[0] * x[0] - x[1] * x[1];
-    ///         f[0] = growth * x[0] - x[1];
-    ///         f[1] = growth * x[1] + x[0];
-    ///     }
+    /// use tangency::core::{bvp::Collocation, orbit::periodic_orbits, zero::System};
+    /// use tangency::problems::mita::Block;
+    /// // At rest without a voltage: |μ|² = exp(−c T) with a damping c = 0.04 and the period T = π/ω.
+    /// let mut orbits = periodic_orbits(Block, 20, Collocation::new(4)?)?;
+    /// let z = orbits.sampled(&[], |_, _, x| x.fill(0.0));
+    /// orbits.assemble(&[&z[..], &[0.0, 0.5, 0.04]].concat())?;
+    /// let exact = -0.04 * std::f64::consts::PI / 0.5;
+    /// for (re, im) in orbits.multipliers()? {
+    ///     assert!(((re * re + im * im).ln() - exact).abs() < 1e-9);
     /// }
-    /// let mut orbits = by_collocation(Circle, 20, Collocation::new(4)?)?;
-    /// let z = orbits.sampled(&[TAU], |_, tau, x| {
-    ///     let (sine, cosine) = (TAU * tau).sin_cos();
-    ///     x.copy_from_slice(&[cosine, sine]);
-    /// });
-    /// orbits.assemble(&[&z[..], &[0.0]].concat())?;
-    /// let multipliers = orbits.multipliers()?;
-    /// assert!((multipliers[0].0 - 1.0).abs() < 1e-9);
-    /// assert!((multipliers[1].0 / (-2.0 * TAU).exp() - 1.0).abs() < 1e-7);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -234,8 +95,8 @@ impl<M: Method> BoundarySystem<M> {
     pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
         self.twist(-1.0);
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let form = form_of(layout);
-        self.factors[slot as usize].factor(layout, assembled, &self.twisted, form, border)
+        let of = Bordered { layout, assembled, form: form_of(layout), border };
+        self.factors[slot as usize].factor(of, &self.twisted)
     }
 
     /// The rows of the boundary conditions for a multiplier.
@@ -253,17 +114,17 @@ impl<M: Method> BoundarySystem<M> {
     /// in it grows.
     fn returning_multipliers(&mut self) -> Option<Spectrum> {
         let k = self.equations.layout.returns.len();
-        let mut best = f64::INFINITY;
+        // The trial multiplier, the sign of its determinant, and the size of Q.
+        let (mut trial, mut determinant, mut best) = (0.0, 1.0, f64::INFINITY);
         for mu in TRIAL_MULTIPLIERS {
             let Ok(size) = self.return_matrix(mu) else { continue };
             if size < best {
-                best = size;
+                (trial, determinant, best) = (mu, self.condensed.determinant_sign(), size);
                 let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
                 let [p, q] = &mut self.pencil;
                 p.clear();
                 p.extend(self.returned.iter().enumerate().map(|(i, q)| identity(i) - mu * q));
                 q.clone_from(&self.returned);
-                self.trial = (mu, self.condensed.determinant_sign());
             }
             if best < MODERATE {
                 break;
@@ -275,8 +136,7 @@ impl<M: Method> BoundarySystem<M> {
         let [p, q] = &self.pencil;
         let found = multipliers(p, q, k);
         // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
-        let (mu, determinant) = self.trial;
-        let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (mu - re).signum() } else { 1.0 };
+        let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (trial - re).signum() } else { 1.0 };
         self.orientation = determinant * found.iter().map(factor).product::<f64>();
         Some(found)
     }
@@ -284,9 +144,10 @@ impl<M: Method> BoundarySystem<M> {
     /// Computes `Q` for a trial multiplier, and its size.
     fn return_matrix(&mut self, mu: f64) -> Result<f64, Singular> {
         self.twist(mu);
-        let Self { equations, linearisation, condensed, twisted, returned, right, .. } = self;
+        let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
         let layout = &equations.layout;
-        condensed.factor(layout, linearisation, twisted, form_of(layout), Border::NONE)?;
+        let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
+        condensed.factor(of, &self.twisted)?;
         let k = layout.returns.len();
         returned.clear();
         returned.resize(k * k, 0.0);
@@ -308,19 +169,6 @@ const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
 /// A trial multiplier is far enough from all true ones if no entry of `Q` is larger.
 const MODERATE: f64 = 1e3;
-
-/// What becomes of integral and phase conditions.
-fn form_of(layout: &Layout) -> Form {
-    if layout.closes() { Form::Twisted } else { Form::Jacobian }
-}
-
-/// The column of an unknown in the rows of boundary conditions, and in the dense matrix.
-fn column_of(layout: &Layout, unknown: Unknown) -> usize {
-    match unknown {
-        Unknown::Start(i) => i,
-        Unknown::Extra(e) => 2 * layout.states + e,
-    }
-}
 
 /// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
 /// multipliers mean nothing anyhow.
@@ -371,7 +219,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-impl<M: Method> Oscillation for BoundarySystem<M> {
+impl Oscillation for BoundarySystem {
     fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
         self.rotating.factor(&self.equations.layout, &self.linearisation, omega, column, row)
     }

@@ -27,7 +27,7 @@ impl From<BoundaryError> for Failure {
     }
 }
 
-impl<M: Method + Clone + 'static> BoundarySystem<M> {
+impl BoundarySystem {
     /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses accuracy. A
     /// solution of another method is carried over to this mesh.
     pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
@@ -36,7 +36,9 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         {
             return self.born_at_hopf(solution);
         }
-        self.go_along(solution)?;
+        if !solution.itinerary.is_empty() && solution.itinerary != self.problem().itinerary() {
+            self.change_to(self.problem().with_itinerary(&solution.itinerary)?)?;
+        }
         if solution.kind == Kind::G && solution.switch {
             let plain = Solution { switch: false, ..solution.clone() };
             let orbit = self.take_over(&plain)?;
@@ -75,15 +77,6 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         Ok(Adopted { z: solution.state, tangent, leaving })
     }
 
-    /// Solutions that go through the same as a saved one.
-    fn go_along(&mut self, solution: &Solution) -> Result<(), Failure> {
-        if solution.itinerary.is_empty() || solution.itinerary == self.problem().itinerary() {
-            return Ok(());
-        }
-        let problem = self.problem().with_itinerary(&solution.itinerary)?;
-        self.change_to(problem)
-    }
-
     /// Another problem, on as many intervals a segment as the first one has now.
     fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), Failure> {
         let intervals = self.meshes()[0].intervals();
@@ -100,18 +93,12 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     ) -> Result<(), Failure> {
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(solution, &meshes)?;
-        let segments = self.equations.layout.segments.iter().zip(&meshes);
-        let values: usize =
-            segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum();
+        let values = self.values_on(&meshes, degree);
         let once = self.equations.layout.extras - meshes.len();
-        let twice = |z: &[f64]| -> Vec<f64> {
+        in_unknowns(solution, |z| {
             let (values, extras) = z.split_at(values);
             [values, values, extras, &extras[once..]].concat()
-        };
-        solution.state = twice(&solution.state);
-        if let Some((z, _)) = &mut solution.tangent {
-            *z = twice(z);
-        }
+        });
         solution.mesh.extend_from_within(..);
         self.change_to(problem)
     }
@@ -161,34 +148,32 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
         Ok(z)
     }
 
+    /// How many values there are on meshes with `degree` nodes an interval beyond its first.
+    fn values_on(&self, meshes: &[Mesh], degree: usize) -> usize {
+        let segments = self.equations.layout.segments.iter().zip(meshes);
+        segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
+    }
+
     /// How many nodes an interval has, beyond its first, in a saved solution.
     fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, Failure> {
         let layout = &self.equations.layout;
-        let fits = |degree: &usize| {
-            let values = layout
-                .segments
-                .iter()
-                .zip(meshes)
-                .map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states)
-                .sum::<usize>();
-            values + layout.extras == solution.state.len()
-        };
+        let length = solution.state.len();
+        let fits = |degree: &usize| self.values_on(meshes, *degree) + layout.extras == length;
         if meshes.len() == layout.segments.len()
             && let Some(degree) = (1..=MOST_NODES).find(fits)
         {
             return Ok(degree);
         }
         Err(not_applicable(format!(
-            "the start has {} unknowns on {} segments, the problem {} segments of {} states: was it made \
+            "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
              with another problem?",
-            solution.state.len(),
             meshes.len(),
             layout.segments.len(),
             layout.states
         )))
     }
 
-    /// A solution saved on other meshes, by a method with `degree` nodes an interval, on this one's.
+    /// A solution saved on other meshes, by a method with `degree` nodes an interval beyond its first, on this one's.
     fn resampled(
         &self,
         solution: &Solution,
@@ -197,27 +182,19 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     ) -> Result<Vec<f64>, Failure> {
         let problem = self.problem().clone();
         let x = [&solution.state[..], &solution.parameters[..]].concat();
-        if degree == 1 {
-            self.sampled_from(BoundarySystem::new(problem, Shooting::default(), meshes)?, &x)
-        } else {
-            let method =
-                Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?;
-            self.sampled_from(BoundarySystem::new(problem, method, meshes)?, &x)
-        }
-    }
-
-    /// A solution `x = (z, p)` of another system of the same problem, as this one has it.
-    fn sampled_from<N: Method + Clone + 'static>(
-        &self,
-        mut from: BoundarySystem<N>,
-        x: &[f64],
-    ) -> Result<Vec<f64>, Failure> {
+        let method = match degree {
+            1 => Method::from(Shooting::default()),
+            _ => {
+                Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?.into()
+            }
+        };
+        let mut from = BoundarySystem::new(problem, method, meshes)?;
         let layout = &from.equations.layout;
         let extras = &x[layout.values()..layout.dimension];
         let mut outcome = Ok(());
         let z = self.sampled(extras, |segment, tau, out| {
             if outcome.is_ok() {
-                match from.states(x, segment, tau) {
+                match from.states(&x, segment, tau) {
                     Ok(states) => out.copy_from_slice(&states),
                     Err(cause) => outcome = Err(cause),
                 }
@@ -231,15 +208,11 @@ impl<M: Method + Clone + 'static> BoundarySystem<M> {
     fn double(&self, solution: &mut Solution) {
         let layout = &self.equations.layout;
         let nodes = (solution.state.len() - layout.extras) / layout.states;
-        let twice = |z: &[f64]| -> Vec<f64> {
+        in_unknowns(solution, |z| {
             let (values, extras) = z.split_at(nodes * layout.states);
             let groups = values.chunks_exact(nodes).flat_map(|v| v.iter().chain(&v[1..]));
             groups.chain(extras).copied().collect()
-        };
-        solution.state = twice(&solution.state);
-        if let Some((z, _)) = &mut solution.tangent {
-            *z = twice(z);
-        }
+        });
         let end = solution.mesh.last().copied().unwrap_or_default();
         let second: Vec<f64> = solution.mesh.iter().skip(1).map(|tau| end + tau).collect();
         solution.mesh.extend(second);
@@ -296,17 +269,25 @@ impl<P: IntoEquations> Birth<P> {
     ///
     /// # Errors
     /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
-    pub fn discretised<M: Method + Clone + 'static>(
+    pub fn discretised(
         self,
         p: &[f64],
-        method: M,
+        method: impl Into<Method>,
         intervals: usize,
-    ) -> Result<(BoundarySystem<M>, Vec<f64>), Failure> {
+    ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
         let Birth { problem, starts, extras } = self.erased();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         let system = BoundarySystem::new(problem, method, meshes)?;
         let z = system.flowed(&starts, &extras, p)?;
         Ok((system, z))
+    }
+}
+
+/// Replaces the unknowns of a solution, and those of its direction.
+fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
+    solution.state = new(&solution.state);
+    if let Some((z, _)) = &mut solution.tangent {
+        *z = new(z);
     }
 }
 

@@ -1,0 +1,106 @@
+//! Maps from state to state.
+
+use super::error::StroboscopicError;
+use super::period::Period;
+use crate::core::hybrid::{HybridState, Member, Mode};
+use num_dual::Dual64;
+use std::ops::ControlFlow;
+
+/// What is seen of a motion, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// The modes with the names of their states.
+    pub modes: Vec<Mode>,
+    /// The names of all events, by their numbers.
+    pub events: Vec<String>,
+    /// The names of what is measured in a period.
+    pub measures: Vec<String>,
+}
+
+/// Sees a period of one of many trajectories: the trajectory's number, the period if periods are recorded, and the
+/// state at its end. The trajectory goes on or ends.
+pub type EachPeriod<'a> =
+    dyn FnMut(usize, Option<Period>, &HybridState<f64>) -> ControlFlow<()> + 'a;
+
+/// Sees the image of state and tangent vector after a period of one of many trajectories, by its number; may scale
+/// the tangent vector. The trajectory goes on or ends.
+pub type EachTangent<'a> = dyn FnMut(usize, &mut HybridState<Dual64>) -> ControlFlow<()> + 'a;
+
+/// What becomes of each of many trajectories.
+pub type Outcomes = Vec<Result<(), StroboscopicError>>;
+
+/// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a map in itself.
+///
+/// States are those of a hybrid system, whose time is that of the sample: a map in itself has one mode, and its time
+/// is zero.
+pub trait StroboscopicMap {
+    /// The names of modes, events and measures.
+    fn layout(&self) -> &Layout;
+
+    /// Follows the motion for one period.
+    ///
+    /// # Errors
+    /// [`StroboscopicError`] if the motion ends before, here and below.
+    fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError>;
+
+    /// Follows the motion for one period and keeps what happens in it.
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError>;
+
+    /// Follows the motion for one period with a tangent vector, the derivatives of the state, which becomes its
+    /// image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
+
+    /// Follows many trajectories period by period, each until `each` ends it. What becomes of a trajectory does not
+    /// depend on the others, to the last bit. By default they are followed one by one.
+    fn advance_all(
+        &mut self,
+        members: &mut [Member<f64>],
+        recorded: bool,
+        each: &mut EachPeriod,
+    ) -> Outcomes {
+        advance_each(self, members, recorded, each)
+    }
+
+    /// Follows many trajectories with a tangent vector each, as [`advance_all`](Self::advance_all).
+    fn push_forward_all(
+        &mut self,
+        members: &mut [Member<Dual64>],
+        each: &mut EachTangent,
+    ) -> Outcomes {
+        push_forward_each(self, members, each)
+    }
+}
+
+/// Follows trajectories one by one.
+pub(super) fn advance_each(
+    map: &mut (impl StroboscopicMap + ?Sized),
+    members: &mut [Member<f64>],
+    recorded: bool,
+    each: &mut EachPeriod,
+) -> Outcomes {
+    let follow = |(k, member): (usize, &mut Member<f64>)| loop {
+        let period = match recorded {
+            true => Some(map.record(member)?),
+            false => map.advance(member).map(|()| None)?,
+        };
+        if each(k, period, &member.state).is_break() {
+            return Ok(());
+        }
+    };
+    members.iter_mut().enumerate().map(follow).collect()
+}
+
+/// Follows trajectories with a tangent vector each, one by one.
+pub(super) fn push_forward_each(
+    map: &mut (impl StroboscopicMap + ?Sized),
+    members: &mut [Member<Dual64>],
+    each: &mut EachTangent,
+) -> Outcomes {
+    let follow = |(k, member): (usize, &mut Member<Dual64>)| loop {
+        map.push_forward(member)?;
+        if each(k, &mut member.state).is_break() {
+            return Ok(());
+        }
+    };
+    members.iter_mut().enumerate().map(follow).collect()
+}

@@ -1,0 +1,146 @@
+//! The equations of an interval, linearised several directions at a time.
+
+use super::basis::{Basis, combine};
+use crate::core::bvp::interval::left_domain;
+use crate::core::bvp::{Block, Interval, Number};
+use crate::core::chunk::{DualChunk, seeded};
+use crate::core::scalar_field::FieldIn;
+use crate::core::zero::LeftDomain;
+
+/// Arguments and values of the field in a pass over `W` directions.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Passes<const W: usize> {
+    x: Vec<DualChunk<f64, W>>,
+    q: Vec<DualChunk<f64, W>>,
+    f: Vec<DualChunk<f64, W>>,
+    real: Vec<f64>,
+}
+
+/// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the point, then the
+/// active numbers.
+pub(super) fn linearise_in<const W: usize>(
+    basis: &Basis,
+    passes: &mut Passes<W>,
+    interval: Interval<f64>,
+    active: &[usize],
+    mut block: Block,
+) -> Result<(), LeftDomain>
+where
+    DualChunk<f64, W>: Number,
+{
+    let n = interval.nodes.len() / basis.nodes.len();
+    passes.resize(n);
+    for start in (0..n + active.len()).step_by(W) {
+        passes.seed_numbers(interval.q, active, n, start);
+        for c in 0..basis.gauss.len() {
+            passes.evaluate(basis, &interval, c, start)?;
+            passes.place_residual(basis, interval.nodes, c, &mut block);
+            if start < n {
+                passes.place_nodes(basis, c, start, &mut block);
+            }
+            if start + W > n {
+                passes.place_numbers(active.len(), c, start, &mut block);
+            }
+        }
+    }
+    Ok(())
+}
+
+impl<const W: usize> Passes<W>
+where
+    DualChunk<f64, W>: Number,
+{
+    fn resize(&mut self, n: usize) {
+        self.real.resize(n, 0.0);
+        self.x.resize(n, DualChunk::from(0.0));
+        self.f.resize(n, DualChunk::from(0.0));
+    }
+
+    /// The numbers `q`, the active ones seeded as the directions after the `n` states.
+    fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
+        self.q.clear();
+        self.q.extend(q.iter().map(|q| DualChunk::from(*q)));
+        for (k, &number) in active.iter().enumerate() {
+            self.q[number] = seeded(q[number], n + k, start);
+        }
+    }
+
+    /// `h L f` at a Gauss point.
+    fn evaluate(
+        &mut self,
+        basis: &Basis,
+        interval: &Interval<f64>,
+        c: usize,
+        start: usize,
+    ) -> Result<(), LeftDomain> {
+        let Interval { problem, span, nodes, q } = *interval;
+        let equations = DualChunk::<f64, W>::residual(problem);
+        let (duration, h) = (equations.duration_in(span.segment, &self.q), interval.length());
+        let field = equations.on_segment(span.segment, &self.q);
+        let t = duration * (span.start + h * basis.gauss[c]);
+        combine(basis.row(&basis.values, c), nodes, &mut self.real);
+        field.domain(&self.real, q).map_err(|cause| left_domain(cause, span.segment, t.re))?;
+        for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
+            *x = seeded(*real, i, start);
+        }
+        field.slope(t, &self.x, &self.q, &mut self.f);
+        let step = duration * h;
+        self.f.iter_mut().for_each(|f| *f *= step);
+        Ok(())
+    }
+
+    fn place_residual(&self, basis: &Basis, nodes: &[f64], c: usize, block: &mut Block) {
+        let n = self.f.len();
+        let residual = &mut block.residual[c * n..(c + 1) * n];
+        combine(basis.row(&basis.slopes, c), nodes, residual);
+        residual.iter_mut().zip(&self.f).for_each(|(r, f)| *r -= f.re);
+    }
+
+    /// `ℓ_j'(ρ_c) I − ℓ_j(ρ_c) h L f_x`, in the columns of this pass.
+    fn place_nodes(&self, basis: &Basis, c: usize, start: usize, block: &mut Block) {
+        let (n, places) = (self.f.len(), basis.nodes.len());
+        let (values, slopes) = (basis.row(&basis.values, c), basis.row(&basis.slopes, c));
+        let rows = block.nodes[c * n * n * places..].chunks_exact_mut(n * places);
+        for (i, (row, f)) in rows.zip(&self.f).enumerate() {
+            let parts = f.eps;
+            match n {
+                1 => outer_product::<1>(row, values, &parts),
+                2 => outer_product::<2>(row, values, &parts),
+                3 => outer_product::<3>(row, values, &parts),
+                4 => outer_product::<4>(row, values, &parts),
+                _ => {
+                    for (entries, value) in row.chunks_exact_mut(n).zip(values) {
+                        let entries = entries[start..].iter_mut();
+                        entries.zip(&parts).for_each(|(entry, part)| *entry = -value * part);
+                    }
+                }
+            }
+            if (start..start + W).contains(&i) {
+                row.chunks_exact_mut(n)
+                    .zip(slopes)
+                    .for_each(|(entries, slope)| entries[i] += slope);
+            }
+        }
+    }
+
+    /// `−∂(h L f)/∂q`, in the columns of this pass.
+    fn place_numbers(&self, active: usize, c: usize, start: usize, block: &mut Block) {
+        let n = self.f.len();
+        for (i, f) in self.f.iter().enumerate() {
+            let row = (c * n + i) * active;
+            for (direction, part) in (start..n + active).zip(f.eps) {
+                if direction >= n {
+                    block.numbers[row + direction - n] = -part;
+                }
+            }
+        }
+    }
+}
+
+/// `−ℓ_j f_k` for the few states that most fields have: lengths known beforehand make short loops fast.
+fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
+    let Some(parts) = parts.first_chunk::<N>() else { return };
+    for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {
+        *entries = parts.map(|part| -value * part);
+    }
+}

@@ -1,0 +1,116 @@
+//! What boundary-value problems are described with: ends, monitors, returns.
+
+use crate::core::measure::Integral;
+use crate::core::watch::Observable;
+
+/// States at the two ends of all segments, one segment after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<'a, T> {
+    /// States where the segments begin.
+    pub start: &'a [T],
+    /// States where they end: where their meshes do, at 1 or at the number of periods.
+    pub end: &'a [T],
+}
+
+/// A scalar that is watched along a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Watched {
+    /// The segment.
+    pub segment: usize,
+    /// The scalar; functions are those of [`BoundaryProblem::watch`](super::BoundaryProblem::watch).
+    pub observable: Observable,
+}
+
+impl Watched {
+    /// A state on a segment.
+    pub fn state(segment: usize, state: usize) -> Self {
+        Watched { segment, observable: Observable::State(state) }
+    }
+
+    /// A function of the problem's own on a segment.
+    pub fn function(segment: usize, function: usize) -> Self {
+        Watched { segment, observable: Observable::Function(function) }
+    }
+}
+
+/// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not of the mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Monitor {
+    /// The duration of all segments together, in time.
+    Duration,
+    /// The largest value.
+    Maximum(Vec<Watched>),
+    /// The smallest value.
+    Minimum(Vec<Watched>),
+    /// The difference between the largest and the smallest value.
+    Range(Vec<Watched>),
+    /// The least local minimum inside segments, or at a segment's end: a distance that vanishes where a
+    /// trajectory touches. Without any, the largest value. It is said of each scalar whether it vanishes in
+    /// the events that begin and end the segment. Then neither that end counts, nor a minimum to which the
+    /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the
+    /// event.
+    Distance(Vec<(Watched, [bool; 2])>),
+    /// Less the same: how far a trajectory would penetrate a surface that is not there.
+    Penetration(Vec<(Watched, [bool; 2])>),
+    /// The largest value of a scalar where another one rises through zero, for pairs of the one that rises and the
+    /// one that is taken, on the same segment; 0 where none rises.
+    Rising(Vec<(Watched, Observable)>),
+    /// An integral over time of several scalars together, on all segments that have any of them.
+    Integral(Integral, Vec<Watched>),
+    /// A function of the states at the ends and the numbers ([`BoundaryProblem::of_ends`](super::BoundaryProblem::of_ends)), by number.
+    Ends(usize),
+}
+
+impl Monitor {
+    /// The largest value of a state on a segment.
+    pub fn maximum(segment: usize, state: usize) -> Self {
+        Monitor::Maximum(vec![Watched::state(segment, state)])
+    }
+
+    /// The smallest value of a state on a segment.
+    pub fn minimum(segment: usize, state: usize) -> Self {
+        Monitor::Minimum(vec![Watched::state(segment, state)])
+    }
+
+    /// All scalars that have to be watched for it.
+    pub fn watched(&self) -> Vec<Watched> {
+        match self {
+            Monitor::Duration | Monitor::Ends(_) => Vec::new(),
+            Monitor::Maximum(watched)
+            | Monitor::Minimum(watched)
+            | Monitor::Range(watched)
+            | Monitor::Integral(_, watched) => watched.clone(),
+            Monitor::Distance(watched) | Monitor::Penetration(watched) => {
+                watched.iter().map(|(watched, _)| *watched).collect()
+            }
+            Monitor::Rising(pairs) => pairs.iter().map(|(through, _)| *through).collect(),
+        }
+    }
+}
+
+/// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's start must be
+/// what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong to the multiplier `μ`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Return {
+    /// Which boundary condition it is.
+    pub condition: usize,
+    /// The unknown `y`, which the condition contains with the coefficient 1 (less what is in `Y`).
+    pub unknown: Unknown,
+}
+
+impl Return {
+    /// Those of one segment of `n` states with the conditions `x(0) − x(1) = 0`.
+    pub fn of_states(n: usize) -> Vec<Return> {
+        (0..n).map(|i| Return { condition: i, unknown: Unknown::Start(i) }).collect()
+    }
+}
+
+/// An unknown of a boundary-value problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// A state where its segment begins, counted over all segments as in [`Ends::start`].
+    Start(usize),
+    /// A further unknown number, as in [`BoundaryProblem::extras`](super::BoundaryProblem::extras).
+    Extra(usize),
+}
