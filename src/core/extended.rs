@@ -141,6 +141,11 @@ impl<'a> Extended<'a> {
         self.system.names()
     }
 
+    /// Typical sizes of the groups of unknowns; empty if all are 1.
+    pub fn unknown_scales(&self) -> Vec<f64> {
+        self.system.unknown_scales(&self.x[self.dimension()..])
+    }
+
     /// The system together with `x = (z, p)` as loaded last, and the released parameters.
     pub(crate) fn at(&mut self) -> At<'_> {
         At { system: self.system, x: &self.x, released: &self.released }

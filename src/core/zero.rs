@@ -307,6 +307,11 @@ pub trait System: Send {
         1.0
     }
 
+    /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
+    fn unknown_scales(&self, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]);
 

@@ -13,9 +13,8 @@ const TOLERANCES: f64 = 100.0;
 /// The error at the end and the evaluations of the field.
 fn flowed(scheme: Scheme, rate: f64, tolerance: f64) -> Result<(f64, usize), FlowError> {
     let mut x = [1.0];
-    let mut flow = Flow::<f64>::default();
     // All tolerances on the map have a meaning.
-    let _ = flow.set(Settings::new(scheme, tolerance));
+    let mut flow = Flow::<f64>::new(Settings::new(scheme, tolerance)).unwrap_or_default();
     let statistics = flow.advance(&ProtheroRobinson, 0.0, TIME, &mut x, &[rate])?;
     Ok(((x[0] - TIME.cos()).abs(), statistics.evaluations))
 }

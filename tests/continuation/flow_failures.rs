@@ -152,7 +152,7 @@ fn settings_without_a_meaning_are_refused() {
         Settings { first_step: Some(f64::NAN), ..fine },
     ] {
         let error = Flow::<f64>::new(settings).err();
-        assert!(matches!(error, Some(SettingsError::Step { .. })), "{settings:?}");
+        assert!(matches!(error, Some(SettingsError::Step(_))), "{settings:?}");
     }
     let error = Flow::<f64>::new(Settings { max_steps: 0, ..fine }).err();
     assert_eq!(error, Some(SettingsError::Steps));

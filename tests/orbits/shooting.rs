@@ -95,7 +95,7 @@ fn values_and_extrema_are_those_of_the_trajectory() {
     let mut all = [Vec::new(), Vec::new()];
     let mut visit = |k: usize, place, value| all[k].push((2.0 + 5.0 * place, value));
     let through = [[Observable::State(0), Observable::State(1)]];
-    let watched = Watchlist { extrema: &[Observable::State(0)], rises: &through };
+    let watched = Watchlist { extrema: &[Observable::State(0)], scales: &[1.0], rises: &through };
     shooting.extrema(interval, watched, None, &mut visit).unwrap();
     let [found, risen] = all;
     let (time, speed) = risen[0];

@@ -244,7 +244,7 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
     let scheme = match orbits.scheme {
         Scheme::DormandPrince8 => "order 8",
         Scheme::DormandPrince5 => "order 5",
-        Scheme::Rodas5P => "Rodas5P",
+        _ => "Rodas5P",
     };
     let method = match orbits.method {
         Some(Discretised::Collocation) => format!("collocation, {} points", orbits.degree),

@@ -1,6 +1,6 @@
 //! What happens in one period.
 
-use crate::core::flow::{Extrema, Rises, Step};
+use crate::core::flow::{Extrema, Step, UpCrossings};
 use crate::core::hybrid::{
     Event, GuardOf, HybridEquations, HybridObserver, HybridState, Mode, Passage, ScalarOf,
     virtual_point,
@@ -57,7 +57,7 @@ enum Accumulator {
     /// The largest and the smallest value so far.
     Extremes { scalar: InModes, range: [f64; 2], extrema: Extrema<f64> },
     /// The largest value of the second scalar where the first one rises through zero.
-    Rising { scalars: [InModes; 2], most: Option<f64>, rises: Rises },
+    Rising { scalars: [InModes; 2], most: Option<f64>, rises: UpCrossings },
     /// An integral, and the time over which it goes.
     Integral { integral: Integral, scalars: Vec<InModes>, sum: f64, time: f64 },
     /// The least extremum of a guard, and the event that is approached most slowly.
@@ -105,7 +105,7 @@ impl<'a> Recorder<'a> {
             }
             Measure::Rising { through, value } => {
                 let scalars = [through, value].map(|name| system.scalars(modes, name));
-                Accumulator::Rising { scalars, most: None, rises: Rises::default() }
+                Accumulator::Rising { scalars, most: None, rises: UpCrossings::default() }
             }
             Measure::Integral(integral, names) => {
                 let scalars = names.iter().map(|name| system.scalars(modes, name)).collect();
@@ -212,7 +212,7 @@ impl HybridObserver<f64> for Recorder<'_> {
             match accumulator {
                 Accumulator::Extremes { scalar, range, extrema } => {
                     let Some(observable) = scalar[mode] else { continue };
-                    let watch = ScalarOf { system, observable, mode };
+                    let watch = ScalarOf::new(system, observable, mode, step.flow().2);
                     widen(range, value_at(&watch, step, 0.0));
                     if observable.state().is_none() {
                         widen(range, value_at(&watch, step, end));
@@ -228,7 +228,8 @@ impl HybridObserver<f64> for Recorder<'_> {
                         continue;
                     };
                     let (start, length, p) = step.flow();
-                    rises.search(&ScalarOf { system, observable, mode }, step, |place, x| {
+                    let watch = ScalarOf::new(system, observable, mode, p);
+                    rises.search(&watch, step, |place, x| {
                         if place <= last {
                             let value = system.observe(value, mode, start + place * length, x, p);
                             *most = larger(*most, value, |value| *value);
@@ -253,7 +254,7 @@ impl HybridObserver<f64> for Recorder<'_> {
                     let watched =
                         guards.iter_mut().enumerate().filter(|(_, at)| at.0.contains(&mode));
                     for (guard, (_, extrema)) in watched {
-                        let watch = GuardOf { system, guard, mode, scale: 1.0 };
+                        let watch = GuardOf::typical(system, guard, mode, step.flow().2);
                         extrema.search(&watch, step, |found| {
                             if found.place <= last {
                                 *least = least.min(found.value);

@@ -4,7 +4,8 @@ use super::error::StroboscopicError;
 use super::exponent::{Exponent, Growth, correction, monodromy, of_matrix, with_tangent};
 use super::period::Period;
 use super::stroboscopic::{Layout, StroboscopicMap, advance_each, push_forward_each};
-use crate::core::hybrid::{HybridState, Member, Repetition, distance, size};
+use crate::core::hybrid::{HybridState, Member, Repetition, StateScales};
+use crate::core::vector::{difference, norm};
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -101,7 +102,11 @@ impl Run {
         Run {
             member,
             periods: 0,
-            repetition: Repetition::new(search.max_period, search.tolerance),
+            repetition: Repetition::new(
+                search.max_period,
+                search.tolerance,
+                StateScales::default(),
+            ),
             records: Vec::new(),
             next_try: 0,
             candidate: None,
@@ -114,7 +119,7 @@ impl Run {
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
         let (start, numbers) = (period.start.clone(), numbers.collect());
-        let found = self.repetition.push(start, numbers, state, size(&state.x));
+        let found = self.repetition.push(start, numbers, state, norm(&state.x));
         self.records.push(period);
         self.candidate = found.filter(|_| self.records.len() >= self.next_try);
         self.candidate.is_none()
@@ -267,7 +272,7 @@ fn periodic(
     let mut records: Vec<Period> =
         (0..q).map(|_| map.record(&mut member)).collect::<Result<_, _>>()?;
     let same = |period: &Period| {
-        let near = distance(&period.start.x, &start.x) <= SAME * size(&start.x);
+        let near = norm(&difference(&period.start.x, &start.x)) <= SAME * norm(&start.x);
         period.start.mode == start.mode && near
     };
     // A spiral may have come back first after a multiple of the period.
@@ -299,7 +304,7 @@ fn improved(
     q: usize,
 ) -> Option<(Member<f64>, Exponent)> {
     let (mut member, near) = (near.clone(), &near.state.x);
-    let largest = size(near).max(f64::MIN_POSITIVE);
+    let largest = norm(near).max(f64::MIN_POSITIVE);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
         let (matrix, end) = monodromy(map, &member, q)?;
@@ -308,10 +313,10 @@ fn improved(
         let step = correction(&matrix, x, &end)?;
         let away: Vec<f64> =
             x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
-        if size(&away) > NEAR * largest {
+        if norm(&away) > NEAR * largest {
             return None;
         }
-        if size(&step) <= CONVERGED * largest {
+        if norm(&step) <= CONVERGED * largest {
             // What is left of the orbit's error moves the exponent less than the last step did.
             let moved = (value - last).abs();
             let error = if moved.is_finite() { moved } else { 0.0 };

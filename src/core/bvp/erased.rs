@@ -81,6 +81,10 @@ pub trait Equations:
     fn grazings(&self) -> Vec<usize>;
     /// The typical size of such a monitor.
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
+    /// The typical size of a scalar along a segment.
+    fn watch_scale(&self, watched: Watched, q: &[f64]) -> f64;
+    /// The typical size of the further unknown numbers.
+    fn extra_scale(&self, p: &[f64]) -> f64;
     /// What is recorded along a branch, by name.
     fn monitors(&self) -> Vec<(String, Monitor)>;
     /// The itinerary of the solutions, in words.
@@ -143,6 +147,8 @@ numbers! {
 pub(super) struct Watching<'a> {
     pub problem: &'a dyn Equations,
     pub watched: Watched,
+    /// Its typical size.
+    pub scale: f64,
 }
 
 impl<T: WatchNumber> WatchIn<T> for Watching<'_> {
@@ -153,7 +159,7 @@ impl<T: WatchNumber> WatchIn<T> for Watching<'_> {
 
 impl Watchable<f64> for Watching<'_> {
     fn size(&self) -> f64 {
-        1.0
+        self.scale
     }
 
     fn state_index(&self) -> Option<usize> {

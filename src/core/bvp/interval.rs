@@ -52,7 +52,7 @@ impl<'a, T> Interval<'a, T> {
     /// A scalar along its segment.
     pub(super) fn watching(&self, observable: Observable) -> Watching<'a> {
         let watched = Watched { segment: self.span.segment, observable };
-        Watching { problem: self.problem, watched }
+        Watching { problem: self.problem, watched, scale: 1.0 }
     }
 
     /// Its length, as a part of the segment's duration.
@@ -76,6 +76,8 @@ pub struct Block<'a> {
 pub struct Watchlist<'a> {
     /// Scalars whose extrema are wanted.
     pub extrema: &'a [Observable],
+    /// Their typical sizes.
+    pub scales: &'a [f64],
     /// Pairs of which the second is wanted where the first one rises through zero.
     pub rises: &'a [[Observable; 2]],
 }

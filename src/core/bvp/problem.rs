@@ -1,7 +1,7 @@
 //! Boundary-value problems as a user states them.
 
 use super::erased::{Birth, Equations};
-use super::terms::{Ends, Monitor, Return};
+use super::terms::{Ends, Monitor, Return, Watched};
 use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::zero::LeftDomain;
@@ -115,6 +115,18 @@ pub trait BoundaryProblem: Send + Sync {
 
     /// The typical size of such a monitor, which tolerances are relative to.
     fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
+        1.0
+    }
+
+    /// The typical size of a scalar along a segment, which tolerances are relative to: by default that of a state, and 1
+    /// for functions.
+    fn watch_scale(&self, watched: Watched, q: &[f64]) -> f64 {
+        let scale = |i: usize| self.scales(watched.segment, q).get(i).copied();
+        watched.observable.state().and_then(scale).unwrap_or(1.0)
+    }
+
+    /// The typical size of the further unknowns, which tolerances are relative to.
+    fn extra_scale(&self, _p: &[f64]) -> f64 {
         1.0
     }
 

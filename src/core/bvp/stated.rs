@@ -88,6 +88,8 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         returns() -> Vec<Return>;
         grazings() -> Vec<usize>;
         grazing_scale(monitor: usize, p: &[f64]) -> f64;
+        watch_scale(watched: Watched, q: &[f64]) -> f64;
+        extra_scale(p: &[f64]) -> f64;
         monitors() -> Vec<(String, Monitor)>;
         itinerary() -> String;
         with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;

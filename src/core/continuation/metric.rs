@@ -75,6 +75,12 @@ impl Metric {
         Metric { fixed: vec![false; groups.len()], groups, parameters, open, own }
     }
 
+    /// The scales of unknowns that were given in these units, group by group.
+    pub(super) fn of_units(mut self, units: &[f64]) -> Self {
+        self.groups.iter_mut().zip(units).for_each(|(scale, unit)| *scale *= unit);
+        self
+    }
+
     /// Replaces scales by those that are given: of groups, then of released parameters.
     pub fn with_scales(mut self, scales: &[Option<f64>]) -> Self {
         let (groups, parameters) = scales.split_at(self.groups.len().min(scales.len()));
@@ -158,6 +164,17 @@ fn group_scales(sizes: &[f64], slopes: &[f64], reach: Option<f64>) -> Vec<f64> {
         _ => 1.0,
     };
     both().map(scale).collect()
+}
+
+/// Unknowns in units of their groups, which are 1 if there are none.
+pub(super) fn in_units(names: &Names, units: &[f64], z: &[f64]) -> Vec<f64> {
+    let (mut z, mut start) = (z.to_vec(), 0);
+    for (group, unit) in names.unknowns.iter().zip(units) {
+        let end = start + group.length;
+        z[start..end].iter_mut().for_each(|z| *z /= unit);
+        start = end;
+    }
+    z
 }
 
 fn group_norms(names: &Names, mut z: &[f64]) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
 use super::event::{MakeCondition, Test};
-use super::metric::Metric;
+use super::metric::{Metric, in_units};
 use super::run::{Bound, Tracer};
 use super::stepper::{AT_START, Place, Stepper};
 use super::trace::Origin;
@@ -162,8 +162,10 @@ fn branch_along(tangents: [Vec<f64>; 2], along: Option<&[f64]>, other: bool) -> 
 fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f64; 2]]) -> Metric {
     let (n, first) = (equations.dimension(), equations.parameters_at());
     let own = equations.own_sizes(unknowns);
-    let [(z, p), (z_tangent, p_tangent)] = [unknowns, tangent].map(|x| (&x[..n], &x[first..]));
-    Metric::new(equations.names(), z, z_tangent, ranges, p, p_tangent, &own)
+    let (names, units) = (equations.names(), equations.unknown_scales());
+    let [(z, p), (z_tangent, p_tangent)] =
+        [unknowns, tangent].map(|x| (in_units(names, &units, &x[..n]), &x[first..]));
+    Metric::new(names, &z, &z_tangent, ranges, p, p_tangent, &own).of_units(&units)
 }
 
 impl Stepper<'_> {
@@ -232,7 +234,9 @@ impl Stepper<'_> {
             // A vertical start (a fold, a pitchfork) grows in its largest unknown.
             p if p.abs() * self.weights[last].sqrt() < 1e-9 * size => {
                 let by_size = |a: &&f64, b: &&f64| a.abs().total_cmp(&b.abs());
-                tangent[..n].iter().max_by(by_size).map_or(1.0, |z| z.signum())
+                let units = self.equations.unknown_scales();
+                let z = in_units(self.equations.names(), &units, &tangent[..n]);
+                z.iter().max_by(by_size).map_or(1.0, |z| z.signum())
             }
             p => p.signum(),
         };

@@ -4,6 +4,7 @@ use crate::core::zero::LeftDomain;
 
 /// A setting of a flow without a meaning.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// A tolerance is negative, not a number, or too small for arithmetic of 16 digits.
     #[error(
@@ -17,11 +18,8 @@ pub enum SettingsError {
         absolute: f64,
     },
     /// The first or the largest step is not a positive part of the whole.
-    #[error("a step of a flow is a part of the whole: {step} is not between 0 and 1")]
-    Step {
-        /// The step asked for.
-        step: f64,
-    },
+    #[error("a step of a flow is a part of the whole: {0} is not between 0 and 1")]
+    Step(f64),
     /// No step is allowed.
     #[error("a flow needs at least one step: allow more than 0")]
     Steps,
@@ -29,6 +27,7 @@ pub enum SettingsError {
 
 /// Why a trajectory ends before its time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FlowError {
     /// The trajectory leaves the domain of the field, or the field is not finite.
     #[error("at t = {time:.9e}: {left}")]
@@ -79,32 +78,28 @@ pub enum FlowError {
 
 impl From<FlowError> for LeftDomain {
     fn from(error: FlowError) -> Self {
-        match error {
+        let (time, step, remedy) = match error {
             FlowError::LeftDomain { time, mut left } => {
                 left.quantity = format!("{} at t = {time:.6e}", left.quantity);
-                left
+                return left;
             }
-            FlowError::StepTooSmall { time, step } => LeftDomain {
-                quantity: format!("the step of the flow at t = {time:.6e}"),
-                value: step,
-                verdict: "is too small",
-                remedy: "the solution blows up or the field is not smooth there".into(),
-            },
-            FlowError::TooManySteps { time, steps, step } => LeftDomain {
-                quantity: format!("the step of the flow at t = {time:.6e}"),
-                value: step,
-                verdict: "is too small",
-                remedy: format!(
+            FlowError::StepTooSmall { time, step } => {
+                (time, step, "the solution blows up or the field is not smooth there".into())
+            }
+            FlowError::TooManySteps { time, steps, step } => {
+                let remedy = format!(
                     "allow more than {steps} steps, divide the interval, or use the implicit method if the \
                      field is stiff"
-                ),
-            },
-            FlowError::Stiff { time, step, product } => LeftDomain {
-                quantity: format!("the step of the flow at t = {time:.6e}"),
-                value: step,
-                verdict: "is too small",
-                remedy: format!("h|λ| = {product:.1}: the field is stiff; use the implicit method"),
-            },
-        }
+                );
+                (time, step, remedy)
+            }
+            FlowError::Stiff { time, step, product } => {
+                let remedy =
+                    format!("h|λ| = {product:.1}: the field is stiff; use the implicit method");
+                (time, step, remedy)
+            }
+        };
+        let quantity = format!("the step of the flow at t = {time:.6e}");
+        LeftDomain { quantity, value: step, verdict: "is too small", remedy }
     }
 }

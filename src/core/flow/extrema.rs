@@ -1,7 +1,7 @@
 //! Extrema along a flow.
 
-use super::sight::{PARTS, Sample, Sight, crosses_once, keep_clear_of_zero, slopes};
-use super::step::{RealStep, Step};
+use super::step::Step;
+use super::watch_sampler::{PARTS, Sample, WatchSampler, crosses_once, keep_clear_of_zero, slopes};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watchable;
@@ -35,19 +35,13 @@ const SETTLED: f64 = 1e-5;
 /// use std::ops::ControlFlow;
 /// use tangency::core::flow::{Extrema, Extremum, Flow, Settings};
 /// use tangency::core::watch::State;
-/// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
-/// # struct Oscillator;
-/// # impl VectorField for Oscillator {
-/// #     fn names(&self) -> Names { Names::new(["x", "v"], ["frequency"]) }
-/// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-/// #         f[0] = x[1];
-/// #         f[1] = -p[0] * p[0] * x[0];
-/// #     }
-/// # }
+/// # use tangency::core::hybrid::InMode;
+/// # use tangency::problems::classic::ImpactOscillator;
+/// # let oscillator = InMode { system: &ImpactOscillator, mode: ImpactOscillator::FLIGHT };
 /// // x = sin t has its extrema at t = π/2 and 3π/2.
 /// let mut flow = Flow::new(Settings::default()).unwrap();
 /// let (mut extrema, mut found) = (Extrema::default(), Vec::<Extremum<f64>>::new());
-/// flow.observe(&Oscillator, 0.0, 6.0, &mut [0.0, 1.0], &[1.0], |step| {
+/// flow.observe(&oscillator, 0.0, 6.0, &mut [0.0, 1.0], &[0.0, 1.0, 1.0, 0.0, 9.0], |step| {
 ///     extrema.search(&State(0), step, |extremum| found.push(extremum));
 ///     ControlFlow::Continue(())
 /// }).unwrap();
@@ -59,12 +53,12 @@ const SETTLED: f64 = 1e-5;
 pub struct Extrema<T> {
     /// The last slope that was not zero.
     slope: f64,
-    sight: Sight<T>,
+    sampler: WatchSampler<T>,
 }
 
 impl<T: Scalar> Default for Extrema<T> {
     fn default() -> Self {
-        Extrema { slope: 0.0, sight: Sight::new() }
+        Extrema { slope: 0.0, sampler: WatchSampler::default() }
     }
 }
 
@@ -81,10 +75,20 @@ impl<T: Scalar> Extrema<T> {
         step: &mut Step<F, T>,
         visit: impl FnMut(Extremum<T>),
     ) {
-        let slopes = self.sight.ends(step, watch, None).as_ref().map(slopes);
+        let slopes = self.sampler.ends(step, watch, None).as_ref().map(slopes);
         if !self.passes(watch, step, slopes) {
             self.survey(watch, step, slopes, visit);
         }
+    }
+
+    /// Whether there may be an extremum in a step, of whatever numbers.
+    pub(in crate::core) fn may_turn<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, S>,
+    ) -> bool {
+        let slopes = self.sampler.ends(step, watch, None).as_ref().map(slopes);
+        !self.passes(watch, step, slopes)
     }
 
     /// Whether slopes show that there is no extremum in a step: those at the ends and in the middle, or, of a
@@ -116,10 +120,10 @@ impl<T: Scalar> Extrema<T> {
         mut visit: impl FnMut(Extremum<T>),
     ) {
         let brief = slopes.is_some_and(|slopes| crosses_once(&slopes));
-        self.sight.survey(step, watch, brief);
-        let mut left = self.sight.samples[0];
-        for k in 0..self.sight.samples.len() {
-            let right = self.sight.samples[k];
+        self.sampler.survey(step, watch, brief);
+        let mut left = self.sampler.samples[0];
+        for k in 0..self.sampler.samples.len() {
+            let right = self.sampler.samples[k];
             self.pass(watch, step, [left, right], &mut visit);
             left = right;
         }
@@ -135,12 +139,12 @@ impl<T: Scalar> Extrema<T> {
         visit: &mut impl FnMut(Extremum<T>),
     ) {
         if self.slope * right.slope < 0.0 {
-            let turn = self.sight.root(step, watch, [left, right], Sample::turning);
+            let turn = self.sampler.root(step, watch, [left, right], Sample::turning);
             let enough =
                 T::NDERIV == 0 && watch.state_index().is_some_and(|i| step.is_dense_enough(i));
             let (theta, value) = match enough {
                 true => turn.vertex().map(T::constant).into(),
-                false => improved(&mut self.sight, step, watch, turn.fraction),
+                false => improved(&mut self.sampler, step, watch, turn.fraction),
             };
             visit(Extremum { place: step.place(theta), value });
         }
@@ -150,35 +154,19 @@ impl<T: Scalar> Extrema<T> {
     }
 }
 
-impl Extrema<f64> {
-    /// The same in steps of dual numbers of an explicit method, without derivatives.
-    pub(in crate::core) fn search_real<F: FieldIn<T>, T: Scalar, W: Watchable<f64>>(
-        &mut self,
-        watch: &W,
-        step: &Step<F, T>,
-        real: &mut RealStep,
-        visit: impl FnMut(Extremum<f64>),
-    ) {
-        let slopes = self.sight.ends(step, watch, None).as_ref().map(slopes);
-        if !self.passes(watch, step, slopes) {
-            step.without_derivatives(real, |step| self.survey(watch, step, slopes, visit));
-        }
-    }
-}
-
 /// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every round gains the
 /// digits that dense output has, and one order of derivatives. Returns `θ` and the value there.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
-    sight: &mut Sight<T>,
+    sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,
     watch: &W,
     guess: f64,
 ) -> (T, T) {
-    let curvature = sight.curvature(step, watch, guess);
+    let curvature = sampler.curvature(step, watch, guess);
     let mut theta = T::constant(step.met_near(guess).unwrap_or(guess));
     let mut extreme = T::zero();
     for round in 0..ROUNDS {
-        let (value, slope) = sight.exact(step, watch, theta);
+        let (value, slope) = sampler.exact(step, watch, theta);
         let change = slope / curvature;
         extreme = value;
         let strayed = (theta - change - guess).real().abs() > 1.0 / PARTS as f64;

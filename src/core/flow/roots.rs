@@ -1,8 +1,8 @@
 //! Zeros along a flow: where a watched function falls through zero.
 
 use super::extrema::improved;
-use super::sight::{Sample, Sight, crosses_once, keep_clear_of_zero, slopes};
 use super::step::Step;
+use super::watch_sampler::{Sample, WatchSampler, crosses_once, keep_clear_of_zero, slopes};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watchable;
@@ -64,30 +64,27 @@ pub(in crate::core) enum Sign {
 /// ```
 /// use std::ops::ControlFlow;
 /// use tangency::core::flow::{Flow, Roots, Settings};
-/// # use tangency::core::{field::VectorField, scalar::Scalar, watch::Watch, zero::Names};
-/// # struct Clock;
-/// # impl VectorField for Clock {
-/// #     fn names(&self) -> Names { Names::new(["x"], ["p"]) }
-/// #     fn field<T: Scalar>(&self, _t: T, _x: &[T], _p: &[T], f: &mut [T]) { f[0] = T::one(); }
-/// # }
-/// /// `(x − 1)² − p`, negative for a short while.
+/// # use tangency::core::{hybrid::InMode, scalar::Scalar, watch::Watch};
+/// # use tangency::problems::classic::ImpactOscillator;
+/// # let oscillator = InMode { system: &ImpactOscillator, mode: ImpactOscillator::FLIGHT };
+/// /// Negative for a short while where `x` is largest.
 /// struct Dip;
 /// impl Watch for Dip {
-///     fn value<T: Scalar>(&self, _t: T, x: &[T], p: &[T]) -> T {
-///         (x[0] - 1.0).powi(2) - p[0]
+///     fn value<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
+///         -x[0] + 0.995
 ///     }
 /// }
-/// // x' = 1 takes long steps.
+/// // x = sin t.
 /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
 /// let (mut roots, mut found) = (Roots::of(Dip), Vec::new());
-/// flow.observe(&Clock, 0.0, 3.0, &mut [0.0], &[1e-8], |step| {
+/// flow.observe(&oscillator, 0.0, 3.0, &mut [0.0, 1.0], &[0.0, 1.0, 1.0, 0.0, 9.0], |step| {
 ///     roots.search(step, |step, root| {
 ///         found.push((step.time(root.fraction), root.rate));
 ///         ControlFlow::Continue(())
 ///     })
 /// }).unwrap();
 /// assert_eq!(found.len(), 1);
-/// assert!((found[0].0 - (1.0 - 1e-4)).abs() < 1e-12 && (found[0].1 + 2e-4).abs() < 1e-12);
+/// assert!((found[0].0 - 0.995_f64.asin()).abs() < 1e-11 && (found[0].1 + 0.995_f64.asin().cos()).abs() < 1e-11);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Roots<T, W> {
@@ -99,14 +96,14 @@ pub struct Roots<T, W> {
     far: Option<(f64, f64)>,
     /// What tolerances of the function are relative to.
     scale: f64,
-    sight: Sight<T>,
+    sampler: WatchSampler<T>,
 }
 
 impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     /// A search for the roots of a watched function.
     pub fn of(watch: W) -> Self {
-        let (scale, sight) = (watch.size(), Sight::new());
-        Roots { watch, sign: Sign::Unknown, end: None, far: None, scale, sight }
+        let (scale, sampler) = (watch.size(), WatchSampler::default());
+        Roots { watch, sign: Sign::Unknown, end: None, far: None, scale, sampler }
     }
 
     /// Begins a new flow, in which the roots of another function may be sought.
@@ -143,7 +140,7 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
             return ControlFlow::Continue(());
         }
         let start = self.end.map(|end| Sample { fraction: 0.0, slope: end.slope * step.h, ..end });
-        let ends = self.sight.ends(step, &self.watch, start);
+        let ends = self.sampler.ends(step, &self.watch, start);
         self.end = ends.map(|[_, end]| Sample { slope: end.slope / step.h, ..end });
         self.far = ends.map(|[start, end]| (end.value, end.value - start.value));
         if ends.is_some_and(|ends| self.keeps_positive(&ends) || self.rises(&ends)) {
@@ -151,10 +148,10 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         }
         let one_extremum = |slopes| crosses_once(&slopes) || keep_clear_of_zero(&slopes);
         let brief = ends.is_some_and(|ends| one_extremum(slopes(&ends)));
-        self.sight.survey(step, &self.watch, brief);
-        self.begin(self.sight.samples[0].value);
-        for k in 1..self.sight.samples.len() {
-            let piece = [self.sight.samples[k - 1], self.sight.samples[k]];
+        self.sampler.survey(step, &self.watch, brief);
+        self.begin(self.sampler.samples[0].value);
+        for k in 1..self.sampler.samples.len() {
+            let piece = [self.sampler.samples[k - 1], self.sampler.samples[k]];
             self.pass(step, piece, &mut visit)?;
         }
         ControlFlow::Continue(())
@@ -166,7 +163,7 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
         };
-        let value = self.sight.end_value(step, &self.watch);
+        let value = self.sampler.end_value(step, &self.watch);
         let changed = value - last;
         let far = value.min(last) > FAR * changed.abs().max(change.abs());
         self.far = far.then_some((value, changed));
@@ -216,10 +213,10 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         if left.slope == 0.0 || left.slope * right.slope > 0.0 {
             return self.fall(step, [left, right], visit);
         }
-        let mut turn = self.sight.root(step, &self.watch, [left, right], Sample::turning);
+        let mut turn = self.sampler.root(step, &self.watch, [left, right], Sample::turning);
         let change = (left.value - turn.value).abs().max((right.value - turn.value).abs());
         if turn.value.abs() < TANGENT * change {
-            let (theta, value) = improved(&mut self.sight, step, &self.watch, turn.fraction);
+            let (theta, value) = improved(&mut self.sampler, step, &self.watch, turn.fraction);
             (turn.fraction, turn.value) = (theta.real(), value.real());
         }
         self.fall(step, [left, turn], visit)?;
@@ -276,12 +273,12 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         let guess = if tangent {
             parabola
         } else {
-            self.sight.root(step, &self.watch, [left, right], Sample::crossing).fraction
+            self.sampler.root(step, &self.watch, [left, right], Sample::crossing).fraction
         };
         let (mut low, mut high) = (left.fraction, right.fraction);
         let (mut theta, mut last) = (guess, f64::INFINITY);
         for _ in 0..ROUNDS {
-            let (value, slope) = self.sight.exact(step, &self.watch, T::constant(theta));
+            let (value, slope) = self.sampler.exact(step, &self.watch, T::constant(theta));
             let change = value.real() / slope.real();
             let (size, next) = (change.abs(), theta - change);
             if size <= SETTLED || (size < NEAR && 2.0 * size > last) {
@@ -302,15 +299,15 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
     ) -> Root<T> {
         let mut theta = T::constant(fraction);
         for _ in 0..T::NDERIV {
-            let (value, slope) = self.sight.exact(step, &self.watch, theta);
-            let curvature = self.sight.curvature(step, &self.watch, fraction).real();
+            let (value, slope) = self.sampler.exact(step, &self.watch, theta);
+            let curvature = self.sampler.curvature(step, &self.watch, fraction).real();
             // Tangent to working accuracy: the place has no derivatives.
             if slope.real().powi(2) <= 2.0 * ZERO * self.scale * curvature.abs() {
                 break;
             }
             theta -= (value - value.real()) / slope;
         }
-        let (_, slope) = self.sight.exact(step, &self.watch, theta);
+        let (_, slope) = self.sampler.exact(step, &self.watch, theta);
         let rate = slope / (step.motion.length * step.h);
         Root { fraction: theta, rate }
     }

@@ -30,14 +30,9 @@ pub(super) struct Linearisation<T: Scalar> {
 
 impl<T: Scalar> Default for Linearisation<T> {
     fn default() -> Self {
-        Linearisation {
-            jacobian: Vec::new(),
-            time: Vec::new(),
-            matrix: Lu { n: 0, factors: Vec::new(), pivots: Vec::new() },
-            x: Vec::new(),
-            p: Vec::new(),
-            f: Vec::new(),
-        }
+        let (jacobian, time, x, p, f) = Default::default();
+        let matrix = Lu { n: 0, factors: Vec::new(), pivots: Vec::new() };
+        Linearisation { jacobian, time, matrix, x, p, f }
     }
 }
 

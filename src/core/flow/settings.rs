@@ -5,6 +5,7 @@ use super::tableau::{ORDER_EIGHT, ORDER_FIVE, Tableau};
 
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum Scheme {
     /// The explicit method of order 8 of Dormand and Prince (DOP853): from about six digits on the
     /// cheapest for smooth fields.
@@ -92,7 +93,7 @@ impl Settings {
         }
         for step in self.first_step.iter().chain([&self.largest_step]) {
             if !(*step > 0.0 && *step <= 1.0) {
-                return Err(SettingsError::Step { step: *step });
+                return Err(SettingsError::Step(*step));
             }
         }
         if self.max_steps == 0 { Err(SettingsError::Steps) } else { Ok(()) }

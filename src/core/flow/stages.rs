@@ -122,7 +122,17 @@ pub(super) fn combine<T: Scalar>(
         2 => combine_all::<T, 2>(x, h, row, slopes, out),
         3 => combine_all::<T, 3>(x, h, row, slopes, out),
         4 => combine_all::<T, 4>(x, h, row, slopes, out),
-        n => each_sum(n, h, row, slopes, |k| *k, |i, sum| out[i] = x[i] + sum),
+        // Two at a time, so that sums stay in registers.
+        n => {
+            for i in (0..n - n % 2).step_by(2) {
+                let [first, second] = sums::<T, 2>(i, n, h, row, slopes);
+                (out[i], out[i + 1]) = (x[i] + first, x[i + 1] + second);
+            }
+            if n % 2 == 1 {
+                let [last] = sums::<T, 1>(n - 1, n, h, row, slopes);
+                out[n - 1] = x[n - 1] + last;
+            }
+        }
     }
 }
 
@@ -159,42 +169,20 @@ fn combination<T: Scalar, const N: usize>(
     std::array::from_fn(|i| x[i] + sums[i])
 }
 
-/// Calls `take` with every component `i` of `h Σ_j a_j k_j`, two at a time so that sums stay in registers.
-#[inline(always)]
-pub(super) fn each_sum<T, S: Scalar>(
-    n: usize,
-    h: f64,
-    row: &[(usize, f64)],
-    slopes: &[T],
-    part: impl Fn(&T) -> S,
-    mut take: impl FnMut(usize, S),
-) {
-    for i in (0..n - n % 2).step_by(2) {
-        let [first, second] = sums::<T, S, 2>(i, n, h, row, slopes, &part);
-        take(i, first);
-        take(i + 1, second);
-    }
-    if n % 2 == 1 {
-        let [last] = sums::<T, S, 1>(n - 1, n, h, row, slopes, &part);
-        take(n - 1, last);
-    }
-}
-
 /// The components `i … i + N − 1` of `h Σ_j a_j k_j`.
 #[inline(always)]
-fn sums<T, S: Scalar, const N: usize>(
+fn sums<T: Scalar, const N: usize>(
     i: usize,
     n: usize,
     h: f64,
     row: &[(usize, f64)],
     slopes: &[T],
-    part: &impl Fn(&T) -> S,
-) -> [S; N] {
-    let mut sums = [S::zero(); N];
+) -> [T; N] {
+    let mut sums = [T::zero(); N];
     for (j, a) in row {
         let a = h * a;
         for (sum, k) in sums.iter_mut().zip(&slopes[j * n + i..j * n + i + N]) {
-            *sum += part(k) * a;
+            *sum += *k * a;
         }
     }
     sums

@@ -47,15 +47,9 @@ impl Known {
 
 impl<T: Scalar> Default for Buffers<T> {
     fn default() -> Self {
-        Buffers {
-            x: Vec::new(),
-            scales: Vec::new(),
-            stages: Stages::default(),
-            partial: Stages::default(),
-            linear: Linearisation::default(),
-            dense: Vec::new(),
-            slopes: Vec::new(),
-        }
+        let (x, scales, dense, slopes) = Default::default();
+        let (stages, partial, linear) = Default::default();
+        Buffers { x, scales, stages, partial, linear, dense, slopes }
     }
 }
 
@@ -262,7 +256,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
     }
 
     /// Shows this step of an explicit method without its derivatives.
-    pub(super) fn without_derivatives(
+    pub(in crate::core) fn without_derivatives(
         &self,
         real: &mut RealStep,
         show: impl FnOnce(&mut Step<F::Real<'_>, f64>),

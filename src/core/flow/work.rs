@@ -19,15 +19,10 @@ thread_local! {
 ///
 /// ```
 /// use tangency::core::flow::{Flow, Settings, work};
-/// # use tangency::core::{field::VectorField, scalar::Scalar, zero::Names};
-/// # struct Growth;
-/// # impl VectorField for Growth {
-/// #     fn names(&self) -> Names { Names::new(["x"], ["rate"]) }
-/// #     fn field<T: Scalar>(&self, _t: T, x: &[T], p: &[T], f: &mut [T]) { f[0] = p[0] * x[0]; }
-/// # }
+/// use tangency::problems::classic::Lure;
 /// let before = work();
 /// let mut flow = Flow::<f64>::new(Settings::default()).unwrap();
-/// let statistics = flow.advance(&Growth, 0.0, 1.0, &mut [1.0], &[1.0]).unwrap();
+/// let statistics = flow.advance(&Lure, 0.0, 1.0, &mut [0.1, 0.0, 0.0], &[0.8, 1.0]).unwrap();
 /// assert_eq!(work().evaluations - before.evaluations, statistics.evaluations as u64);
 /// assert_eq!(work().time - before.time, 1.0);
 /// ```

@@ -12,10 +12,11 @@
 //! and the time of return is the period. If it does not return to the point itself within some crossings, a section is
 //! laid through the last of them: transients go on dying out meanwhile.
 
+use super::cycle::{Cycle, CycleLeg};
 use super::erased::HybridEquations;
 use super::error::HybridError;
 use super::event::{Event, HybridObserver};
-use super::repetition::{Nearness, Repetition, distance, is_least, size};
+use super::repetition::{Nearness, Repetition, StateScales, is_least};
 use super::scales::time_scale;
 use super::simulation::{HybridFlow, HybridState};
 use crate::core::field::Forcing;
@@ -24,50 +25,6 @@ use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watch;
 use std::ops::ControlFlow;
-
-/// A leg of a periodic motion: from just after one event to just before the next.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CycleLeg {
-    /// The mode.
-    pub mode: usize,
-    /// The guard at which it ends; `None` if nothing happens in the whole cycle.
-    pub exit: Option<usize>,
-    /// How long it lasts.
-    pub duration: f64,
-    /// The state at its start.
-    pub start: Vec<f64>,
-    /// The state at its end.
-    pub end: Vec<f64>,
-    /// Whether it stands for the rest of a series of infinitely many events, up to their accumulation.
-    pub accumulation: bool,
-}
-
-/// One cycle of a periodic motion, from just after an event on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cycle {
-    /// When the first leg begins; under forcing its phase counts.
-    pub start: f64,
-    /// The legs, the last of which leads to the first.
-    pub legs: Vec<CycleLeg>,
-    /// The periods of the forcing in a cycle; 1 without forcing.
-    pub periods: usize,
-    /// How near the motion came back, as [`CycleSearch::tolerance`] measures it.
-    pub distance: f64,
-}
-
-impl Cycle {
-    /// How long a cycle lasts.
-    pub fn duration(&self) -> f64 {
-        self.legs.iter().map(|leg| leg.duration).sum()
-    }
-
-    /// How many events of one name there are, accumulations not counted.
-    pub fn count(&self, system: &dyn HybridEquations, name: &str) -> usize {
-        let guards = system.guards();
-        let named = |leg: &&CycleLeg| leg.exit.is_some_and(|exit| guards[exit].name == name);
-        self.legs.iter().filter(named).filter(|leg| !leg.accumulation).count()
-    }
-}
 
 /// Why a simulation has found no periodic motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -94,13 +51,10 @@ pub enum CycleSearchError {
     },
     /// A motion without forcing neither passes an event nor returns to a section across it.
     #[error(
-        "no event and no return came within a time of {longest}: the motion has settled on an equilibrium, or leaves; \
+        "no event and no return came within a time of {0}: the motion has settled on an equilibrium, or leaves; \
          raise `longest` if it is slow, or simulate elsewhere"
     )]
-    NoReturn {
-        /// The time waited.
-        longest: f64,
-    },
+    NoReturn(f64),
 }
 
 /// The search for periodic motion by simulation: how long to look, and when a motion repeats.
@@ -188,24 +142,28 @@ impl CycleSearch {
     ) -> Result<Cycle, CycleSearchError> {
         let phase = state.time;
         let skipped = (self.transient / period).max(0.0) as usize;
-        let mut repetition = Repetition::new(self.max_period, self.tolerance);
+        let scales = &StateScales::of(flow.system(), p);
+        let mut repetition = Repetition::new(self.max_period, self.tolerance, scales.clone());
         for k in 0..skipped.saturating_add(self.returns) {
             // From the same time in every period: long times have fewer digits.
             state.time = phase;
             let before = state.clone();
-            let mut sample = Sample { start: &before.x, ..Sample::default() };
+            let mut sample = Sample::new(&before, scales);
             flow.advance(&mut state, period, p, &mut sample)?;
             if k < skipped {
                 continue;
             }
             let Sample { guards, largest, diameter, .. } = sample;
-            let size = if guards.is_empty() { diameter } else { largest.max(size(&state.x)) };
+            let last = scales.size(state.mode, &state.x);
+            let size = if guards.is_empty() { diameter } else { largest.max(last) };
             let found = repetition.push(before.clone(), guards, &state, size);
             if let Some(q) = found.filter(|q| repetition.is_least(*q, &state)) {
                 state.time = phase;
-                let mut cycle = cycle(flow, state, q, period, p)?;
-                cycle.distance = repetition.nearness.least;
-                return Ok(cycle);
+                let (start, duration) = (state.clone(), period * q as f64);
+                let events = flow.events(&mut state, duration, p)?;
+                let cycle = Cycle::through(&events, duration, q)
+                    .unwrap_or_else(|| Cycle::smooth(start, duration, state.x, q));
+                return Ok(Cycle { distance: repetition.nearness.least, ..cycle });
             }
         }
         Err(self.unsettled(self.returns, repetition.nearness))
@@ -220,21 +178,23 @@ impl CycleSearch {
     ) -> Result<Cycle, CycleSearchError> {
         flow.advance(&mut state, self.transient, p, &mut ())?;
         let system = flow.system();
+        let scales = StateScales::of(system, p);
         let mut returns = Returns {
             search: self,
             system,
             p,
-            section: Some(Section::through(system, p, state.clone())),
+            section: Some(Section::through(system, p, state.clone(), scales.clone())),
             events: Vec::new(),
             positions: Vec::new(),
             count: 0,
-            nearness: Nearness::new(),
+            nearness: Nearness::new(scales.clone()),
+            scales,
             cycle: None,
         };
         flow.advance(&mut state, self.longest, p, &mut returns)?;
         let Returns { events, count, nearness, cycle, .. } = returns;
         cycle.ok_or_else(|| match events.is_empty() && count == 0 {
-            true => CycleSearchError::NoReturn { longest: self.longest },
+            true => CycleSearchError::NoReturn(self.longest),
             false => self.unsettled(count, nearness),
         })
     }
@@ -246,9 +206,9 @@ impl CycleSearch {
 }
 
 /// What happens in one period of the forcing.
-#[derive(Default)]
 struct Sample<'a> {
-    start: &'a [f64],
+    start: &'a HybridState<f64>,
+    scales: &'a StateScales,
     guards: Vec<usize>,
     /// The size of the largest state after an event.
     largest: f64,
@@ -256,16 +216,23 @@ struct Sample<'a> {
     diameter: f64,
 }
 
+impl<'a> Sample<'a> {
+    fn new(start: &'a HybridState<f64>, scales: &'a StateScales) -> Self {
+        Sample { start, scales, guards: Vec::new(), largest: 0.0, diameter: 0.0 }
+    }
+}
+
 impl HybridObserver<f64> for Sample<'_> {
-    fn step<F: FieldIn<f64>>(&mut self, _mode: usize, step: &mut Step<F, f64>, _end: f64) {
+    fn step<F: FieldIn<f64>>(&mut self, mode: usize, step: &mut Step<F, f64>, _end: f64) {
         if self.guards.is_empty() {
-            self.diameter = self.diameter.max(distance(step.end(), self.start));
+            let distance = self.scales.distance(mode, step.end(), &self.start.x);
+            self.diameter = self.diameter.max(distance);
         }
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
         self.guards.push(event.guard);
-        self.largest = self.largest.max(size(&event.after));
+        self.largest = self.largest.max(self.scales.size(event.next, &event.after));
         ControlFlow::Continue(())
     }
 }
@@ -293,6 +260,7 @@ impl Watch for Across {
 /// A section across the motion, and the crossings of it.
 struct Section {
     start: HybridState<f64>,
+    scales: StateScales,
     roots: Roots<f64, Across>,
     /// The largest distance of the motion from the start.
     diameter: f64,
@@ -301,15 +269,22 @@ struct Section {
 }
 
 impl Section {
-    fn through(system: &dyn HybridEquations, p: &[f64], start: HybridState<f64>) -> Self {
+    fn through(
+        system: &dyn HybridEquations,
+        p: &[f64],
+        start: HybridState<f64>,
+        scales: StateScales,
+    ) -> Self {
         let mut normal = vec![0.0; start.x.len()];
         system.field(start.mode, start.time, &start.x, p, &mut normal);
-        let scale = size(&normal).powi(2) * time_scale(system, p);
+        let scale = scales.size(start.mode, &normal).powi(2) * time_scale(system, p);
+        let units = scales.of_mode(start.mode);
+        normal.iter_mut().zip(units).for_each(|(normal, unit)| *normal /= unit * unit);
         let across = Across { base: start.x.clone(), normal, scale };
         let mut roots = Roots::of(across.clone());
         // Motion counts as having crossed it where it begins.
         roots.resume(across, Sign::Fallen);
-        Section { start, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
+        Section { start, scales, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
     }
 
     /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
@@ -318,8 +293,9 @@ impl Section {
         step: &mut Step<F, f64>,
         end: f64,
     ) -> Option<HybridState<f64>> {
-        let Section { start, roots, diameter, distances } = self;
-        *diameter = diameter.max(distance(step.end(), &start.x));
+        let Section { start, scales, roots, diameter, distances } = self;
+        let from_start = |x: &[f64]| scales.distance(start.mode, x, &start.x);
+        *diameter = diameter.max(from_start(step.end()));
         let mut found = None;
         let _ = roots.search(step, |step, root| {
             let mut x = start.x.clone();
@@ -329,23 +305,9 @@ impl Section {
             ControlFlow::Break(())
         });
         if let Some(crossing) = &found {
-            distances.push(distance(&crossing.x, &start.x) / *diameter);
+            distances.push(from_start(&crossing.x) / *diameter);
         }
         found
-    }
-
-    /// The motion from the start to a crossing as a cycle.
-    fn cycle(&self, end: HybridState<f64>, distance: f64) -> Cycle {
-        let HybridState { mode, time, x } = self.start.clone();
-        let leg = CycleLeg {
-            mode,
-            exit: None,
-            duration: end.time - time,
-            start: x,
-            end: end.x,
-            accumulation: false,
-        };
-        Cycle { start: time, legs: vec![leg], periods: 1, distance }
     }
 }
 
@@ -361,6 +323,7 @@ struct Returns<'a> {
     /// The number of returns.
     count: usize,
     nearness: Nearness,
+    scales: StateScales,
     cycle: Option<Cycle>,
 }
 
@@ -372,7 +335,11 @@ impl Returns<'_> {
         let back = |nearness: &Nearness, q: usize| {
             let old = &events[positions[positions.len() - q]];
             let alike = old.next == event.next;
-            if alike { nearness.distance(&old.after, &event.after) } else { f64::INFINITY }
+            if alike {
+                nearness.distance(old.next, &old.after, &event.after)
+            } else {
+                f64::INFINITY
+            }
         };
         let most = max_period.min(positions.len());
         let found = nearness.first(most, tolerance, back);
@@ -382,7 +349,8 @@ impl Returns<'_> {
     /// The legs from an event to the last one.
     fn cycle_from(&self, first: usize) -> Cycle {
         let events = &self.events[first..];
-        let legs = events.windows(2).map(|pair| leg(&pair[0], &pair[1], 0.0)).collect();
+        let legs =
+            events.windows(2).map(|pair| CycleLeg::between(&pair[0], &pair[1], 0.0)).collect();
         Cycle { start: events[0].time, legs, periods: 1, distance: self.nearness.least }
     }
 }
@@ -402,17 +370,19 @@ impl HybridObserver<f64> for Returns<'_> {
         self.nearness.least = self.nearness.least.min(distance);
         let returned = distance <= tolerance;
         if returned && is_least(crossings, |q| section.distances[q - 1]) {
-            self.cycle = Some(section.cycle(state, distance));
+            let (start, duration) = (section.start.clone(), state.time - section.start.time);
+            let cycle = Cycle::smooth(start, duration, state.x, 1);
+            self.cycle = Some(Cycle { distance, ..cycle });
         } else if returned || crossings >= max_period {
-            *section = Section::through(self.system, self.p, state);
+            *section = Section::through(self.system, self.p, state, self.scales.clone());
         }
     }
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
         if self.section.take().is_some() {
-            (self.count, self.nearness) = (0, Nearness::new());
+            (self.count, self.nearness) = (0, Nearness::new(self.scales.clone()));
         }
-        self.nearness.extend(size(&event.after));
+        self.nearness.extend(self.scales.size(event.next, &event.after));
         let same = |first: &Event<f64>| (first.guard, first.mode) == (event.guard, event.mode);
         let sampled = self.events.first().is_none_or(same) && !event.accumulation;
         let found = if sampled { self.returned(event) } else { None };
@@ -424,47 +394,5 @@ impl HybridObserver<f64> for Returns<'_> {
         self.events.push(event.clone());
         self.cycle = first.map(|first| self.cycle_from(first));
         if self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// The legs of `q` periods.
-fn cycle(
-    flow: &mut HybridFlow<f64>,
-    mut state: HybridState<f64>,
-    q: usize,
-    period: f64,
-    p: &[f64],
-) -> Result<Cycle, HybridError> {
-    let (start, duration) = (state.clone(), period * q as f64);
-    let events = flow.events(&mut state, duration, p)?;
-    let (first, last) = match (events.first(), events.last()) {
-        (Some(first), Some(last)) => (first, last),
-        _ => {
-            let HybridState { mode, time, x } = start;
-            let leg = CycleLeg {
-                mode,
-                exit: None,
-                duration,
-                start: x,
-                end: state.x,
-                accumulation: false,
-            };
-            return Ok(Cycle { start: time, legs: vec![leg], periods: q, distance: 0.0 });
-        }
-    };
-    let inner = events.windows(2).map(|pair| leg(&pair[0], &pair[1], 0.0));
-    let legs = inner.chain([leg(last, first, duration)]).collect();
-    Ok(Cycle { start: first.time, legs, periods: q, distance: 0.0 })
-}
-
-/// The leg between two events, the second of which is to come so much later.
-fn leg(from: &Event<f64>, to: &Event<f64>, later: f64) -> CycleLeg {
-    CycleLeg {
-        mode: to.mode,
-        exit: Some(to.guard),
-        duration: to.time + later - from.time,
-        start: from.after.clone(),
-        end: to.before.clone(),
-        accumulation: to.accumulation,
     }
 }

@@ -3,9 +3,7 @@
 //! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps see it through
 //! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every system.
 
-use super::passage::Passage;
-use super::scales::{Scales, state_scales};
-use super::system::{Guard, HybridSystem, Mode};
+use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::field::Forcing;
 use crate::core::flow::Lanes;
@@ -17,42 +15,80 @@ use crate::core::watch::Observable;
 use crate::core::zero::LeftDomain;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 
-/// The guards of a system in one scalar.
-pub trait Guards<T> {
-    /// A guard in a mode, positive while the mode lasts.
-    fn guard_in(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+/// States the methods of systems in one scalar: as a trait that every [`HybridSystem`] implements, as a trait by which
+/// generic code selects the scalar, and as methods of [`HybridEquations`].
+macro_rules! faces {
+    ($(
+        $(#[$of_face:meta])* $face:ident;
+        $(#[$of_number:meta])* $number:ident: $super:ident $(+ $other:ident)?, by $select:ident {
+            $($(#[$doc:meta])*
+            fn $name:ident as $inner:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
+        }
+    )*) => {$(
+        $(#[$of_face])*
+        pub trait $face<T> {
+            $($(#[$doc])* fn $inner(&self, $($argument: $type),*) -> $result;)*
+        }
+
+        impl<H: HybridSystem, T: Scalar> $face<T> for H {
+            $(fn $inner(&self, $($argument: $type),*) -> $result {
+                HybridSystem::$name(self, $($argument),*)
+            })*
+        }
+
+        $(#[$of_number])*
+        pub trait $number: $super $(+ $other)? {
+            /// The system in this scalar.
+            fn $select<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn $face<Self> + 'a);
+        }
+
+        impl dyn HybridEquations + '_ {
+            $($(#[$doc])* pub fn $name<T: $number>(&self, $($argument: $type),*) -> $result {
+                T::$select(self).$inner($($argument),*)
+            })*
+        }
+    )*};
 }
 
-/// The resets and the forcing of a system in one scalar.
-pub trait Resets<T> {
-    /// The state just after an event between modes `(mode, next)`, written into `after`.
-    fn reset_in(
-        &self,
-        guard: usize,
-        modes: (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    );
+faces! {
+    /// The guards of a system in one scalar.
+    Guards;
+    /// A scalar in which the guards of any hybrid system can be evaluated.
+    GuardNumber: Scalar, by guards {
+        /// A guard in a mode, positive while the mode lasts.
+        fn guard as guard_in(guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+    }
 
-    /// The period of a periodic forcing.
-    fn period_in(&self, p: &[T]) -> T;
+    /// The resets and the forcing of a system in one scalar.
+    Resets;
+    /// A scalar in which events of any hybrid system can be evaluated.
+    EventNumber: FieldNumber + GuardNumber, by resets {
+        /// The state just after an event between modes `(mode, next)`, written into `after`.
+        fn reset as reset_in(
+            guard: usize, modes: (usize, usize), t: T, x: &[T], p: &[T], after: &mut [T]
+        ) -> ();
+        /// The period of a periodic forcing.
+        fn period as period_in(p: &[T]) -> T;
+    }
+
+    /// The measures of a system's cycles, and its monitors, in one scalar.
+    Measures;
+    /// A scalar in which the measures of any hybrid system can be evaluated.
+    MeasureNumber: Scalar, by measures {
+        /// The number at a position, from the legs of a cycle of several periods.
+        fn measure as measure_in(
+            position: usize, legs: &[Passage<T>], periods: usize, p: &[T]
+        ) -> T;
+        /// A monitor in a mode.
+        fn monitor as monitor_in(monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+    }
 }
 
-/// The measures of a system's cycles, and its monitors, in one scalar.
-pub trait Measures<T> {
-    /// The number at a position, from the legs of a cycle of several periods.
-    fn measure_in(&self, position: usize, legs: &[Passage<T>], periods: usize, p: &[T]) -> T;
-
-    /// A monitor in a mode.
-    fn monitor_in(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
-}
-
-/// Declares [`HybridEquations`] with the scalars in which fields, guards, resets and measures are evaluated,
-/// and the traits by which generic code selects a scalar.
-macro_rules! scalars {
+/// Declares [`HybridEquations`]: methods that are those of a [`HybridSystem`], and the scalars in which its fields,
+/// guards, resets and measures are evaluated; and the traits by which generic code selects a scalar.
+macro_rules! equations {
     (
+        $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
         wide: $($wide:ty)*;
         explicit: $($explicit:ty)*;
         only_wide: $($only_wide:ty)*;
@@ -67,37 +103,16 @@ macro_rules! scalars {
             $(Guards<$guards> +)* $(Resets<$resets> +)* $(Measures<$measures> +)*
             RealFields + Send + Sync
         {
-            /// The modes, with the names of their states.
-            fn modes(&self) -> Vec<Mode>;
-            /// The guards of all modes.
-            fn guards(&self) -> Vec<Guard>;
-            /// The names of the parameters.
-            fn parameters(&self) -> Vec<String>;
-            /// Default values of all parameters, if the system states them.
-            fn defaults(&self) -> Vec<f64>;
-            /// The mode that follows an event.
-            fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
-            /// The mode in which motion goes on where the events of a guard accumulate.
-            fn mode_after_accumulation(
-                &self,
-                guard: usize,
-                mode: usize,
-                t: f64,
-                x: &[f64],
-                p: &[f64],
-            ) -> Option<usize>;
-            /// Whether fields and guards may be evaluated in lanes.
-            fn in_lanes(&self) -> bool;
-            /// The forcing.
-            fn forcing(&self) -> Forcing;
-            /// Typical sizes of times and states.
-            fn scales(&self, p: &[f64]) -> Scales;
-            /// The names of the monitors.
-            fn monitors(&self) -> Vec<String>;
-            /// What is recorded along a branch of orbits, by name.
-            fn measures(&self) -> Vec<(String, Measure)>;
-            /// The names of states that count from the start of every mode.
-            fn cumulative_states(&self) -> Vec<String>;
+            $(
+                #[doc = concat!("[`HybridSystem::", stringify!($name), "`].")]
+                fn $name(&self, $($argument: $type),*) -> $result;
+            )*
+        }
+
+        impl<H: HybridSystem> HybridEquations for H {
+            $(fn $name(&self, $($argument: $type),*) -> $result {
+                HybridSystem::$name(self, $($argument),*)
+            })*
         }
 
         $(impl FieldNumber for $wide {
@@ -110,25 +125,20 @@ macro_rules! scalars {
                 Some(system)
             }
         })*
-        $(impl FieldNumber for $explicit {
-            fn fields<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Fields<Self> + 'a) {
-                system
-            }
-        })*
-        $(impl GuardNumber for $guards {
-            fn guards<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Guards<Self> + 'a) {
-                system
-            }
-        })*
-        $(impl EventNumber for $resets {
-            fn resets<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Resets<Self> + 'a) {
-                system
-            }
-        })*
-        $(impl MeasureNumber for $measures {
-            fn measures<'a>(
+        select! { FieldNumber fields Fields: $($explicit)* }
+        select! { GuardNumber guards Guards: $($guards)* }
+        select! { EventNumber resets Resets: $($resets)* }
+        select! { MeasureNumber measures Measures: $($measures)* }
+    };
+}
+
+/// Sees a system in each of some scalars.
+macro_rules! select {
+    ($number:ident $method:ident $equations:ident: $($scalar:ty)*) => {
+        $(impl $number for $scalar {
+            fn $method<'a>(
                 system: &'a (dyn HybridEquations + 'a),
-            ) -> &'a (dyn Measures<Self> + 'a) {
+            ) -> &'a (dyn $equations<Self> + 'a) {
                 system
             }
         })*
@@ -165,25 +175,19 @@ pub trait FieldNumber: Scalar {
     }
 }
 
-/// A scalar in which the guards of any hybrid system can be evaluated.
-pub trait GuardNumber: Scalar {
-    /// The guards of a system in this scalar.
-    fn guards<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Guards<Self> + 'a);
-}
-
-/// A scalar in which events of any hybrid system can be evaluated.
-pub trait EventNumber: FieldNumber + GuardNumber {
-    /// Resets and forcing of a system in this scalar.
-    fn resets<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Resets<Self> + 'a);
-}
-
-/// A scalar in which the measures of any hybrid system can be evaluated.
-pub trait MeasureNumber: Scalar {
-    /// The measures of a system in this scalar.
-    fn measures<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Measures<Self> + 'a);
-}
-
-scalars! {
+equations! {
+    fn modes() -> Vec<Mode>;
+    fn guards() -> Vec<Guard>;
+    fn parameters() -> Vec<String>;
+    fn defaults() -> Vec<f64>;
+    fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+    fn mode_after_accumulation(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize>;
+    fn in_lanes() -> bool;
+    fn forcing() -> Forcing;
+    fn scales(p: &[f64]) -> Scales;
+    fn monitors() -> Vec<String>;
+    fn measures() -> Vec<(String, Measure)>;
+    fn cumulative_states() -> Vec<String>;
     wide: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
     explicit: Lanes Dual<Lanes>
         Jet<16> Jet<64> Jet<256> Jet<1024>
@@ -202,45 +206,10 @@ scalars! {
     measures: f64 Dual64 Dual2_64 Chunk;
 }
 
-/// What a [`HybridSystem`] evaluates, in any of the scalars listed.
 impl dyn HybridEquations + '_ {
     /// The field of a mode, written into `f`.
     pub fn field<T: FieldNumber>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         T::fields(self).field_of(mode, t, x, p, f);
-    }
-
-    /// A guard in a mode.
-    pub fn guard<T: GuardNumber>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        T::guards(self).guard_in(guard, mode, t, x, p)
-    }
-
-    /// The state just after an event, written into `after`.
-    pub fn reset<T: EventNumber>(
-        &self,
-        guard: usize,
-        modes: (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        T::resets(self).reset_in(guard, modes, t, x, p, after);
-    }
-
-    /// The period of a periodic forcing.
-    pub fn period<T: EventNumber>(&self, p: &[T]) -> T {
-        T::resets(self).period_in(p)
-    }
-
-    /// A measure of a cycle.
-    pub fn measure<T: MeasureNumber>(
-        &self,
-        position: usize,
-        legs: &[Passage<T>],
-        periods: usize,
-        p: &[T],
-    ) -> T {
-        T::measures(self).measure_in(position, legs, periods, p)
     }
 
     /// A state or a monitor in a mode.
@@ -254,7 +223,7 @@ impl dyn HybridEquations + '_ {
     ) -> T {
         match observable {
             Observable::State(i) => x[i],
-            Observable::Function(monitor) => T::measures(self).monitor_in(monitor, mode, t, x, p),
+            Observable::Function(monitor) => self.monitor(monitor, mode, t, x, p),
         }
     }
 
@@ -277,7 +246,11 @@ impl<H: HybridSystem> Domains for H {
     }
 
     fn scales_of(&self, mode: usize, p: &[f64]) -> Vec<f64> {
-        state_scales(self, mode, p)
+        let scales = self.scales(p);
+        if scales.states.is_empty() {
+            return Vec::new();
+        }
+        self.states_of(mode).iter().map(|state| scales.of(state)).collect()
     }
 }
 
@@ -285,67 +258,5 @@ impl<H: HybridSystem, T: Scalar> Fields<T> for H {
     #[inline]
     fn field_of(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
         self.field(mode, t, x, p, f);
-    }
-}
-
-impl<H: HybridSystem, T: Scalar> Guards<T> for H {
-    fn guard_in(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        self.guard(guard, mode, t, x, p)
-    }
-}
-
-impl<H: HybridSystem, T: Scalar> Resets<T> for H {
-    fn reset_in(
-        &self,
-        guard: usize,
-        modes: (usize, usize),
-        t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        self.reset(guard, modes, t, x, p, after);
-    }
-
-    fn period_in(&self, p: &[T]) -> T {
-        self.period(p)
-    }
-}
-
-impl<H: HybridSystem, T: Scalar> Measures<T> for H {
-    fn measure_in(&self, position: usize, legs: &[Passage<T>], periods: usize, p: &[T]) -> T {
-        self.measure(position, legs, periods, p)
-    }
-
-    fn monitor_in(&self, monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
-        self.monitor(monitor, mode, t, x, p)
-    }
-}
-
-/// Forwards methods that are no different behind the object-safe face.
-macro_rules! forward {
-    ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
-        $(fn $name(&self, $($argument: $type),*) -> $result {
-            HybridSystem::$name(self, $($argument),*)
-        })*
-    };
-}
-
-impl<H: HybridSystem> HybridEquations for H {
-    forward! {
-        modes() -> Vec<Mode>;
-        guards() -> Vec<Guard>;
-        parameters() -> Vec<String>;
-        defaults() -> Vec<f64>;
-        next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
-        mode_after_accumulation(
-            guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]
-        ) -> Option<usize>;
-        in_lanes() -> bool;
-        forcing() -> Forcing;
-        scales(p: &[f64]) -> Scales;
-        monitors() -> Vec<String>;
-        measures() -> Vec<(String, Measure)>;
-        cumulative_states() -> Vec<String>;
     }
 }

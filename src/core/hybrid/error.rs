@@ -4,6 +4,7 @@ use crate::core::flow::{FlowError, SettingsError};
 
 /// Why a hybrid motion ends before its time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum HybridError {
     /// A setting of the flow has no meaning.
     #[error(transparent)]
@@ -32,15 +33,12 @@ pub enum HybridError {
         mode: usize,
         /// How many there are.
         modes: usize,
-        /// After which event: empty at the start.
-        after: After,
+        /// After which event, in words; empty at the start.
+        after: String,
     },
     /// Events happen forwards in time only.
-    #[error("a hybrid motion cannot be followed for a time of {duration}: resets have no inverse")]
-    Backward {
-        /// The duration asked for.
-        duration: f64,
-    },
+    #[error("a hybrid motion cannot be followed for a time of {0}: resets have no inverse")]
+    Backward(f64),
     /// A guard is negative where its mode begins.
     #[error(
         "at t = {time:.9e}, {after}mode {mode} begins where its guard {guard} is {value:.3e}, though it lasts \
@@ -55,8 +53,8 @@ pub enum HybridError {
         guard: String,
         /// Its value.
         value: f64,
-        /// After which event: empty at the start.
-        after: After,
+        /// After which event, in words; empty at the start.
+        after: String,
     },
     /// The flow of a mode ends.
     #[error("in mode {mode} the motion ends: {source}")]
@@ -103,17 +101,4 @@ pub enum HybridError {
         /// Within which time.
         span: f64,
     },
-}
-
-/// The event after which something is wrong, if it is not the start.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct After(pub Option<String>);
-
-impl std::fmt::Display for After {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.0 {
-            Some(event) => write!(f, "after event {event}, "),
-            None => Ok(()),
-        }
-    }
 }

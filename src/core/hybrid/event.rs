@@ -80,31 +80,14 @@ pub struct Piece {
 ///
 /// ```
 /// use tangency::core::hybrid::{History, HybridFlow, HybridSettings, HybridState};
-/// # use tangency::core::{hybrid::{Guard, HybridSystem, Mode}, scalar::Scalar};
-/// # struct Ball;
-/// # impl HybridSystem for Ball {
-/// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
-/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", [0])] }
-/// #     fn parameters(&self) -> Vec<String> { vec!["gravity".into(), "restitution".into()] }
-/// #     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-/// #         (f[0], f[1]) = (x[1], -p[0]);
-/// #     }
-/// #     fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
-/// #     fn reset<T: Scalar>(
-/// #         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], p: &[T], after: &mut [T],
-/// #     ) {
-/// #         (after[0], after[1]) = (x[0], -p[1] * x[1]);
-/// #     }
-/// #     fn next_mode(&self, _g: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
-/// # }
-/// let mut flow = HybridFlow::new(&Ball, HybridSettings::default())?;
-/// let mut ball = HybridState { mode: 0, time: 0.0, x: vec![0.5, 0.0] };
+/// use tangency::problems::classic::ImpactOscillator;
+/// // Without force and loss, x = sin t up to the stop at 0.8, and back.
+/// let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default())?;
+/// let mut mass = HybridState { mode: ImpactOscillator::FLIGHT, time: 0.0, x: vec![0.0, 1.0] };
 /// let mut history = History::new(4);
-/// flow.advance(&mut ball, 1.5, &[1.0, 0.5], &mut history)?;
-/// // It falls for a time of 1, and is thrown back with half its speed: for 0.5 it rises.
-/// assert_eq!(history.events.len(), 1);
-/// assert!((history.events[0].time - 1.0).abs() < 1e-12);
-/// assert!(ball.x[1].abs() < 1e-12 && history.pieces.len() == 2);
+/// flow.advance(&mut mass, 1.0, &[0.0, 1.0, 1.0, 0.0, 0.8], &mut history)?;
+/// assert!(history.events.len() == 1 && history.pieces.len() == 2);
+/// assert!((history.events[0].time - 0.8_f64.asin()).abs() < 1e-12);
 /// # Ok::<(), tangency::core::hybrid::HybridError>(())
 /// ```
 #[derive(Clone, Debug)]

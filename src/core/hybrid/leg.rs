@@ -1,18 +1,14 @@
 //! One mode as a vector field, guards and other scalars as watched functions.
 
-use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
-use super::scales::state_scales;
-use super::simulation::HybridFlow;
+use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
+use super::scales::typical_scale;
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
+use crate::core::scalar_field::Domains;
 use crate::core::watch::{Observable, WatchIn, Watchable};
 use crate::core::zero::{LeftDomain, Names};
 use num_dual::{Dual, Dual2};
-
-/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
-/// tells how fast things change.
-const PART_OF_PERIOD: f64 = 0.125;
 
 /// The vector field of one mode.
 pub struct InMode<'a, S> {
@@ -41,7 +37,7 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
     }
 
     fn scales(&self, p: &[f64]) -> Vec<f64> {
-        state_scales(self.system, self.mode, p)
+        self.system.scales_of(self.mode, p)
     }
 
     fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
@@ -91,6 +87,19 @@ pub struct GuardOf<'a> {
     pub scale: f64,
 }
 
+impl<'a> GuardOf<'a> {
+    /// A guard with its scale where the states have half of theirs.
+    pub(in crate::core) fn typical(
+        system: &'a dyn HybridEquations,
+        guard: usize,
+        mode: usize,
+        p: &[f64],
+    ) -> Self {
+        let scale = typical_scale(system, mode, p, |t, x, p| system.guard(guard, mode, t, x, p));
+        GuardOf { system, guard, mode, scale }
+    }
+}
+
 impl<T: GuardNumber> WatchIn<T> for GuardOf<'_> {
     fn value_in(&self, t: T, x: &[T], p: &[T]) -> T {
         self.system.guard(self.guard, self.mode, t, x, p)
@@ -112,13 +121,27 @@ where
 }
 
 /// A state or a monitor as a function to be watched along the flow of one of its system's modes.
-pub struct ScalarOf<'a> {
-    /// The hybrid system.
+pub(in crate::core) struct ScalarOf<'a> {
     pub system: &'a dyn HybridEquations,
-    /// The scalar.
     pub observable: Observable,
-    /// The mode.
     pub mode: usize,
+    /// The size of its typical changes.
+    pub scale: f64,
+}
+
+impl<'a> ScalarOf<'a> {
+    pub fn new(
+        system: &'a dyn HybridEquations,
+        observable: Observable,
+        mode: usize,
+        p: &[f64],
+    ) -> Self {
+        let value = |t, x: &_, p: &_| system.observe(observable, mode, t, x, p);
+        // Of a state, a flow knows the scale.
+        let scale =
+            observable.state().map_or_else(|| typical_scale(system, mode, p, value), |_| 1.0);
+        ScalarOf { system, observable, mode, scale }
+    }
 }
 
 impl<T: MeasureNumber> WatchIn<T> for ScalarOf<'_> {
@@ -133,21 +156,6 @@ impl Watchable<f64> for ScalarOf<'_> {
     }
 
     fn size(&self) -> f64 {
-        1.0
-    }
-}
-
-impl<T: EventNumber> HybridFlow<'_, T> {
-    /// Prepares the flow for a leg that lasts no longer than this.
-    pub(super) fn prepare_leg(&mut self, left: f64) {
-        let period = match self.system.forcing() {
-            Forcing::None => f64::INFINITY,
-            Forcing::Periodic { .. } => self.system.period(&self.p),
-        };
-        let largest = self.settings.flow.largest_step;
-        self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left);
-        // Fields of different modes have much in common: the forcing, and most of the forces.
-        let pace = self.pace.map(|pace| (pace / left).min(1.0));
-        self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
+        self.scale
     }
 }

@@ -1,21 +1,50 @@
 //! Whether a motion has come back to where it was.
 
+use super::erased::HybridEquations;
 use super::simulation::HybridState;
 use std::collections::VecDeque;
 
 /// A motion that comes back after several returns has not come back after fewer: those are farther by this factor.
 const DISTINCT: f64 = 1e3;
 
+/// The scales of the states of each mode, in units of which sizes and distances are; all 1 where there are none.
+#[derive(Clone, Debug, Default)]
+pub(in crate::core) struct StateScales(Vec<Vec<f64>>);
+
+impl StateScales {
+    pub(super) fn of(system: &dyn HybridEquations, p: &[f64]) -> Self {
+        let modes = 0..system.modes().len();
+        StateScales(modes.map(|mode| system.scales_of(mode, p)).collect())
+    }
+
+    pub(super) fn of_mode(&self, mode: usize) -> impl Iterator<Item = &f64> {
+        self.0.get(mode).into_iter().flatten().chain(std::iter::repeat(&1.0))
+    }
+
+    /// The Euclidean norm of a state of a mode.
+    pub(super) fn size(&self, mode: usize, x: &[f64]) -> f64 {
+        let parts = x.iter().zip(self.of_mode(mode)).map(|(x, scale)| x / scale);
+        parts.map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// The Euclidean distance of two states of a mode.
+    pub(super) fn distance(&self, mode: usize, a: &[f64], b: &[f64]) -> f64 {
+        let parts = a.iter().zip(b).zip(self.of_mode(mode)).map(|((a, b), scale)| (a - b) / scale);
+        parts.map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
 /// How near states have come to each other, in units of a size.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Nearness {
+    scales: StateScales,
     largest: f64,
     pub least: f64,
 }
 
 impl Nearness {
-    pub fn new() -> Self {
-        Nearness { largest: f64::MIN_POSITIVE, least: f64::INFINITY }
+    pub fn new(scales: StateScales) -> Self {
+        Nearness { scales, largest: f64::MIN_POSITIVE, least: f64::INFINITY }
     }
 
     /// Takes in a size that may be the largest.
@@ -23,9 +52,9 @@ impl Nearness {
         self.largest = self.largest.max(size);
     }
 
-    /// The distance of two states of one mode.
-    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        distance(a, b) / self.largest
+    /// The distance of two states of a mode, in units of the largest size.
+    pub fn distance(&self, mode: usize, a: &[f64], b: &[f64]) -> f64 {
+        self.scales.distance(mode, a, b) / self.largest
     }
 
     /// The least number of returns, up to `most`, after which the distance is within a tolerance.
@@ -41,16 +70,6 @@ impl Nearness {
             distance <= tolerance
         })
     }
-}
-
-/// The Euclidean norm of a state.
-pub(in crate::core) fn size(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// The Euclidean distance of two states.
-pub(in crate::core) fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 /// Whether a motion that comes back after some returns comes back after no part of them: a motion that spirals towards
@@ -73,8 +92,8 @@ pub(in crate::core) struct Repetition {
 impl Repetition {
     /// Looks for a number of periods, up to `most`, after which states agree to a tolerance, in units
     /// of the largest size.
-    pub fn new(most: usize, tolerance: f64) -> Self {
-        Repetition { most, tolerance, nearness: Nearness::new(), past: VecDeque::new() }
+    pub fn new(most: usize, tolerance: f64, scales: StateScales) -> Self {
+        Repetition { most, tolerance, nearness: Nearness::new(scales), past: VecDeque::new() }
     }
 
     /// Takes in a period: the state in which it began, its events, the state in which it ended, and the size of the
@@ -112,7 +131,7 @@ fn back(
 ) -> f64 {
     let (old, _) = &past[past.len() - q];
     let alike = old.mode == after.mode && repeats(past, q);
-    if alike { nearness.distance(&old.x, &after.x) } else { f64::INFINITY }
+    if alike { nearness.distance(after.mode, &old.x, &after.x) } else { f64::INFINITY }
 }
 
 /// Whether the events of the last `q` periods are those of the `q` periods before.

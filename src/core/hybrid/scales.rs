@@ -1,51 +1,8 @@
 //! What tolerances of a hybrid motion are relative to.
 
 use super::erased::HybridEquations;
-use super::system::Mode;
 use crate::core::field::Forcing;
 use num_dual::Dual64;
-
-/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude. Tolerances are relative to
-/// them, so that a device of micrometres and microseconds may be stated in metres and seconds.
-///
-/// ```
-/// use tangency::core::hybrid::Scales;
-/// let scales = Scales::default().time(1e-6).state("displacement", 1e-9).state("velocity", 1e-3);
-/// assert_eq!((scales.time, scales.states.len()), (Some(1e-6), 2));
-/// ```
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scales {
-    /// The scale of time; by default that in which the phase of the forcing grows by 1, where it is far from 1.
-    pub time: Option<f64>,
-    /// Scales of states by name; 1 by default.
-    pub states: Vec<(String, f64)>,
-}
-
-impl Scales {
-    /// Sets the scale of time.
-    pub fn time(mut self, scale: f64) -> Self {
-        self.time = Some(scale);
-        self
-    }
-
-    /// Sets the scale of a state.
-    pub fn state(mut self, name: impl Into<String>, scale: f64) -> Self {
-        self.states.push((name.into(), scale));
-        self
-    }
-
-    /// The scales of the states of a mode; none if all are 1.
-    fn of_mode(&self, mode: &Mode) -> Vec<f64> {
-        if self.states.is_empty() {
-            return Vec::new();
-        }
-        let scale = |state: &String| {
-            let known = self.states.iter().find(|(name, _)| name == state);
-            known.map_or(1.0, |(_, scale)| *scale)
-        };
-        mode.states.iter().map(scale).collect()
-    }
-}
 
 /// A scale of time that is not stated is 1 if the forcing's lies within this range: tolerances need no more than an
 /// order of magnitude.
@@ -62,26 +19,47 @@ pub(crate) fn time_scale(system: &dyn HybridEquations, p: &[f64]) -> f64 {
     system.scales(p).time.filter(usable).or_else(unstated).unwrap_or(1.0)
 }
 
-/// The scales of the states of a mode; none if all are 1.
-pub(super) fn state_scales(system: &dyn HybridEquations, mode: usize, p: &[f64]) -> Vec<f64> {
-    let scales = system.scales(p);
-    if scales.states.is_empty() { Vec::new() } else { scales.of_mode(&system.modes()[mode]) }
-}
-
-/// The scale of a guard at a place: how much it changes as time and states change by theirs.
+/// The scale of a guard at a place.
 pub(crate) fn guard_scale(
     system: &dyn HybridEquations,
     (guard, mode): (usize, usize),
-    (t, x): (f64, &[f64]),
+    place: (f64, &[f64]),
     p: &[f64],
 ) -> f64 {
-    let (time, mut states) = (time_scale(system, p), state_scales(system, mode, p));
+    scale_at(system, mode, place, p, |t, x, p| system.guard(guard, mode, t, x, p))
+}
+
+/// The scale of a function of a mode's states where these have half their scales.
+pub(super) fn typical_scale(
+    system: &dyn HybridEquations,
+    mode: usize,
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> f64 {
+    let mut x = system.scales_of(mode, p);
+    if x.is_empty() && time_scale(system, p) == 1.0 {
+        return 1.0;
+    }
+    x.resize(system.states_of(mode).len(), 1.0);
+    x.iter_mut().for_each(|x| *x *= 0.5);
+    scale_at(system, mode, (0.0, &x), p, value)
+}
+
+/// The scale of a function at a place: how much it changes as time and states change by theirs.
+fn scale_at(
+    system: &dyn HybridEquations,
+    mode: usize,
+    (t, x): (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> f64 {
+    let (time, mut states) = (time_scale(system, p), system.scales_of(mode, p));
     if time == 1.0 && states.is_empty() {
         return 1.0;
     }
     states.resize(x.len(), 1.0);
     let [fixed_x, p] = [x, p].map(|v| v.iter().map(|v| Dual64::from(*v)).collect::<Vec<_>>());
-    let change = |t: Dual64, x: &[Dual64]| system.guard(guard, mode, t, x, &p).eps.abs();
+    let change = |t: Dual64, x: &[Dual64]| value(t, x, &p).eps.abs();
     let mut scale = time * change(Dual64::from(t).derivative(), &fixed_x);
     for (i, state) in states.iter().enumerate() {
         let mut x = fixed_x.clone();

@@ -1,20 +1,22 @@
 //! Event-driven simulation.
 
-use super::chatter::{Accumulation, Series};
+use super::chatter::Series;
 use super::erased::{EventNumber, HybridEquations};
-use super::error::{After, HybridError};
+use super::error::HybridError;
 use super::event::{Event, HybridObserver};
-use super::landing::{Landing, Lookout};
+use super::event_locator::{EventLocator, LocatedEvent};
 use super::leg::GuardOf;
 use super::scales::{guard_scale, time_scale};
 use super::system::{Guard, Mode};
+use crate::core::field::Forcing;
 use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
-/// Time stands still while it moves by less than this, in units of its scale.
-pub(super) const INSTANT: f64 = 1e-9;
+/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
+/// tells how fast things change.
+const PART_OF_PERIOD: f64 = 0.125;
 
 /// Tolerances and limits of a hybrid motion.
 ///
@@ -73,31 +75,15 @@ pub struct HybridStatistics {
 /// ```
 /// use num_dual::Dual64;
 /// use tangency::core::hybrid::{HybridFlow, HybridSettings, HybridState};
-/// # use tangency::core::{hybrid::{Guard, HybridSystem, Mode}, scalar::Scalar};
-/// # struct Ball;
-/// # impl HybridSystem for Ball {
-/// #     fn modes(&self) -> Vec<Mode> { vec![Mode::new("flight", ["height", "velocity"])] }
-/// #     fn guards(&self) -> Vec<Guard> { vec![Guard::new("bounce", [0])] }
-/// #     fn parameters(&self) -> Vec<String> { vec!["gravity".into(), "restitution".into()] }
-/// #     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-/// #         (f[0], f[1]) = (x[1], -p[0]);
-/// #     }
-/// #     fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T { x[0] }
-/// #     fn reset<T: Scalar>(
-/// #         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], p: &[T], after: &mut [T],
-/// #     ) {
-/// #         (after[0], after[1]) = (x[0], -p[1] * x[1]);
-/// #     }
-/// #     fn next_mode(&self, _g: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize { 0 }
-/// # }
-/// // A ball falls from 1/2 and is thrown back; how its velocity at t = 1.5 depends on where it fell from:
-/// let mut flow = HybridFlow::new(&Ball, HybridSettings::default())?;
-/// let (height, zero) = (Dual64::from(0.5).derivative(), Dual64::from(0.0));
-/// let mut ball = HybridState { mode: 0, time: zero, x: vec![height, zero] };
-/// let p = [1.0, 0.5].map(Dual64::from);
-/// let statistics = flow.advance(&mut ball, 1.5.into(), &p, &mut ())?;
-/// // It meets the ground at √(2h), and v(1.5) = √(2h)/2 − (1.5 − √(2h)).
-/// assert!((ball.x[1].eps - 1.5).abs() < 1e-10 && statistics.events == 1);
+/// use tangency::problems::classic::ImpactOscillator;
+/// // Without force and loss, x = v₀ sin t up to the stop at 0.8, and then back to 0 at the time 2 asin(0.8/v₀):
+/// // how x at that time of v₀ = 1 depends on v₀.
+/// let mut flow = HybridFlow::new(&ImpactOscillator, HybridSettings::default())?;
+/// let (time, zero, speed) = (2.0 * 0.8_f64.asin(), Dual64::from(0.0), Dual64::from(1.0).derivative());
+/// let mut mass = HybridState { mode: ImpactOscillator::FLIGHT, time: zero, x: vec![zero, speed] };
+/// let p = [0.0, 1.0, 1.0, 0.0, 0.8].map(Dual64::from);
+/// let statistics = flow.advance(&mut mass, time.into(), &p, &mut ())?;
+/// assert!((mass.x[0].eps + 8.0 / 3.0).abs() < 1e-10 && statistics.events == 1);
 /// # Ok::<(), tangency::core::hybrid::HybridError>(())
 /// ```
 pub struct HybridFlow<'a, T: Scalar> {
@@ -175,16 +161,6 @@ where
         self.system
     }
 
-    /// The modes.
-    pub fn modes(&self) -> &[Mode] {
-        &self.modes
-    }
-
-    /// The guards.
-    pub fn guards(&self) -> &[Guard] {
-        &self.guards
-    }
-
     /// Moves a state on for a time, by way of all events, which the observer sees; it may end the motion just
     /// after one, or with a step. Where an error ends the motion, the state is that after the last event.
     ///
@@ -239,22 +215,19 @@ where
         self.pace = None;
         let (time, mode, modes) = (state.time.real(), state.mode, self.modes.len());
         let Some(Mode { name, states }) = self.modes.get(mode) else {
-            return Err(HybridError::NoMode { time, mode, modes, after: After::default() });
+            return Err(HybridError::NoMode { time, mode, modes, after: String::new() });
         };
         if duration.real() < 0.0 {
-            return Err(HybridError::Backward { duration: duration.real() });
+            return Err(HybridError::Backward(duration.real()));
         }
+        let same = |what, found, expected| match found == expected {
+            true => Ok(()),
+            false => Err(HybridError::Length { what, mode: name.clone(), found, expected }),
+        };
         if self.p.len() != p.len() {
-            let expected = self.system.parameters().len();
-            if p.len() != expected {
-                let (what, mode, found) = ("parameters", name.clone(), p.len());
-                return Err(HybridError::Length { what, mode, found, expected });
-            }
+            same("parameters", p.len(), self.system.parameters().len())?;
         }
-        if state.x.len() != states.len() {
-            let (mode, found, expected) = (name.clone(), state.x.len(), states.len());
-            return Err(HybridError::Length { what: "states", mode, found, expected });
-        }
+        same("states", state.x.len(), states.len())?;
         self.p.clear();
         self.p.extend(p.iter().map(T::real));
         self.unit = time_scale(self.system, &self.p);
@@ -262,7 +235,11 @@ where
     }
 
     /// Refuses a state, just after an event or at the start, at which a guard of its mode is negative.
-    fn inside(&mut self, state: &HybridState<T>, event: Option<usize>) -> Result<(), HybridError> {
+    pub(super) fn inside(
+        &mut self,
+        state: &HybridState<T>,
+        event: Option<usize>,
+    ) -> Result<(), HybridError> {
         self.x.clear();
         self.x.extend(state.x.iter().map(T::real));
         let time = state.time.real();
@@ -270,12 +247,17 @@ where
             let value = self.system.guard(g, state.mode, time, &self.x, &self.p);
             if value < 0.0 && value < -NEGATIVE * self.scale_of(g, state.mode, time) {
                 let mode = self.modes[state.mode].name.clone();
-                let after = After(event.map(|event| self.guards[event].name.clone()));
+                let after = event.map_or_else(String::new, |event| self.after(event));
                 let guard = self.guards[g].name.clone();
                 return Err(HybridError::Outside { time, mode, guard, value, after });
             }
         }
         Ok(())
+    }
+
+    /// That something is after an event, in words.
+    pub(super) fn after(&self, event: usize) -> String {
+        format!("after event {}, ", self.guards[event].name)
     }
 
     /// The scale of a guard where the state is that in `x`.
@@ -288,26 +270,28 @@ where
         &mut self,
         state: &mut HybridState<T>,
         run: &mut Run<T, O>,
-    ) -> Result<Option<Landing<T>>, HybridError> {
+    ) -> Result<Option<LocatedEvent<T>>, HybridError> {
         let (system, mode, left) = (self.system, state.mode, run.end - state.time);
         self.prepare_leg(left.real());
-        self.x.clear();
-        self.x.extend(state.x.iter().map(T::real));
-        for k in 0..self.watched[mode].len() {
-            let guard = self.watched[mode][k];
-            let scale = self.scale_of(guard, mode, state.time.real());
-            self.roots[guard].restart(GuardOf { system, guard, mode, scale });
-        }
+        self.watch_guards(state);
         let HybridFlow { flow, roots, event, pace, p, watched, unit, .. } = self;
         let (watched, unit) = (&watched[mode], *unit);
-        let mut lookout =
-            Lookout { system, mode, watched, roots, event, pace, p, unit, leg: (state.time, left) };
+        let mut locator = EventLocator {
+            system,
+            mode,
+            watched,
+            roots,
+            event,
+            pace,
+            p,
+            unit,
+            leg: (state.time, left),
+        };
         let (mut landing, mut last) = (None, run.end);
-        lookout.event.before.clear();
-        lookout.event.before.extend_from_slice(&state.x);
+        locator.event.before.clone_from(&state.x);
         let field = T::in_mode(system, mode, T::zero());
         let outcome = flow.observe(&field, state.time, left, &mut state.x, run.p, |step| {
-            landing = lookout.landing(step);
+            landing = locator.locate(step);
             let end = landing.map_or(T::one(), |landing| landing.root.fraction);
             run.observer.step(mode, step, end);
             let ended = run.observer.ends();
@@ -337,90 +321,29 @@ where
         }
     }
 
-    /// Passes an event, and the accumulation of such events if it is near.
-    pub(super) fn land<O: HybridObserver<T>>(
-        &mut self,
-        Landing { guard, root }: Landing<T>,
-        state: &mut HybridState<T>,
-        run: &mut Run<T, O>,
-    ) -> Result<ControlFlow<()>, HybridError> {
-        (self.event.guard, self.event.mode) = (guard, state.mode);
-        (self.event.approach, self.event.accumulation) = (-root.rate.real(), false);
-        self.stands_still(run)?;
-        let tolerance = self.settings.accumulation * self.unit;
-        let series = self.series_of(guard, state.mode);
-        let Event { time, before, .. } = &self.event;
-        let accumulation = self.series[series].push(*time, -root.rate, before, tolerance);
-        let time = match accumulation {
-            Accumulation::None => None,
-            Accumulation::Here => Some(self.event.time),
-            Accumulation::At(time) => Some(time),
-        };
-        self.real_event();
-        let time_of_event = self.event.time.real();
-        let next = self.system.next_mode(guard, self.event.mode, time_of_event, &self.x, &self.p);
-        if self.pass(next, state, run)?.is_break() {
-            return Ok(ControlFlow::Break(()));
-        }
-        match time.filter(|time| time.real() <= run.end.real()) {
-            Some(time) => self.settle(accumulation, time, state, run),
-            None => Ok(ControlFlow::Continue(())),
-        }
-    }
-
-    /// The position of the series of a guard in a mode.
-    pub(super) fn series_of(&self, guard: usize, mode: usize) -> usize {
-        mode * self.guards.len() + guard
-    }
-
-    /// Real parts of the state before the event.
-    fn real_event(&mut self) {
+    /// Begins to watch the guards of a state's mode.
+    fn watch_guards(&mut self, state: &HybridState<T>) {
+        let (system, mode) = (self.system, state.mode);
         self.x.clear();
-        self.x.extend(self.event.before.iter().map(T::real));
-    }
-
-    /// Resets the state to the next mode and shows the event.
-    pub(super) fn pass<O: HybridObserver<T>>(
-        &mut self,
-        next: usize,
-        state: &mut HybridState<T>,
-        run: &mut Run<T, O>,
-    ) -> Result<ControlFlow<()>, HybridError> {
-        let event = &mut self.event;
-        let Some(mode) = self.modes.get(next) else {
-            let after = After(Some(self.guards[event.guard].name.clone()));
-            let (time, modes) = (event.time.real(), self.modes.len());
-            (state.time, state.x) = (event.time, event.before.clone());
-            return Err(HybridError::NoMode { time, mode: next, modes, after });
-        };
-        event.next = next;
-        event.after.clear();
-        event.after.resize(mode.states.len(), T::zero());
-        let (guard, modes, time) = (event.guard, (event.mode, next), event.time);
-        self.system.reset(guard, modes, time, &event.before, run.p, &mut event.after);
-        (state.mode, state.time) = (next, time);
-        state.x.clear();
-        state.x.extend_from_slice(&event.after);
-        run.statistics.events += 1;
-        let outcome = run.observer.event(event);
-        self.inside(state, Some(guard))?;
-        Ok(outcome)
-    }
-
-    /// Refuses too many events without progress of time.
-    fn stands_still<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
-        let (time, (since, count)) = (self.event.time.real(), run.still);
-        run.still = if time - since > INSTANT * self.unit { (time, 0) } else { (since, count + 1) };
-        if run.still.1 <= self.settings.at_once {
-            return Ok(());
+        self.x.extend(state.x.iter().map(T::real));
+        for k in 0..self.watched[mode].len() {
+            let guard = self.watched[mode][k];
+            let scale = self.scale_of(guard, mode, state.time.real());
+            self.roots[guard].restart(GuardOf { system, guard, mode, scale });
         }
-        Err(HybridError::Standstill {
-            time,
-            mode: self.modes[self.event.mode].name.clone(),
-            guard: self.guards[self.event.guard].name.clone(),
-            events: run.still.1,
-            span: time - since,
-        })
+    }
+
+    /// Prepares the flow for a leg that lasts no longer than this.
+    pub(super) fn prepare_leg(&mut self, left: f64) {
+        let period = match self.system.forcing() {
+            Forcing::None => f64::INFINITY,
+            Forcing::Periodic { .. } => self.system.period(&self.p),
+        };
+        let largest = self.settings.flow.largest_step;
+        self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left);
+        // Fields of different modes have much in common: the forcing, and most of the forces.
+        let pace = self.pace.map(|pace| (pace / left).min(1.0));
+        self.flow.settings.first_step = pace.or(self.settings.flow.first_step);
     }
 }
 

@@ -1,7 +1,5 @@
 //! Hybrid systems as a user states them.
 
-use super::passage::Passage;
-use super::scales::Scales;
 use crate::core::field::Forcing;
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
@@ -54,6 +52,54 @@ impl Guard {
     pub(in crate::core) fn ends(&self, mode: usize) -> bool {
         self.modes.contains(&mode)
     }
+}
+
+/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude. Tolerances are relative to
+/// them, so that a device of micrometres and microseconds may be stated in metres and seconds.
+///
+/// ```
+/// use tangency::core::hybrid::Scales;
+/// let scales = Scales::default().time(1e-6).state("displacement", 1e-9).state("velocity", 1e-3);
+/// assert_eq!((scales.time, scales.states.len()), (Some(1e-6), 2));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scales {
+    /// The scale of time; by default that in which the phase of the forcing grows by 1, where it is far from 1.
+    pub time: Option<f64>,
+    /// Scales of states by name; 1 by default.
+    pub states: Vec<(String, f64)>,
+}
+
+impl Scales {
+    /// Sets the scale of time.
+    pub fn time(mut self, scale: f64) -> Self {
+        self.time = Some(scale);
+        self
+    }
+
+    /// Sets the scale of a state.
+    pub fn state(mut self, name: impl Into<String>, scale: f64) -> Self {
+        self.states.push((name.into(), scale));
+        self
+    }
+
+    /// The scale of a state.
+    pub(super) fn of(&self, state: &str) -> f64 {
+        self.states.iter().find(|(name, _)| name == state).map_or(1.0, |(_, scale)| *scale)
+    }
+}
+
+/// One leg of a hybrid orbit, seen by its ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<'a, T> {
+    /// The mode.
+    pub mode: usize,
+    /// The guard at which it ends; `None` if it does not end.
+    pub exit: Option<usize>,
+    /// The state where it begins.
+    pub start: &'a [T],
+    /// The state where it ends, before the event.
+    pub end: &'a [T],
 }
 
 /// A hybrid system: modes, guards and resets, written once; derivatives come from automatic differentiation.

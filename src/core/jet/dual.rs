@@ -2,6 +2,7 @@
 
 use super::number::Jet;
 use super::space::MOST_ORDER;
+use super::taylor;
 use crate::core::number::number_of_reals;
 use num_dual::DualNum;
 use num_traits::Signed;
@@ -43,10 +44,42 @@ impl<const C: usize> Signed for Jet<C> {
     }
 }
 
+/// Functions of a jet by their Taylor series at its constant term `a`.
+macro_rules! by_series {
+    ($a:ident: $($function:ident = $series:expr;)*) => {$(
+        fn $function(&self) -> Self {
+            let $a = self.c[0];
+            self.composed(&$series)
+        }
+    )*};
+}
+
 impl<const C: usize> DualNum for Jet<C> {
     type Primitive = f64;
     type InnerDual = f64;
     const NDERIV: usize = MOST_ORDER;
+
+    by_series! { a:
+        recip = taylor::power(a.recip(), a, -1.0);
+        sqrt = taylor::power(a.sqrt(), a, 0.5);
+        cbrt = taylor::power(a.cbrt(), a, 1.0 / 3.0);
+        exp = taylor::exp(a);
+        exp_m1 = taylor::of_value(a.exp_m1(), taylor::exp(a));
+        ln = taylor::ln(a.ln(), a);
+        ln_1p = taylor::ln(a.ln_1p(), 1.0 + a);
+        sin = taylor::sin_cos(a)[0];
+        cos = taylor::sin_cos(a)[1];
+        tan = taylor::tangent(a.tan(), 1.0);
+        asin = taylor::inverse(a.asin(), a, 1.0, [1.0, -1.0, -0.5]);
+        acos = taylor::inverse(a.acos(), a, -1.0, [1.0, -1.0, -0.5]);
+        atan = taylor::inverse(a.atan(), a, 1.0, [1.0, 1.0, -1.0]);
+        sinh = taylor::sinh_cosh(a)[0];
+        cosh = taylor::sinh_cosh(a)[1];
+        tanh = taylor::tangent(a.tanh(), -1.0);
+        asinh = taylor::inverse(a.asinh(), a, 1.0, [1.0, 1.0, -0.5]);
+        acosh = taylor::inverse(a.acosh(), a, 1.0, [-1.0, 1.0, -0.5]);
+        atanh = taylor::inverse(a.atanh(), a, 1.0, [1.0, -1.0, -1.0]);
+    }
 
     fn from_re(re: f64) -> Self {
         Jet::constant(re)
@@ -56,112 +89,55 @@ impl<const C: usize> DualNum for Jet<C> {
         self.scaled(*factor)
     }
 
-    fn recip(&self) -> Self {
-        self.reciprocal()
-    }
-
+    /// By repeated squares, so that nothing is divided by.
     fn powi(&self, n: i32) -> Self {
-        self.power_integer(n)
+        let (mut rest, mut square, mut power) = (n.unsigned_abs(), *self, Jet::constant(1.0));
+        while rest > 0 {
+            if rest % 2 == 1 {
+                power *= &square;
+            }
+            rest /= 2;
+            if rest > 0 {
+                square *= square;
+            }
+        }
+        if n < 0 { power.recip() } else { power }
     }
 
     fn powf(&self, n: f64) -> Self {
-        self.power_real(n)
-    }
-
-    fn sqrt(&self) -> Self {
-        self.square_root()
-    }
-
-    fn cbrt(&self) -> Self {
-        self.cubic_root()
-    }
-
-    fn exp(&self) -> Self {
-        self.exponential()
+        let a = self.c[0];
+        self.composed(&taylor::power(a.powf(n), a, n))
     }
 
     fn exp2(&self) -> Self {
-        (*self * LN_2).exponential()
-    }
-
-    fn exp_m1(&self) -> Self {
-        self.exponential_less_one()
-    }
-
-    fn ln(&self) -> Self {
-        self.logarithm()
+        (*self * LN_2).exp()
     }
 
     fn log(&self, base: f64) -> Self {
-        self.logarithm() / base.ln()
+        self.ln() / base.ln()
     }
 
     fn log2(&self) -> Self {
-        self.logarithm() / LN_2
+        self.ln() / LN_2
     }
 
     fn log10(&self) -> Self {
-        self.logarithm() / LN_10
-    }
-
-    fn ln_1p(&self) -> Self {
-        self.logarithm_of_more()
-    }
-
-    fn sin(&self) -> Self {
-        self.circular().0
-    }
-
-    fn cos(&self) -> Self {
-        self.circular().1
-    }
-
-    fn tan(&self) -> Self {
-        self.tangent(self.c[0].tan(), 1.0)
+        self.ln() / LN_10
     }
 
     fn sin_cos(&self) -> (Self, Self) {
-        self.circular()
+        let [sin, cos] = taylor::sin_cos(self.c[0]);
+        (self.composed(&sin), self.composed(&cos))
     }
 
-    fn asin(&self) -> Self {
-        self.inverse(self.c[0].asin(), 1.0, [1.0, -1.0, -0.5])
-    }
-
-    fn acos(&self) -> Self {
-        self.inverse(self.c[0].acos(), -1.0, [1.0, -1.0, -0.5])
-    }
-
-    fn atan(&self) -> Self {
-        self.arctangent()
-    }
-
+    /// By the quotient that is at most 1 in size.
     fn atan2(&self, other: Self) -> Self {
-        self.angle(&other)
-    }
-
-    fn sinh(&self) -> Self {
-        self.hyperbolic().0
-    }
-
-    fn cosh(&self) -> Self {
-        self.hyperbolic().1
-    }
-
-    fn tanh(&self) -> Self {
-        self.tangent(self.c[0].tanh(), -1.0)
-    }
-
-    fn asinh(&self) -> Self {
-        self.inverse(self.c[0].asinh(), 1.0, [1.0, 1.0, -0.5])
-    }
-
-    fn acosh(&self) -> Self {
-        self.inverse(self.c[0].acosh(), 1.0, [-1.0, 1.0, -0.5])
-    }
-
-    fn atanh(&self) -> Self {
-        self.inverse(self.c[0].atanh(), 1.0, [1.0, -1.0, -1.0])
+        let mut angle = match self.c[0].abs() <= other.c[0].abs() {
+            true => (*self / other).atan(),
+            false => -(other / *self).atan(),
+        };
+        angle.c[0] = self.c[0].atan2(other.c[0]);
+        angle
     }
 
     fn sph_j0(&self) -> Self {
@@ -174,5 +150,29 @@ impl<const C: usize> DualNum for Jet<C> {
 
     fn sph_j2(&self) -> Self {
         self.spherical_bessel(2)
+    }
+}
+
+impl<const C: usize> Jet<C> {
+    /// The spherical Bessel function `j_n`, `n ≤ 2`: by its power series near 0 (DLMF 10.53.1), in closed
+    /// form elsewhere (DLMF 10.49.3).
+    fn spherical_bessel(&self, n: i32) -> Self {
+        let x = *self;
+        if x.c[0].abs() < 1.0 {
+            let half = x * x * -0.5;
+            let mut sum = Jet::constant(0.0);
+            for k in (0..12).rev() {
+                // 1 / (2n + 2k + 1)!! and 1 / k!, one factor at a time.
+                sum = sum * half / (f64::from(k + 1) * f64::from(2 * n + 2 * k + 3)) + 1.0;
+            }
+            let first: f64 = (0..=n).map(|k| f64::from(2 * k + 1)).product();
+            return sum * x.powi(n) / first;
+        }
+        let (sin, cos) = x.sin_cos();
+        match n {
+            0 => sin / x,
+            1 => (sin / x - cos) / x,
+            _ => ((sin * 3.0 / x - cos * 3.0) / x - sin) / x,
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::space::{JetError, Space};
 use crate::core::number::operations;
+use num_dual::DualNum;
 use std::ops::{
     Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
 };
@@ -130,6 +131,14 @@ impl<const C: usize> Jet<C> {
         product
     }
 
+    /// `self / other`.
+    fn quotient(&self, other: &Self) -> Self {
+        match other.space {
+            None => self.scaled(other.c[0].recip()),
+            Some(_) => self.product(&other.recip()),
+        }
+    }
+
     /// `Σ_k f_k hᵏ` where `h` is the jet without its constant term, by Horner's rule.
     pub(super) fn composed(&self, f: &[f64]) -> Self {
         let Some(space) = self.space else { return Jet::constant(f[0]) };
@@ -151,68 +160,31 @@ impl<const C: usize> Neg for Jet<C> {
     }
 }
 
-impl<const C: usize> AddAssign<&Jet<C>> for Jet<C> {
-    fn add_assign(&mut self, other: &Self) {
-        self.add_multiple(1.0, other);
-    }
+/// Operations that assign, with another jet and with a real number.
+macro_rules! assigning {
+    ($($operation:ident $method:ident: |$a:ident, $b:ident| $with_jet:expr, $with_real:expr;)*) => {$(
+        impl<const C: usize> $operation<&Jet<C>> for Jet<C> {
+            fn $method(&mut self, $b: &Self) {
+                let $a = self;
+                $with_jet
+            }
+        }
+        impl<const C: usize> $operation<f64> for Jet<C> {
+            fn $method(&mut self, $b: f64) {
+                let $a = self;
+                $with_real
+            }
+        }
+    )*};
 }
 
-impl<const C: usize> SubAssign<&Jet<C>> for Jet<C> {
-    fn sub_assign(&mut self, other: &Self) {
-        self.add_multiple(-1.0, other);
-    }
-}
-
-impl<const C: usize> MulAssign<&Jet<C>> for Jet<C> {
-    fn mul_assign(&mut self, other: &Self) {
-        *self = self.product(other);
-    }
-}
-
-impl<const C: usize> DivAssign<&Jet<C>> for Jet<C> {
-    fn div_assign(&mut self, other: &Self) {
-        *self = match other.space {
-            None => self.scaled(other.c[0].recip()),
-            Some(_) => self.product(&other.reciprocal()),
-        };
-    }
-}
-
-/// The remainder of a division that is truncated as its real part is.
-impl<const C: usize> RemAssign<&Jet<C>> for Jet<C> {
-    fn rem_assign(&mut self, other: &Self) {
-        self.add_multiple(-(self.c[0] / other.c[0]).trunc(), other);
-    }
-}
-
-impl<const C: usize> AddAssign<f64> for Jet<C> {
-    fn add_assign(&mut self, other: f64) {
-        self.c[0] += other;
-    }
-}
-
-impl<const C: usize> SubAssign<f64> for Jet<C> {
-    fn sub_assign(&mut self, other: f64) {
-        self.c[0] -= other;
-    }
-}
-
-impl<const C: usize> MulAssign<f64> for Jet<C> {
-    fn mul_assign(&mut self, other: f64) {
-        *self = self.scaled(other);
-    }
-}
-
-impl<const C: usize> DivAssign<f64> for Jet<C> {
-    fn div_assign(&mut self, other: f64) {
-        *self = self.scaled(other.recip());
-    }
-}
-
-impl<const C: usize> RemAssign<f64> for Jet<C> {
-    fn rem_assign(&mut self, other: f64) {
-        self.c[0] %= other;
-    }
+// The remainder of a division is that which is truncated as its real part is.
+assigning! {
+    AddAssign add_assign: |a, b| a.add_multiple(1.0, b), a.c[0] += b;
+    SubAssign sub_assign: |a, b| a.add_multiple(-1.0, b), a.c[0] -= b;
+    MulAssign mul_assign: |a, b| *a = a.product(b), *a = a.scaled(b);
+    DivAssign div_assign: |a, b| *a = a.quotient(b), *a = a.scaled(b.recip());
+    RemAssign rem_assign: |a, b| a.add_multiple(-(a.c[0] / b.c[0]).trunc(), b), a.c[0] %= b;
 }
 
 operations!([const C: usize] Jet<C>);

@@ -16,7 +16,7 @@ use crate::core::scalar::Scalar;
 /// assert!((polynomial.coefficient(&[1, 2]) + 0.5).abs() < 1e-15);
 /// let monomials = Monomials::at(space, &[0.1, 0.2]);
 /// let exact = 0.1_f64.exp() * 0.2_f64.cos();
-/// assert!((polynomial.sum(&monomials) - exact).abs() < 5e-5);
+/// assert!((polynomial.sum_to(3, &monomials) - exact).abs() < 5e-5);
 /// // Without its highest order.
 /// assert!((polynomial.sum_to(2, &monomials) - (1.1 + 0.005 - 0.02)).abs() < 1e-15);
 /// # Ok::<(), tangency::core::jet::JetError>(())
@@ -59,12 +59,7 @@ impl Polynomial {
         self.space.position(exponents).map_or(0.0, |k| self.coefficients[k])
     }
 
-    /// The value where the monomials have these values.
-    pub fn sum<T: Scalar>(&self, monomials: &Monomials<T>) -> T {
-        self.sum_to(self.space.order(), monomials)
-    }
-
-    /// The value of the terms up to an order.
+    /// The value of the terms up to an order, where the monomials have these values.
     pub fn sum_to<T: Scalar>(&self, order: usize, monomials: &Monomials<T>) -> T {
         let end = self.space.of_degree(order.min(self.space.order())).end;
         let terms = self.coefficients[..end].iter().zip(&monomials.values);

@@ -12,6 +12,7 @@ const MOST_COEFFICIENTS: usize = 1024;
 
 /// Why there is no such jet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum JetError {
     /// The order is too high, or there are too many coefficients.
     #[error(

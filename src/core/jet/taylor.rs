@@ -69,9 +69,21 @@ pub(super) fn tangent(value: f64, s: f64) -> Series {
     })
 }
 
+/// A series with another value.
+pub(super) fn of_value(value: f64, mut f: Series) -> Series {
+    f[0] = value;
+    f
+}
+
+/// A function at `a` with the derivative `factor · (c + s x²)ʳ`, given its value.
+pub(super) fn inverse(value: f64, a: f64, factor: f64, [c, s, r]: [f64; 3]) -> Series {
+    let series = integral_of_power(0.0, [c + s * a * a, 2.0 * s * a, s], r);
+    of_value(value, series.map(|f| f * factor))
+}
+
 /// An integral, given its value, of `(p₀ + p₁ ε + p₂ ε²)ʳ`: all inverse functions of circle and hyperbola are
 /// such integrals.
-pub(super) fn integral_of_power(value: f64, p: [f64; 3], r: f64) -> Series {
+fn integral_of_power(value: f64, p: [f64; 3], r: f64) -> Series {
     let root = continued(p[0].powf(r), |k, b| {
         let term = |j: usize| (r * j as f64 - (k + 1 - j) as f64) * p[j] * b[k + 1 - j];
         let second = if k == 0 { 0.0 } else { term(2) };

@@ -50,10 +50,20 @@ impl BorderedLu {
     /// # Errors
     /// [`Singular`] if a pivot vanishes to working accuracy or is not a number.
     pub fn factor(&mut self, matrix: &[f64], border: Border) -> Result<(), Singular> {
+        self.factor_in_units(matrix, border, &[])
+    }
+
+    /// The same where sizes of unknowns are known: one for each column, 0 where it is not known. None if all are 1.
+    pub(in crate::core) fn factor_in_units(
+        &mut self,
+        matrix: &[f64],
+        border: Border,
+        units: &[f64],
+    ) -> Result<(), Singular> {
         let size = matrix.len().isqrt() + border.width;
         self.resize(size);
         self.fill(matrix, border);
-        self.equilibrate();
+        self.equilibrate(units);
         self.sign = if size < BLOCKED_FROM { self.factor_plain() } else { self.factor_blocked() };
         self.judge()
     }
@@ -143,25 +153,41 @@ impl BorderedLu {
         }
     }
 
-    fn equilibrate(&mut self) {
-        let n = self.size;
-        for j in 0..n {
-            let column = &mut self.factors[j * n..(j + 1) * n];
-            let scale = inverse_power_of_two(column.iter().fold(0.0, |m, a| a.abs().max(m)));
+    /// Scales columns, by known sizes of their unknowns or by their largest entries, and rows.
+    fn equilibrate(&mut self, units: &[f64]) {
+        if units.is_empty() {
+            self.scale_columns(|_, column| Some(largest(column)));
+            return self.scale_rows(|_| true);
+        }
+        let known = |j: usize| units[j] > 0.0;
+        self.column_scale.fill(1.0);
+        self.scale_columns(|j, _| known(j).then(|| 1.0 / units[j]));
+        self.scale_rows(known);
+        self.scale_columns(|j, column| (!known(j)).then(|| largest(column)));
+    }
+
+    /// Divides columns by powers of two near some sizes.
+    fn scale_columns(&mut self, size: impl Fn(usize, &[f64]) -> Option<f64>) {
+        for (j, column) in self.factors.chunks_exact_mut(self.size).enumerate() {
+            let Some(size) = size(j, column) else { continue };
+            let scale = inverse_power_of_two(size);
             self.column_scale[j] = scale;
             column.iter_mut().for_each(|a| *a *= scale);
         }
+    }
+
+    /// Divides rows by powers of two near their largest entries in some columns.
+    fn scale_rows(&mut self, counts: impl Fn(usize) -> bool) {
         self.row_scale.fill(0.0);
-        for column in self.factors.chunks_exact(n) {
+        let columns = self.factors.chunks_exact(self.size).enumerate();
+        for (_, column) in columns.filter(|(j, _)| counts(*j)) {
             for (largest, a) in self.row_scale.iter_mut().zip(column) {
                 *largest = a.abs().max(*largest);
             }
         }
         self.row_scale.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
-        for column in self.factors.chunks_exact_mut(n) {
-            for (a, scale) in column.iter_mut().zip(&self.row_scale) {
-                *a *= scale;
-            }
+        for column in self.factors.chunks_exact_mut(self.size) {
+            column.iter_mut().zip(&self.row_scale).for_each(|(a, scale)| *a *= scale);
         }
     }
 
@@ -228,4 +254,8 @@ impl BorderedLu {
 
 fn inverse_power_of_two(largest: f64) -> f64 {
     if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
+}
+
+fn largest(column: &[f64]) -> f64 {
+    column.iter().fold(0.0, |m, a| a.abs().max(m))
 }

@@ -7,7 +7,9 @@ use crate::core::bvp::{
     Birth, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown, Watched, Watches,
 };
 use crate::core::condition::Failure;
-use crate::core::hybrid::{EventNumber, GuardNumber, MeasureNumber, guard_scale, rate, time_scale};
+use crate::core::hybrid::{
+    EventNumber, GuardNumber, GuardOf, MeasureNumber, ScalarOf, guard_scale, rate, time_scale,
+};
 use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
 use crate::core::watch::Observable;
@@ -150,11 +152,7 @@ impl Equations for HybridOrbit {
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
         let (system, time) = (self.system(), time_scale(self.system(), p));
         let scale = |mode: usize| {
-            let mut x = system.scales_of(mode, p);
-            x.resize(self.modes[mode].states.len(), 1.0);
-            x.iter_mut().for_each(|x| *x *= 0.5);
-            let guards = self.guards_in(mode);
-            guards.map(move |guard| guard_scale(system, (guard, mode), (0.0, &x), p))
+            self.guards_in(mode).map(move |guard| GuardOf::typical(system, guard, mode, p).scale)
         };
         let modes = self.legs().iter().map(|leg| leg.mode);
         let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
@@ -163,6 +161,22 @@ impl Equations for HybridOrbit {
             Monitor::Ends(APPROACH) => least() / time,
             _ => least(),
         }
+    }
+
+    fn watch_scale(&self, Watched { segment, observable }: Watched, q: &[f64]) -> f64 {
+        let (mode, p, guards) = (self.legs()[segment].mode, self.split(q).0, self.guards.len());
+        let system = &*self.system;
+        match observable {
+            Observable::State(i) => system.scales_of(mode, p).get(i).copied().unwrap_or(1.0),
+            Observable::Function(k) if k < guards => GuardOf::typical(system, k, mode, p).scale,
+            Observable::Function(k) => {
+                ScalarOf::new(system, Observable::Function(k - guards), mode, p).scale
+            }
+        }
+    }
+
+    fn extra_scale(&self, p: &[f64]) -> f64 {
+        time_scale(&*self.system, p)
     }
 
     /// Guards are the functions that are watched.

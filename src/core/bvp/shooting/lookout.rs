@@ -2,7 +2,7 @@
 
 use crate::core::bvp::erased::Watching;
 use crate::core::bvp::{Interval, Watchlist};
-use crate::core::flow::{Extrema, Extremum, RealStep, Rises, Step};
+use crate::core::flow::{Extrema, Extremum, RealStep, Step, UpCrossings};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};
@@ -19,7 +19,7 @@ pub(super) struct Lookout<'a> {
 #[derive(Default)]
 pub(super) struct Search {
     extrema: Vec<Extrema<f64>>,
-    rises: Vec<Rises>,
+    rises: Vec<UpCrossings>,
     step: RealStep,
 }
 
@@ -29,7 +29,7 @@ impl Lookout<'_> {
         let Search { extrema, rises, step } = &mut *self.search;
         // Searches that are not needed now keep their buffers.
         extrema.resize_with(extrema.len().max(self.watched.extrema.len()), Extrema::default);
-        rises.resize_with(rises.len().max(self.watched.rises.len()), Rises::default);
+        rises.resize_with(rises.len().max(self.watched.rises.len()), UpCrossings::default);
         extrema.iter_mut().for_each(Extrema::restart);
         step.restart();
     }
@@ -47,61 +47,49 @@ impl Lookout<'_> {
         interval: &Interval<f64>,
         step: &mut Step<F, f64>,
     ) -> ControlFlow<()> {
-        self.each(
-            interval,
-            step,
-            |extrema, watch, step, _, visit| extrema.search(watch, step, visit),
-            |rises, watch, step, _, visit| rises.search(watch, step, visit),
-        )
+        let (Search { extrema, rises, .. }, watched) = (&mut *self.search, self.watched);
+        for (k, extrema) in extrema.iter_mut().enumerate().take(watched.extrema.len()) {
+            let visit = |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
+            extrema.search(&extremum(watched, interval, k), step, visit);
+        }
+        for (k, (rises, &[through, value])) in rises.iter_mut().zip(watched.rises).enumerate() {
+            rises.search(&interval.watching(through), step, |place, x| {
+                let seen = seen(interval, value, place, x);
+                (self.visit)(watched.extrema.len() + k, place, seen);
+            });
+        }
+        ControlFlow::Continue(())
     }
 
-    /// The same in a step of dual numbers.
+    /// The same in a step of dual numbers of an explicit method, where its ends do not show that there is nothing.
     pub fn dual<F: FieldIn<T>, T: Scalar>(
         &mut self,
         interval: &Interval<f64>,
         step: &Step<F, T>,
     ) -> ControlFlow<()> {
-        self.each(
-            interval,
-            step,
-            |extrema, watch, step, real, visit| extrema.search_real(watch, step, real, visit),
-            |rises, watch, step, real, visit| rises.search_real(watch, step, real, visit),
-        )
-    }
-
-    /// Searches a step, of whatever numbers, for each scalar.
-    fn each<S>(
-        &mut self,
-        interval: &Interval<f64>,
-        mut step: S,
-        extremum: ExtremaIn<S>,
-        rise: RisesIn<S>,
-    ) -> ControlFlow<()> {
-        let (Search { extrema, rises, step: real }, watched) = (&mut *self.search, self.watched);
-        for (k, (extrema, &observable)) in extrema.iter_mut().zip(watched.extrema).enumerate() {
-            let visit = &mut |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
-            extremum(extrema, &interval.watching(observable), &mut step, real, visit);
-        }
-        for (k, (rises, &[through, value])) in rises.iter_mut().zip(watched.rises).enumerate() {
-            let k = watched.extrema.len() + k;
-            let visit = &mut |place: f64, x: &[f64]| {
-                (self.visit)(k, place, seen(interval, value, place, x));
-            };
-            rise(rises, &interval.watching(through), &mut step, real, visit);
+        let (Search { extrema, rises, .. }, watched) = (&mut *self.search, self.watched);
+        let mut all = extrema.iter_mut().enumerate().take(watched.extrema.len());
+        let mut both = rises.iter_mut().zip(watched.rises);
+        if all.any(|(k, extrema)| extrema.may_turn(&extremum(watched, interval, k), step))
+            || both.any(|(rises, pair)| rises.may_rise(&interval.watching(pair[0]), step))
+        {
+            let mut real = std::mem::take(&mut self.search.step);
+            step.without_derivatives(&mut real, |step| {
+                let _ = self.real(interval, step);
+            });
+            self.search.step = real;
         }
         ControlFlow::Continue(())
     }
 }
 
-/// A search for extrema in a step.
-type ExtremaIn<S> =
-    fn(&mut Extrema<f64>, &Watching, &mut S, &mut RealStep, &mut dyn FnMut(Extremum<f64>));
-
-/// A search for rises in a step.
-type RisesIn<S> = fn(&mut Rises, &Watching, &mut S, &mut RealStep, &mut dyn FnMut(f64, &[f64]));
-
 /// What is seen of a scalar at a place of an interval, where the states are `x`.
 fn seen(interval: &Interval<f64>, observable: Observable, place: f64, x: &[f64]) -> f64 {
     let (start, length) = interval.times();
     interval.watching(observable).value_in(start + place * length, x, interval.q)
+}
+
+/// A scalar whose extrema are wanted.
+fn extremum<'a>(watched: Watchlist, interval: &Interval<'a, f64>, k: usize) -> Watching<'a> {
+    Watching { scale: watched.scales[k], ..interval.watching(watched.extrema[k]) }
 }

@@ -114,6 +114,22 @@ impl Discretised {
         span(&self.meshes, segment, interval)
     }
 
+    /// Typical sizes of the states of all segments, then of the extras; empty if all are 1.
+    pub fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
+        let Layout { segments, extras, parameters, .. } = &self.layout;
+        let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
+        let of_segment = |s: usize| self.problem.scales_of(s, q);
+        if extra == 1.0 && (0..segments.len()).all(|s| of_segment(s).is_empty()) {
+            return scales;
+        }
+        for (s, segment) in segments.iter().enumerate() {
+            scales.extend(of_segment(s));
+            scales.resize(segment.ends + segment.states, 1.0);
+        }
+        scales.resize(scales.len() + extras, extra);
+        scales
+    }
+
     /// An interval of a segment with values at its nodes, and numbers.
     pub fn interval<'a, T>(
         &'a self,

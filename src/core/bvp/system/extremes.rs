@@ -1,7 +1,7 @@
 //! What is seen of watched scalars along the segments, in one pass over the intervals.
 
 use super::layout::Layout;
-use crate::core::bvp::{Monitor, Watched, Watchlist};
+use crate::core::bvp::{Equations, Monitor, Watched, Watchlist};
 use crate::core::measure::larger;
 use crate::core::watch::Observable;
 
@@ -26,11 +26,13 @@ pub(super) struct Seen {
     between: Option<Sighting>,
     trailing: Option<Sighting>,
     falling: bool,
+    /// It falls or rises if it changes by more than this.
+    depth: f64,
     /// Whether it has risen before the minimum visited last, or at all.
     risen: [bool; 2],
 }
 
-/// A scalar falls or rises if it changes by more than this: where a segment begins or ends tangent to a surface,
+/// A scalar falls or rises if it changes by more than this, in units of its scale: where a segment begins or ends tangent to a surface,
 /// rounding makes minima of its own.
 const DEPTH: f64 = 1e-12;
 
@@ -45,6 +47,7 @@ impl Seen {
             between: None,
             trailing: None,
             falling: false,
+            depth: DEPTH,
             risen: [false; 2],
         }
     };
@@ -58,7 +61,7 @@ impl Seen {
             self.smallest = here;
         }
         self.visit_minimum(here);
-        if (value - last.value).abs() > DEPTH {
+        if (value - last.value).abs() > self.depth {
             self.falling = value < last.value;
         }
         self.last = here;
@@ -66,8 +69,8 @@ impl Seen {
 
     /// What became the trailing minimum is between two maxima as soon as the scalar falls again.
     fn visit_minimum(&mut self, here: Sighting) {
-        let [before, now] = &mut self.risen;
-        if here.value < self.last.value - DEPTH
+        let ([before, now], depth) = (&mut self.risen, self.depth);
+        if here.value < self.last.value - depth
             && let Some(dip) = self.trailing.take()
         {
             let place = if *before { &mut self.between } else { &mut self.leading };
@@ -75,7 +78,7 @@ impl Seen {
                 *place = Some(dip);
             }
         }
-        if here.value > self.last.value + DEPTH {
+        if here.value > self.last.value + depth {
             if self.falling {
                 (self.trailing, *before) = (Some(self.last), *now);
             }
@@ -96,6 +99,8 @@ impl Seen {
 pub(super) struct Extremes {
     /// The scalars asked for, for each segment.
     watched: Vec<Vec<Observable>>,
+    /// Their typical sizes.
+    scales: Vec<Vec<f64>>,
     /// What is seen of them.
     seen: Vec<Vec<Seen>>,
     /// The pairs asked for where the first of them rises through zero, for each segment.
@@ -128,7 +133,8 @@ impl Extremes {
         }
         let seen = watched.iter().map(|w| vec![Seen::NOTHING; w.len()]).collect();
         let risen = rises.iter().map(|r| vec![None; r.len()]).collect();
-        Extremes { watched, seen, rises, risen, ..Extremes::default() }
+        let scales = watched.iter().map(|w| vec![1.0; w.len()]).collect();
+        Extremes { watched, scales, seen, rises, risen, ..Extremes::default() }
     }
 
     /// Where a scalar rises through zero on its segment, with the value of another one: the largest of these.
@@ -154,8 +160,16 @@ impl Extremes {
         (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
-    pub fn begin(&mut self) {
-        self.seen.iter_mut().for_each(|seen| seen.fill(Seen::NOTHING));
+    /// Begins to look at a solution with the numbers `q`.
+    pub fn begin(&mut self, problem: &dyn Equations, q: &[f64]) {
+        let Extremes { watched, scales, seen, .. } = self;
+        for (segment, ((watched, scales), seen)) in watched.iter().zip(scales).zip(seen).enumerate()
+        {
+            for ((&observable, scale), seen) in watched.iter().zip(scales).zip(seen) {
+                *scale = problem.watch_scale(Watched { segment, observable }, q);
+                *seen = Seen { depth: DEPTH * *scale, ..Seen::NOTHING };
+            }
+        }
         self.risen.iter_mut().for_each(|risen| risen.fill(None));
         self.at.clear();
     }
@@ -182,6 +196,13 @@ impl Extremes {
                 }
             }
         };
-        (Watchlist { extrema: &self.watched[segment], rises: &self.rises[segment] }, visit)
+        (
+            Watchlist {
+                extrema: &self.watched[segment],
+                scales: &self.scales[segment],
+                rises: &self.rises[segment],
+            },
+            visit,
+        )
     }
 }

@@ -204,6 +204,11 @@ impl System for BoundarySystem {
         self.equations.problem.grazing_scale(monitor, p)
     }
 
+    fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
+        let extras = vec![0.0; self.equations.layout.extras];
+        self.equations.unknown_scales(&[p, &extras].concat())
+    }
+
     fn orientation(&self) -> f64 {
         self.orientation
     }

@@ -43,6 +43,8 @@ pub(super) struct Factorisation {
     /// The factors of the dense matrix, and the matrix, one column after the other.
     lu: BorderedLu,
     matrix: Vec<f64>,
+    /// Known sizes of its unknowns.
+    units: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
     /// Right side, then solution, of the dense matrix.
@@ -70,7 +72,11 @@ impl Factorisation {
     pub fn factor(&mut self, of: Bordered, boundary: &[f64]) -> Result<(), Singular> {
         self.condense(of)?;
         self.place(of, boundary);
-        self.lu.factor(&self.matrix, Border::NONE)
+        self.units.clone_from(&of.assembled.units);
+        if !self.units.is_empty() {
+            self.units.resize(self.dense.len(), 0.0);
+        }
+        self.lu.factor_in_units(&self.matrix, Border::NONE, &self.units)
     }
 
     /// Puts the dense matrix together from condensed chains.

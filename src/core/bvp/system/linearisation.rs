@@ -26,6 +26,9 @@ pub(super) struct Linearisation {
     pub closing_numbers: Vec<f64>,
     /// Components of `q` by which derivatives are taken: the extras, then parameters as they are asked for.
     pub active: Vec<usize>,
+    /// Typical sizes of the states where all segments begin, of those where they end, and of the extras; empty if all
+    /// are 1.
+    pub units: Vec<f64>,
     /// Where everything was assembled last; empty where that failed.
     pub at: Vec<f64>,
     /// Whether it may err by more than what is allowed at a solution.
@@ -63,6 +66,10 @@ impl Linearisation {
     ) -> Result<(), LeftDomain> {
         self.count += 1;
         self.resize(equations);
+        self.units = equations.unknown_scales(&work.q);
+        let states = equations.layout.states.min(self.units.len());
+        self.units.extend_from_within(..states);
+        self.units[states..].rotate_right(states);
         self.intervals(equations, work)?;
         self.boundary(equations, x, passes);
         self.closing(equations, x, work, passes)?;
@@ -78,7 +85,7 @@ impl Linearisation {
         let Discretised { problem, method, meshes, layout, extremes, .. } = equations;
         let watching = method.watches_with_residual() && !self.rough;
         if watching {
-            extremes.begin();
+            extremes.begin(&**problem, &work.q);
         }
         for (s, segment) in layout.segments.iter().enumerate() {
             let (rows, n) = (layout.degree * segment.states, segment.states);

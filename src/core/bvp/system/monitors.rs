@@ -242,7 +242,7 @@ impl Discretised {
         if residual.is_none() && extremes.known(nodes, q, *rough) {
             return Ok(());
         }
-        extremes.begin();
+        extremes.begin(&**problem, q);
         for (s, j) in layout.intervals() {
             let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
             let (span, nodes) = (span(meshes, s, j), &nodes[layout.interval(s, j)]);

@@ -13,7 +13,7 @@
 
 use super::BoundarySystem;
 use super::factorisation::{Bordered, column_of, form_of};
-use crate::core::bvp::Number;
+use crate::core::bvp::{Number, Return};
 use crate::core::linear::multipliers;
 use crate::core::scalar_field::FieldIn;
 use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
@@ -62,8 +62,13 @@ impl BoundarySystem {
         if !self.equations.layout.phase {
             return self.multipliers().ok();
         }
-        let motions = self.motions();
+        let (mut motions, units) = (self.motions(), self.linearisation.units.clone());
+        for motion in &mut motions {
+            motion.iter_mut().zip(&units).for_each(|(m, unit)| *m /= unit);
+        }
         let (p, q) = self.reduced_pencil().ok()?;
+        let scaled = (!units.is_empty()).then(|| in_units(p, q, &units[..n]));
+        let (p, q) = scaled.as_ref().map_or((p, q), |(p, q)| (p, q));
         if let Some((p, q)) = motions.iter().find_map(|motion| deflated(p, q, motion)) {
             return Some(multipliers(&p, &q, n - 1));
         }
@@ -148,16 +153,17 @@ impl BoundarySystem {
         let layout = &equations.layout;
         let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
         condensed.factor(of, &self.twisted)?;
-        let k = layout.returns.len();
+        let (k, units) = (layout.returns.len(), &assembled.units);
+        let unit = |r: &Return| units.get(column_of(layout, r.unknown)).copied().unwrap_or(1.0);
         returned.clear();
         returned.resize(k * k, 0.0);
         for (column, r) in layout.returns.iter().enumerate() {
             right.clear();
             right.resize(layout.dimension, 0.0);
-            right[layout.conditions() + r.condition] = 1.0;
+            right[layout.conditions() + r.condition] = unit(r);
             condensed.solve(layout, right);
             for (row, r) in layout.returns.iter().enumerate() {
-                returned[row * k + column] = right[layout.position(r.unknown)];
+                returned[row * k + column] = right[layout.position(r.unknown)] / unit(r);
             }
         }
         Ok(returned.iter().fold(0.0, |size: f64, q| size.max(q.abs())))
@@ -173,6 +179,19 @@ const MODERATE: f64 = 1e3;
 /// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
 /// multipliers mean nothing anyhow.
 const TRIVIAL: f64 = 1e-3;
+
+/// The pencil `P + μ Q` with unknowns in these units, and rows whose largest entries are 1.
+fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let times = |a: &[f64]| -> Vec<f64> {
+        a.iter().zip(units.iter().cycle()).map(|(a, u)| a * u).collect()
+    };
+    let (mut p, mut q, n) = (times(p), times(q), units.len());
+    for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
+        let largest = p.iter().chain(&*q).fold(0.0, |most: f64, a| most.max(a.abs()));
+        p.iter_mut().chain(q).for_each(|a| *a /= largest);
+    }
+    (p, q)
+}
 
 /// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases that begin
 /// with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such vector.

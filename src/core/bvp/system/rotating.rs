@@ -53,7 +53,12 @@ impl Rotating {
             let place = (layout.states + r.condition, column_of(layout, r.unknown));
             self.add(size, place, (omega.cos() - 1.0, omega.sin()));
         }
-        self.lu.factor(&self.matrix, Border::NONE)
+        let mut units = assembled.units.clone();
+        if !units.is_empty() {
+            units.resize(size, 0.0);
+            units.extend_from_within(..);
+        }
+        self.lu.factor_in_units(&self.matrix, Border::NONE, &units)
     }
 
     /// Adds to an entry of the complex matrix.

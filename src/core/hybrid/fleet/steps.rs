@@ -7,7 +7,7 @@ use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::erased::{FieldNumber, HybridEquations};
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::event::{Event, HybridObserver};
-use crate::core::hybrid::landing::{Landing, Lookout};
+use crate::core::hybrid::event_locator::{EventLocator, LocatedEvent};
 use crate::core::hybrid::leg::GuardOf;
 use crate::core::hybrid::scales::time_scale;
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
@@ -176,7 +176,11 @@ where
     }
 
     /// Where the leg of a lane ends in its step, if it does; a break if a shorter step is to tell.
-    fn landing(&mut self, mode: usize, of: (usize, usize)) -> ControlFlow<(), Option<Landing<T>>> {
+    fn landing(
+        &mut self,
+        mode: usize,
+        of: (usize, usize),
+    ) -> ControlFlow<(), Option<LocatedEvent<T>>> {
         let (lane, number) = of;
         let Slot { lane_state, .. } = &mut self.slots[number];
         if lane_state.aims() {
@@ -262,7 +266,7 @@ where
         &mut self,
         mode: usize,
         (lane, number): (usize, usize),
-        find: impl FnOnce(&mut Lookout<'_, 'a, T>, &mut Step<FieldRef<T>, T>) -> Option<R>,
+        find: impl FnOnce(&mut EventLocator<'_, 'a, T>, &mut Step<FieldRef<T>, T>) -> Option<R>,
     ) -> Option<R> {
         let Fleet { worker, stepper, candidates, slots, .. } = self;
         let Slot { state, p, real_p, end, lane_state, signs, pace, .. } = &mut slots[number];
@@ -273,7 +277,7 @@ where
         });
         event.before.clone_from(&state.x);
         let leg = (state.time, *end - state.time);
-        let mut lookout = Lookout {
+        let mut locator = EventLocator {
             system,
             mode,
             watched: candidates,
@@ -287,17 +291,17 @@ where
         let (mut found, stepper) = (None, stepper.as_ref()?);
         let field = T::in_mode(system, mode, T::zero());
         flow.show_lane(&field, p, (stepper, lane, lane_state), |step| {
-            found = find(&mut lookout, step);
+            found = find(&mut locator, step);
         });
         watched[mode].iter().zip(signs).for_each(|(guard, sign)| *sign = roots[*guard].sign());
         found
     }
 
     /// Looks at the step of one lane for where its leg ends.
-    fn look_at(&mut self, mode: usize, of: (usize, usize)) -> Option<Landing<T>> {
+    fn look_at(&mut self, mode: usize, of: (usize, usize)) -> Option<LocatedEvent<T>> {
         let guards = &self.worker.watched[mode];
         self.candidates.iter_mut().for_each(|watched| *watched = guards[*watched]);
-        self.look(mode, of, |lookout, step| lookout.landing(step))
+        self.look(mode, of, |locator, step| locator.locate(step))
     }
 
     /// Ends the leg of one lane at the root that its step went to.
@@ -306,8 +310,8 @@ where
         mode: usize,
         of: (usize, usize),
         Reached { watched, fraction, whole }: Reached,
-    ) -> Option<Landing<T>> {
+    ) -> Option<LocatedEvent<T>> {
         let guard = self.worker.watched[mode][watched];
-        self.look(mode, of, |lookout, step| lookout.reach(step, (guard, fraction), whole))
+        self.look(mode, of, |locator, step| locator.reach(step, (guard, fraction), whole))
     }
 }

@@ -1,7 +1,7 @@
-//! Rises along a flow of real numbers: where a watched function goes up through zero.
+//! UpCrossings along a flow of real numbers: where a watched function goes up through zero.
 
-use super::sight::{Sample, Sight};
-use super::step::{RealStep, Step};
+use super::step::Step;
+use super::watch_sampler::{Sample, WatchSampler};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watchable;
@@ -13,18 +13,21 @@ const SETTLED: f64 = 1e-12;
 
 /// The search for places where a watched function is zero or less at the beginning of a step, and positive at its
 /// end. A function that is positive for less than a step is not seen.
-#[derive(Clone, Debug)]
-pub(in crate::core) struct Rises {
-    sight: Sight<f64>,
+#[derive(Clone, Debug, Default)]
+pub(in crate::core) struct UpCrossings {
+    sampler: WatchSampler<f64>,
 }
 
-impl Default for Rises {
-    fn default() -> Self {
-        Rises { sight: Sight::new() }
+impl UpCrossings {
+    /// Whether the function rises in a step, of whatever numbers, as far as its ends are known.
+    pub fn may_rise<F: FieldIn<T>, T: Scalar, W: Watchable<f64>>(
+        &mut self,
+        watch: &W,
+        step: &Step<F, T>,
+    ) -> bool {
+        self.sampler.ends(step, watch, None).is_none_or(|ends| rises(&ends))
     }
-}
 
-impl Rises {
     /// Calls `visit` with the place in the flow (from 0 to 1) and the state there, if the function rises in a step.
     pub fn search<F: FieldIn<f64>, W: Watchable<f64>>(
         &mut self,
@@ -32,21 +35,8 @@ impl Rises {
         step: &mut Step<F, f64>,
         visit: impl FnOnce(f64, &[f64]),
     ) {
-        if self.sight.ends(step, watch, None).is_none_or(|ends| rises(&ends)) {
+        if self.may_rise(watch, step) {
             self.find(watch, step, visit);
-        }
-    }
-
-    /// The same in steps of dual numbers of an explicit method, without derivatives.
-    pub fn search_real<F: FieldIn<T>, T: Scalar, W: Watchable<f64>>(
-        &mut self,
-        watch: &W,
-        step: &Step<F, T>,
-        real: &mut RealStep,
-        visit: impl FnOnce(f64, &[f64]),
-    ) {
-        if self.sight.ends(step, watch, None).is_some_and(|ends| rises(&ends)) {
-            step.without_derivatives(real, |step| self.find(watch, step, visit));
         }
     }
 
@@ -58,13 +48,13 @@ impl Rises {
         visit: impl FnOnce(f64, &[f64]),
     ) {
         step.prepare();
-        let ends = [0.0, 1.0].map(|fraction| self.sight.sample(step, watch, fraction));
+        let ends = [0.0, 1.0].map(|fraction| self.sampler.sample(step, watch, fraction));
         if !rises(&ends) {
             return;
         }
-        let mut theta = self.sight.root(step, watch, ends, Sample::crossing).fraction;
+        let mut theta = self.sampler.root(step, watch, ends, Sample::crossing).fraction;
         for _ in 0..ROUNDS {
-            let (value, slope) = self.sight.exact(step, watch, theta);
+            let (value, slope) = self.sampler.exact(step, watch, theta);
             let change = value / slope;
             if !(0.0..=1.0).contains(&(theta - change)) || change.abs() < SETTLED {
                 break;

@@ -3,19 +3,21 @@
 use super::erased::{EventNumber, HybridEquations};
 use super::event::Event;
 use super::leg::GuardOf;
-use super::simulation::INSTANT;
 use crate::core::flow::{Root, Roots, Step};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
+/// Time stands still while it moves by less than this, in units of its scale.
+pub(super) const INSTANT: f64 = 1e-9;
+
 /// Guards that vanish within this part of a step do so together.
 const TOGETHER: f64 = 1e-12;
 
 /// Where a mode ends within a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Landing<T> {
+pub(super) struct LocatedEvent<T> {
     pub guard: usize,
     pub root: Root<T>,
 }
@@ -31,7 +33,7 @@ const RESTING: f64 = 1e-12;
 const LIFTED: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
 
 /// What looks for the end of a leg in its steps.
-pub(super) struct Lookout<'l, 'a, T> {
+pub(super) struct EventLocator<'l, 'a, T> {
     pub system: &'a dyn HybridEquations,
     pub mode: usize,
     /// The guards to look at.
@@ -49,15 +51,15 @@ pub(super) struct Lookout<'l, 'a, T> {
     pub leg: (T, T),
 }
 
-impl<'a, T: EventNumber> Lookout<'_, 'a, T>
+impl<'a, T: EventNumber> EventLocator<'_, 'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
     /// Where the leg ends in a step, if it does.
-    pub fn landing<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<Landing<T>> {
-        let landing =
-            first(self.watched, self.roots, step).filter(|landing| !self.lifts(landing, step))?;
-        self.arrive(step, landing, step.length())
+    pub fn locate<F: FieldIn<T>>(&mut self, step: &mut Step<F, T>) -> Option<LocatedEvent<T>> {
+        let event =
+            first(self.watched, self.roots, step).filter(|event| !self.lifts(event, step))?;
+        self.arrive(step, event, step.length())
     }
 
     /// Where the leg ends in a step that goes to the root of a guard, as is known.
@@ -66,31 +68,31 @@ where
         step: &mut Step<F, T>,
         (guard, fraction): (usize, f64),
         whole: f64,
-    ) -> Option<Landing<T>> {
+    ) -> Option<LocatedEvent<T>> {
         let root = self.roots[guard].at_once(step, fraction);
-        self.arrive(step, Landing { guard, root }, whole * step.length())
+        self.arrive(step, LocatedEvent { guard, root }, whole * step.length())
     }
 
     /// Writes down where the leg ends; without the event, the step would have had this length.
     fn arrive<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
-        landing: Landing<T>,
+        located: LocatedEvent<T>,
         length: f64,
-    ) -> Option<Landing<T>> {
-        let ((begin, left), end) = (self.leg, landing.root.fraction);
+    ) -> Option<LocatedEvent<T>> {
+        let ((begin, left), end) = (self.leg, located.root.fraction);
         self.event.time = step.time(end);
         step.state(end, &mut self.event.before);
         let lasted = (self.event.time - begin).real();
         let longest = (length * left.real()).min(LEGS * lasted);
         *self.pace = (longest > INSTANT * self.unit).then_some(longest);
-        Some(landing)
+        Some(located)
     }
 
     /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
     /// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
-    fn lifts<F: FieldIn<T>>(&self, landing: &Landing<T>, step: &mut Step<F, T>) -> bool {
-        let (Landing { guard, root }, mode) = (landing, self.mode);
+    fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
+        let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
         let slowest = RESTING * self.roots[*guard].scale() / self.unit;
         if !begins || root.rate.real() < -slowest {
@@ -111,17 +113,18 @@ fn first<'a, F: FieldIn<T>, T: Scalar>(
     watched: &[usize],
     roots: &mut [Roots<T, GuardOf<'a>>],
     step: &mut Step<F, T>,
-) -> Option<Landing<T>>
+) -> Option<LocatedEvent<T>>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    let mut found: Option<Landing<T>> = None;
+    let mut found: Option<LocatedEvent<T>> = None;
     for &guard in watched {
         let _ = roots[guard].search(step, |_, root| {
-            let earlier =
-                |other: &Landing<T>| root.fraction.real() < other.root.fraction.real() - TOGETHER;
+            let earlier = |other: &LocatedEvent<T>| {
+                root.fraction.real() < other.root.fraction.real() - TOGETHER
+            };
             if found.as_ref().is_none_or(earlier) {
-                found = Some(Landing { guard, root });
+                found = Some(LocatedEvent { guard, root });
             }
             ControlFlow::Break(())
         });

@@ -59,11 +59,13 @@ struct Arguments<S> {
     p: Vec<S>,
 }
 
-impl<S: Scalar> Arguments<S> {
-    fn new() -> Self {
+impl<S> Default for Arguments<S> {
+    fn default() -> Self {
         Arguments { x: Vec::new(), p: Vec::new() }
     }
+}
 
+impl<S: Scalar> Arguments<S> {
     /// The watched function of states given one by one.
     fn evaluate<W: WatchIn<S>, T: Scalar>(
         &mut self,
@@ -83,7 +85,7 @@ impl<S: Scalar> Arguments<S> {
 
 /// What a watched function is evaluated in, with the samples of the last step surveyed.
 #[derive(Clone, Debug)]
-pub(super) struct Sight<T> {
+pub(super) struct WatchSampler<T> {
     pub samples: Vec<Sample>,
     real: Arguments<Dual2_64>,
     lifted: Arguments<Dual2<T>>,
@@ -94,14 +96,15 @@ pub(super) struct Sight<T> {
     plain: Arguments<f64>,
 }
 
-impl<T: Scalar> Sight<T> {
-    pub fn new() -> Self {
-        let (real, lifted) = (Arguments::new(), Arguments::new());
-        let (real_slope, slope) = (Arguments::new(), Arguments::new());
-        let plain = Arguments::new();
-        Sight { samples: Vec::new(), real, lifted, real_slope, slope, plain }
+impl<T> Default for WatchSampler<T> {
+    fn default() -> Self {
+        let (samples, real, lifted) = Default::default();
+        let (real_slope, slope, plain) = Default::default();
+        WatchSampler { samples, real, lifted, real_slope, slope, plain }
     }
+}
 
+impl<T: Scalar> WatchSampler<T> {
     /// Values and slopes at both ends of the step, that at the start unless it is known; they cost no evaluation
     /// of the field. Slopes of a Rosenbrock method are not known.
     pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(

@@ -1,0 +1,150 @@
+//! How motion goes on after an event, and after events have accumulated.
+
+use super::chatter::Accumulation;
+use super::erased::EventNumber;
+use super::error::HybridError;
+use super::event::{Event, HybridObserver};
+use super::event_locator::{INSTANT, LocatedEvent};
+use super::leg::GuardOf;
+use super::simulation::{HybridFlow, HybridState, Run};
+use crate::core::watch::Watchable;
+use std::ops::ControlFlow;
+
+impl<'a, T: EventNumber> HybridFlow<'a, T>
+where
+    GuardOf<'a>: Watchable<T>,
+{
+    /// Passes an event, and the accumulation of such events if it is near.
+    pub(super) fn land<O: HybridObserver<T>>(
+        &mut self,
+        LocatedEvent { guard, root }: LocatedEvent<T>,
+        state: &mut HybridState<T>,
+        run: &mut Run<T, O>,
+    ) -> Result<ControlFlow<()>, HybridError> {
+        (self.event.guard, self.event.mode) = (guard, state.mode);
+        (self.event.approach, self.event.accumulation) = (-root.rate.real(), false);
+        self.stands_still(run)?;
+        let tolerance = self.settings.accumulation * self.unit;
+        let series = self.series_of(guard, state.mode);
+        let Event { time, before, .. } = &self.event;
+        let accumulation = self.series[series].push(*time, -root.rate, before, tolerance);
+        let time = match accumulation {
+            Accumulation::None => None,
+            Accumulation::Here => Some(self.event.time),
+            Accumulation::At(time) => Some(time),
+        };
+        self.real_event();
+        let time_of_event = self.event.time.real();
+        let next = self.system.next_mode(guard, self.event.mode, time_of_event, &self.x, &self.p);
+        if self.pass(next, state, run)?.is_break() {
+            return Ok(ControlFlow::Break(()));
+        }
+        match time.filter(|time| time.real() <= run.end.real()) {
+            Some(time) => self.settle(accumulation, time, state, run),
+            None => Ok(ControlFlow::Continue(())),
+        }
+    }
+
+    /// The position of the series of a guard in a mode.
+    pub(super) fn series_of(&self, guard: usize, mode: usize) -> usize {
+        mode * self.guards.len() + guard
+    }
+
+    /// Real parts of the state before the event.
+    fn real_event(&mut self) {
+        self.x.clear();
+        self.x.extend(self.event.before.iter().map(T::real));
+    }
+
+    /// Resets the state to the next mode and shows the event.
+    pub(super) fn pass<O: HybridObserver<T>>(
+        &mut self,
+        next: usize,
+        state: &mut HybridState<T>,
+        run: &mut Run<T, O>,
+    ) -> Result<ControlFlow<()>, HybridError> {
+        let Some(mode) = self.modes.get(next) else {
+            let (after, modes) = (self.after(self.event.guard), self.modes.len());
+            (state.time, state.x) = (self.event.time, self.event.before.clone());
+            let time = state.time.real();
+            return Err(HybridError::NoMode { time, mode: next, modes, after });
+        };
+        let event = &mut self.event;
+        event.next = next;
+        event.after.clear();
+        event.after.resize(mode.states.len(), T::zero());
+        let (guard, modes, time) = (event.guard, (event.mode, next), event.time);
+        self.system.reset(guard, modes, time, &event.before, run.p, &mut event.after);
+        (state.mode, state.time) = (next, time);
+        state.x.clone_from(&event.after);
+        run.statistics.events += 1;
+        let outcome = run.observer.event(event);
+        self.inside(state, Some(guard))?;
+        Ok(outcome)
+    }
+
+    /// Refuses too many events without progress of time.
+    fn stands_still<O>(&self, run: &mut Run<T, O>) -> Result<(), HybridError> {
+        let (time, (since, count)) = (self.event.time.real(), run.still);
+        run.still = if time - since > INSTANT * self.unit { (time, 0) } else { (since, count + 1) };
+        if run.still.1 <= self.settings.at_once {
+            return Ok(());
+        }
+        Err(HybridError::Standstill {
+            time,
+            mode: self.modes[self.event.mode].name.clone(),
+            guard: self.guards[self.event.guard].name.clone(),
+            events: run.still.1,
+            span: time - since,
+        })
+    }
+
+    /// Goes on from the accumulation of the events of a guard, unless another event of its mode comes before.
+    pub(super) fn settle<O: HybridObserver<T>>(
+        &mut self,
+        accumulation: Accumulation<T>,
+        time: T,
+        state: &mut HybridState<T>,
+        run: &mut Run<T, O>,
+    ) -> Result<ControlFlow<()>, HybridError> {
+        let Event { guard, mode, .. } = self.event;
+        let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
+        let before = if here { &self.event.before } else { &self.series[series].limit };
+        self.x.clear();
+        self.x.extend(before.iter().map(T::real));
+        if !here && self.another_comes_before(time.real()) {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let next = self.system.mode_after_accumulation(guard, mode, time.real(), &self.x, &self.p);
+        let Some(next) = next else {
+            let unsettled = Err(self.unsettled(time.real()));
+            return if here { Ok(ControlFlow::Continue(())) } else { unsettled };
+        };
+        if !here {
+            self.event.before.clone_from(&self.series[series].limit);
+        }
+        (self.event.time, self.event.approach, self.event.accumulation) = (time, 0.0, true);
+        run.statistics.accumulations += 1;
+        self.pass(next, state, run)
+    }
+
+    /// Whether another guard of the mode is negative at the accumulation, the real parts of which are in `x`.
+    fn another_comes_before(&self, time: f64) -> bool {
+        let Event { guard, mode, .. } = self.event;
+        let mut others = self.watched[mode].iter().filter(|g| **g != guard);
+        others.any(|g| self.system.guard(*g, mode, time, &self.x, &self.p) < 0.0)
+    }
+
+    fn unsettled(&self, time: f64) -> HybridError {
+        let Event { guard, mode, .. } = self.event;
+        let series = &self.series[self.series_of(guard, mode)];
+        HybridError::Accumulation {
+            time,
+            mode: self.modes[mode].name.clone(),
+            guard: self.guards[guard].name.clone(),
+            events: series.events,
+            ratio: series.ratio.real(),
+            interval: series.interval.real(),
+        }
+    }
+}
