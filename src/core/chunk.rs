@@ -79,6 +79,18 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
         DualChunk { re, eps: std::array::from_fn(|k| part(self.eps[k], other.eps[k])) }
     }
+
+    #[inline(always)]
+    fn product(&self, other: &Self) -> Self {
+        let (x, y) = (self.re, other.re);
+        self.combined(other, x * y, |a, b| a * y + b * x)
+    }
+
+    #[inline(always)]
+    fn quotient(&self, other: &Self) -> Self {
+        let (x, y, inverse) = (self.re, other.re, other.re.recip());
+        self.combined(other, x * inverse, |a, b| (a * y - b * x) * inverse * inverse)
+    }
 }
 
 /// `x` with the unit direction `direction` if that lies in the chunk that begins at `start`.
@@ -122,16 +134,14 @@ impl<T: Scalar, const W: usize> SubAssign<&Self> for DualChunk<T, W> {
 impl<T: Scalar, const W: usize> MulAssign<&Self> for DualChunk<T, W> {
     #[inline(always)]
     fn mul_assign(&mut self, other: &Self) {
-        let (x, y) = (self.re, other.re);
-        *self = self.combined(other, x * y, |a, b| a * y + b * x);
+        *self = self.product(other);
     }
 }
 
 impl<T: Scalar, const W: usize> DivAssign<&Self> for DualChunk<T, W> {
     #[inline(always)]
     fn div_assign(&mut self, other: &Self) {
-        let (x, y, inverse) = (self.re, other.re, other.re.recip());
-        *self = self.combined(other, x * inverse, |a, b| (a * y - b * x) * inverse * inverse);
+        *self = self.quotient(other);
     }
 }
 

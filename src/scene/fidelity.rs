@@ -221,10 +221,12 @@ fn end_at<'a>(branch: &'a Branch, special: &SpecialPoint) -> Option<&'a End> {
 /// Whether discretisations must agree on a special point. An end may be anywhere unless it is at a
 /// bound, at a grazing, or the start.
 fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
-    let fixed = |end: &End| match end {
-        End::ParameterBound { .. } | End::MonitorBound { .. } => true,
-        End::Grazing { .. } | End::Event { .. } | End::Start => true,
-        _ => false,
+    let fixed = |end: &End| {
+        use End::{Event, Grazing, MonitorBound, ParameterBound, Start};
+        matches!(
+            end,
+            ParameterBound { .. } | MonitorBound { .. } | Grazing { .. } | Event { .. } | Start
+        )
     };
     special.kind != Kind::EP || end_at(branch, special).is_some_and(fixed)
 }

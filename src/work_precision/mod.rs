@@ -22,8 +22,11 @@ pub use plan::{Answer, Effort, Method, Plan, WorkPrecisionError};
 
 use crate::output::{Entry, WorkPrecision, entries};
 
+/// A work-precision diagram by its name, and what plans it.
+pub type Diagram = Entry<fn() -> Vec<Plan>>;
+
 /// All work-precision diagrams.
-pub const DIAGRAMS: &[Entry<fn() -> Vec<Plan>>] = entries![
+pub const DIAGRAMS: &[Diagram] = entries![
     "plate-models": "pull-in load of a plate by models of few modes, sines and polynomials", plates::models;
     "plate-orders": "pull-in load of a plate by orders of deflection and in-plane displacement", plates::orders;
     "flow": "integrators on the stick, an impacting period and a stiff field; derivatives", flow::plans;
@@ -48,10 +51,7 @@ pub const DIAGRAMS: &[Entry<fn() -> Vec<Plan>>] = entries![
 ///
 /// # Errors
 /// [`WorkPrecisionError`] if the reference of a plan fails.
-pub fn measure(
-    entry: &Entry<fn() -> Vec<Plan>>,
-    effort: Effort,
-) -> Result<WorkPrecision, WorkPrecisionError> {
+pub fn measure(entry: &Diagram, effort: Effort) -> Result<WorkPrecision, WorkPrecisionError> {
     let panels = (entry.make)().into_iter().map(|plan| plan.measure(effort));
     Ok(WorkPrecision {
         name: format!("work-precision-{}", entry.name),

@@ -8,8 +8,7 @@ use tangency::output::{Class, Region, Report, RobustnessMap, Tried};
 use tangency::robustness::{MAPS, map};
 
 /// All maps.
-static NOW: LazyLock<Vec<RobustnessMap>> =
-    LazyLock::new(|| MAPS.iter().map(|entry| map(entry)).collect());
+static NOW: LazyLock<Vec<RobustnessMap>> = LazyLock::new(|| MAPS.iter().map(map).collect());
 
 fn named(name: &str) -> &'static RobustnessMap {
     let name = format!("robustness-{name}");

@@ -30,7 +30,7 @@ pub struct Cycle {
     pub legs: Vec<CycleLeg>,
     /// The periods of the forcing in a cycle; 1 without forcing.
     pub periods: usize,
-    /// How near the motion came back, as [`CycleSearch::tolerance`] measures it.
+    /// How near the motion came back, as [`CycleSearch::tolerance`](super::CycleSearch::tolerance) measures it.
     pub distance: f64,
 }
 
