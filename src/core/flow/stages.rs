@@ -22,6 +22,14 @@ impl<T> Default for Stages<T> {
     }
 }
 
+/// Numbers of at most so many bytes stay in registers: steps of few of them have code of their own.
+const IN_REGISTERS: usize = 72;
+
+/// The number of states for which there is code of its own; 0 for numbers that are too large.
+const fn few<T>(states: usize) -> usize {
+    if size_of::<T>() > IN_REGISTERS { 0 } else { states }
+}
+
 /// The largest number of stages of a method, dense output included.
 const MOST: usize = 16;
 
@@ -54,7 +62,7 @@ impl<T: Scalar> Stages<T> {
         step: (f64, f64),
         x: &[T],
     ) {
-        match x.len() {
+        match few::<T>(x.len()) {
             1 => self.advance_all::<F, 1>(tableau, motion, step, x),
             2 => self.advance_all::<F, 2>(tableau, motion, step, x),
             3 => self.advance_all::<F, 3>(tableau, motion, step, x),
@@ -117,7 +125,7 @@ pub(super) fn combine<T: Scalar>(
     slopes: &[T],
     out: &mut [T],
 ) {
-    match x.len() {
+    match few::<T>(x.len()) {
         1 => combine_all::<T, 1>(x, h, row, slopes, out),
         2 => combine_all::<T, 2>(x, h, row, slopes, out),
         3 => combine_all::<T, 3>(x, h, row, slopes, out),
