@@ -37,7 +37,6 @@ pub struct Measurement {
     /// The distance of the result from the reference; NaN if the method failed.
     pub error: f64,
     /// The error, if the method failed.
-    #[serde(default)]
     pub failure: Option<String>,
 }
 
