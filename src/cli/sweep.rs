@@ -66,10 +66,7 @@ impl Sweep {
             None => format!("{name}.npz"),
             Some(Part { number, of, .. }) => format!("{name}.part-{number}-of-{of}.npz"),
         });
-        let known = match path.exists() && !self.afresh {
-            true => Some(Sweeps::load(&path)?),
-            false => None,
-        };
+        let known = if path.exists() && !self.afresh { Some(Sweeps::load(&path)?) } else { None };
         let document = self.trace(&name, &scene, out)?;
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
         let every = Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX);

@@ -3,7 +3,8 @@
 use super::error::CommandError;
 use super::plot::same_file;
 use super::watch::Watch;
-use crate::core::flow::work;
+use crate::core::continuation::Branch;
+use crate::core::flow::{Work, work};
 use crate::core::names::UnknownName;
 use crate::output::{Document, FileError, Sweeps, draw, figures, write_atomically};
 use crate::scene::{Catalogue, Scene, SceneError, StartPoint, execute};
@@ -100,10 +101,7 @@ impl Trace {
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
             Some(cause) => Err(self.scene.at_fault(cause)),
-            None => saved.and(match watched? {
-                true => Err(CommandError::Interrupted),
-                false => Ok(()),
-            }),
+            None => saved.and(if watched? { Err(CommandError::Interrupted) } else { Ok(()) }),
         }
     }
 
@@ -116,27 +114,15 @@ impl Trace {
     ) -> Result<(), CommandError> {
         document.save(path)?;
         let svg = picture(Some((name, document)), &[], path)?;
-        for branch in &document.branches {
-            writeln!(
-                out,
-                "{}: {} points; ends: {}; {}",
-                branch.name,
-                branch.points.len(),
-                branch.ends[0],
-                branch.ends[1]
-            )?;
+        for Branch { name, points, ends: [start, end], .. } in &document.branches {
+            writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
         }
         if let Some(chosen) = &document.chosen {
             writeln!(out, "{chosen}")?;
         }
-        let work = work();
-        if work.evaluations > 0 {
-            let evaluations = work.evaluations;
-            writeln!(
-                out,
-                "flows: {evaluations} evaluations of the field, a time of {:.1}",
-                work.time
-            )?;
+        let Work { evaluations, time } = work();
+        if evaluations > 0 {
+            writeln!(out, "flows: {evaluations} evaluations of the field, a time of {time:.1}")?;
         }
         Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
     }

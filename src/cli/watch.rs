@@ -59,10 +59,7 @@ impl<'a, W: Write> Watch<'a, W> {
     /// [`CommandError::Output`] if the standard output could not be written to.
     pub fn finish(self) -> Result<bool, CommandError> {
         self.bar.finish_and_clear();
-        match self.failure {
-            Some(failure) => Err(failure.into()),
-            None => Ok(interrupted()),
-        }
+        self.failure.map_or(Ok(interrupted()), |failure| Err(failure.into()))
     }
 
     fn line(&mut self, text: &str) {
@@ -87,10 +84,7 @@ impl<W: Write> Observer for Watch<'_, W> {
     fn point(&mut self, _point: &Point) -> ControlFlow<()> {
         self.points += 1;
         self.bar.set_message(format!("{} points", self.points));
-        match interrupted() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn special(&mut self, _branch: &Branch, special: &SpecialPoint) {

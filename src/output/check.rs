@@ -6,6 +6,9 @@ use super::format::FORMAT;
 use crate::core::continuation::{Branch, End, SpecialPoint};
 use std::collections::HashSet;
 
+/// A part of a document that is as it must be, or what is not.
+type Checked = Result<(), Invalid>;
+
 /// Checks a document's tag, that its names are unique, its lists as long as their names, and its
 /// numbers finite.
 pub(super) fn document(document: &Document) -> Result<(), FormatError> {
@@ -22,7 +25,7 @@ pub(super) fn document(document: &Document) -> Result<(), FormatError> {
     Ok(document.branches.iter().try_for_each(branch)?)
 }
 
-fn branch(branch: &Branch) -> Result<(), Invalid> {
+fn branch(branch: &Branch) -> Checked {
     let place = format!("branch `{}`", branch.name);
     unique(&format!("{place}: a column"), branch.columns())?;
     unique(&format!("{place}: a label"), branch.special.iter().map(|point| point.label))?;
@@ -54,12 +57,7 @@ fn branch(branch: &Branch) -> Result<(), Invalid> {
     })
 }
 
-fn special(
-    place: &str,
-    branch: &Branch,
-    dimension: usize,
-    point: &SpecialPoint,
-) -> Result<(), Invalid> {
+fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint) -> Checked {
     require(point.label > 0, place, point.label, || "must be counted from 1".into())?;
     let last = branch.points.len().saturating_sub(1);
     require(point.after <= last, &format!("{place}: after"), point.after, || {
@@ -81,12 +79,7 @@ fn special(
     })
 }
 
-fn values(
-    place: &str,
-    branch: &Branch,
-    parameters: &[f64],
-    monitors: &[f64],
-) -> Result<(), Invalid> {
+fn values(place: &str, branch: &Branch, parameters: &[f64], monitors: &[f64]) -> Checked {
     let lists =
         [("parameters", &branch.parameters, parameters), ("monitors", &branch.monitors, monitors)];
     for (what, names, values) in lists {
@@ -99,7 +92,7 @@ fn values(
     Ok(())
 }
 
-fn end(place: &str, end: &End) -> Result<(), Invalid> {
+fn end(place: &str, end: &End) -> Checked {
     match end {
         End::ParameterBound { value, .. } | End::MonitorBound { value, .. } => {
             finite(&format!("{place}, ends, value"), *value)
@@ -112,7 +105,7 @@ fn end(place: &str, end: &End) -> Result<(), Invalid> {
 fn unique<T: std::fmt::Display + Eq + std::hash::Hash>(
     what: &str,
     names: impl Iterator<Item = T>,
-) -> Result<(), Invalid> {
+) -> Checked {
     let mut seen = HashSet::new();
     for name in names {
         let found = format!("`{name}`");
@@ -121,17 +114,17 @@ fn unique<T: std::fmt::Display + Eq + std::hash::Hash>(
     Ok(())
 }
 
-fn length(place: &str, found: usize, expected: usize, of: &str) -> Result<(), Invalid> {
+fn length(place: &str, found: usize, expected: usize, of: &str) -> Checked {
     require(found == expected, place, format!("a list of {found}"), || {
         format!("must have as many entries as {of}, {expected}")
     })
 }
 
-fn finite(place: &str, value: f64) -> Result<(), Invalid> {
+fn finite(place: &str, value: f64) -> Checked {
     require(value.is_finite(), place, value, || "must be a finite number".into())
 }
 
-fn all_finite(place: &str, values: &[f64]) -> Result<(), Invalid> {
+fn all_finite(place: &str, values: &[f64]) -> Checked {
     match values.iter().position(|value| !value.is_finite()) {
         Some(index) => finite(&format!("{place} {index}"), values[index]),
         None => Ok(()),
@@ -143,7 +136,7 @@ fn require(
     place: &str,
     found: impl std::fmt::Display,
     rule: impl FnOnce() -> String,
-) -> Result<(), Invalid> {
+) -> Checked {
     if holds {
         return Ok(());
     }

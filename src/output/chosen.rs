@@ -33,10 +33,7 @@ impl fmt::Display for Chosen {
         let settings: Vec<String> =
             self.settings.iter().map(|(name, value)| format!("{name} = {value}")).collect();
         let Chosen { accuracy, estimate, of, .. } = self;
-        write!(
-            f,
-            "for an accuracy of {accuracy:e}: {}, error {estimate:.1e} ({of})",
-            settings.join(", ")
-        )
+        let settings = settings.join(", ");
+        write!(f, "for an accuracy of {accuracy:e}: {settings}, error {estimate:.1e} ({of})")
     }
 }

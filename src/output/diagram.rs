@@ -89,12 +89,8 @@ fn drawn(
 fn hide_starts(figure: &mut Figure) {
     // A figure that cannot be drawn is refused when it is.
     let Ok([x, y]) = figure.extent() else { return };
-    let others: Vec<[f64; 2]> = figure
-        .marks
-        .iter()
-        .filter(|mark| mark.symbol != Symbol::Ring)
-        .map(|mark| mark.at)
-        .collect();
+    let others = figure.marks.iter().filter(|mark| mark.symbol != Symbol::Ring);
+    let others: Vec<[f64; 2]> = others.map(|mark| mark.at).collect();
     let near = |a: f64, b: f64, range: [f64; 2]| (a - b).abs() <= 1e-4 * (range[1] - range[0]);
     figure.marks.retain(|mark| {
         let same = |at: &[f64; 2]| near(at[0], mark.at[0], x) && near(at[1], mark.at[1], y);
@@ -176,13 +172,12 @@ impl Curve<'_> {
             let next = points.get(index + 1).unwrap_or(point);
             for special in self.branch.special.iter().filter(|special| special.after == index) {
                 let Some(at) = self.at(|column| special.value(column)) else { continue };
-                pieces.vertex(
-                    at,
-                    match changes_stability(special.kind) {
-                        true => style_of(next),
-                        false => pieces.style(),
-                    },
-                );
+                let style = match special.kind {
+                    // Stability does not change here.
+                    Kind::EP | Kind::UZ | Kind::MX => pieces.style(),
+                    _ => style_of(next),
+                };
+                pieces.vertex(at, style);
             }
         }
         let pieces = pieces.series.into_iter().filter(|piece| !piece.points.is_empty());
@@ -253,15 +248,6 @@ pub(super) fn style(unstable: Option<usize>) -> Style {
     match unstable {
         Some(1..) => Style::Dashed,
         Some(0) | None => Style::Solid,
-    }
-}
-
-fn changes_stability(kind: Kind) -> bool {
-    match kind {
-        Kind::LP | Kind::BP | Kind::HB | Kind::CP | Kind::BT | Kind::PD | Kind::TR | Kind::G => {
-            true
-        }
-        Kind::EP | Kind::UZ | Kind::MX => false,
     }
 }
 

@@ -31,7 +31,8 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
     let mut figures: Vec<(&Profile, Figure)> = Vec::new();
     for Shown { name, point } in &shown {
         for profile in &point.profiles {
-            let same = |(other, _): &(&Profile, Figure)| same_kind(other, profile);
+            let kind = (&profile.along, &profile.name);
+            let same = |(p, _): &(&Profile, Figure)| (&p.along, &p.name) == kind;
             let index = figures.iter().position(same).unwrap_or_else(|| {
                 let [x, y] = [plot.label(&profile.along), plot.label(&profile.name)];
                 figures.push((profile, Figure::new("", x, y)));
@@ -46,10 +47,6 @@ pub(super) fn profiles(documents: &[(&str, &Document)]) -> Result<Vec<Figure>, F
         figures.iter_mut().for_each(|figure| figure.styles = stability());
     }
     Ok(figures)
-}
-
-fn same_kind(a: &Profile, b: &Profile) -> bool {
-    (&a.along, &a.name) == (&b.along, &b.name)
 }
 
 /// The figures of the kinds of profiles that were asked for, in that order; all if none was.

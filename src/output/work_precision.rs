@@ -37,7 +37,6 @@ pub struct Measurement {
     /// The distance of the result from the reference; NaN if the method failed.
     pub error: f64,
     /// The error, if the method failed.
-    #[serde(default)]
     pub failure: Option<String>,
 }
 
@@ -199,23 +198,19 @@ impl Measured {
     const LEAST: f64 = 1e-16;
 
     fn figure(&self) -> Figure {
-        let labels = |what: &str| format!("log₁₀ of {what}");
         let time = format!("{} in seconds", self.clock.time());
-        let [time, work, error] = [&time, &self.work, &self.error].map(|what| labels(what));
-        let (x, y) = match self.drawn {
-            Drawn::ErrorAgainstTime => (time, error),
-            Drawn::ErrorAgainstWork => (work, error),
-            Drawn::TimeAgainstWork => (work, time),
+        let labels = [&time, &self.work, &self.error];
+        // Which of time, work and error is on which axis.
+        let axes: [usize; 2] = match self.drawn {
+            Drawn::ErrorAgainstTime => [0, 2],
+            Drawn::ErrorAgainstWork => [1, 2],
+            Drawn::TimeAgainstWork => [1, 0],
         };
+        let [x, y] = axes.map(|axis| format!("log₁₀ of {}", labels[axis]));
         let mut figure = Figure::new(&self.title, x, y);
         let at = |point: &Measurement| {
-            let [time, error] = [point.seconds.max(1e-9), point.error.max(Self::LEAST)];
-            let at = match self.drawn {
-                Drawn::ErrorAgainstTime => [time, error],
-                Drawn::ErrorAgainstWork => [point.work, error],
-                Drawn::TimeAgainstWork => [point.work, time],
-            };
-            at.map(f64::log10)
+            let values = [point.seconds.max(1e-9), point.work, point.error.max(Self::LEAST)];
+            axes.map(|axis| values[axis].log10())
         };
         for line in &self.lines {
             let points = line.points.iter().filter(|point| point.error.is_finite()).map(at);

@@ -6,7 +6,7 @@ use std::fmt::Display;
 /// The outcome of a method at one place.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
-    class: Class,
+    pub class: Class,
     name: &'static str,
     message: Option<String>,
 }
@@ -30,16 +30,6 @@ impl Found {
     /// A wrong result without any report.
     pub fn silent(name: &'static str) -> Self {
         Found { class: Class::Silent, name, message: None }
-    }
-
-    /// Whether the result is correct.
-    pub fn is_right(&self) -> bool {
-        self.class == Class::Right
-    }
-
-    /// Whether the result is silently wrong.
-    pub fn is_silent(&self) -> bool {
-        self.class == Class::Silent
     }
 }
 

@@ -6,7 +6,7 @@ use crate::core::dense::Dense;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances};
 use crate::core::zero::ZeroProblem;
-use crate::output::RobustnessMap;
+use crate::output::{Class, RobustnessMap};
 use crate::problems::classic::ParallelPlate;
 use num_dual::Dual64;
 
@@ -93,7 +93,7 @@ fn extended(share: f64, guess: f64) -> Found {
     match Newton::default().solve(&mut equations, &mut x, Some(closing), &weights, LIMITS) {
         Err(cause) => failed(&cause),
         Ok(_) => match judged(x[0], x[1]) {
-            found if found.is_silent() => found,
+            found if found.class == Class::Silent => found,
             _ => Found::right("a point of the branch"),
         },
     }
@@ -107,7 +107,7 @@ fn from_rest(share: f64) -> Found {
         Ok(branch) => branch,
         Err(cause) => return Found::reported("no start", cause),
     };
-    let right = |point: &SpecialPoint| !judged(point.state[0], load).is_silent();
+    let right = |point: &SpecialPoint| judged(point.state[0], load).class != Class::Silent;
     let marks = branch.of_kind(Kind::UZ).filter(|point| right(point)).count();
     match (marks, branch.of_kind(Kind::LP).next()) {
         (1.., _) => Found::handed_over("both deflections, by arclength from rest"),
@@ -137,7 +137,7 @@ pub(super) fn draw() -> RobustnessMap {
                 false,
                 |share, guess| {
                     let found = damped(share, guess);
-                    if found.is_right() { found } else { from_rest(share) }
+                    if found.class == Class::Right { found } else { from_rest(share) }
                 },
             ),
         ],

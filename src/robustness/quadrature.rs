@@ -10,14 +10,11 @@ use crate::problems::plate::{Orders, Ritz, RitzSettings, Supports, Units};
 /// direction.
 fn load(largest: f64, points: usize) -> f64 {
     let (nodes, weights) = gauss_legendre(points);
-    let line: Vec<[f64; 2]> = nodes
-        .iter()
-        .zip(&weights)
-        .map(|(node, weight)| {
-            let x = 0.25 * (node + 1.0);
-            [16.0 * (x * (1.0 - x)).powi(2), 0.25 * weight]
-        })
-        .collect();
+    let place = |(node, weight): (&f64, &f64)| {
+        let x = 0.25 * (node + 1.0);
+        [16.0 * (x * (1.0 - x)).powi(2), 0.25 * weight]
+    };
+    let line: Vec<[f64; 2]> = nodes.iter().zip(&weights).map(place).collect();
     let along = |[x, weight]: &[f64; 2]| {
         let across = line.iter().map(|[y, weight]| weight / (1.0 - largest * x * y).powi(2));
         weight * across.sum::<f64>()

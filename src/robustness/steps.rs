@@ -4,7 +4,7 @@ use super::grid::{Found, Panel, from_to, map};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::dense::Dense;
 use crate::core::zero::ZeroProblem;
-use crate::output::RobustnessMap;
+use crate::output::{Class, RobustnessMap};
 use crate::problems::classic::Hyperbola;
 use num_dual::Dual64;
 
@@ -60,7 +60,9 @@ fn arrived(x: f64) -> Found {
     if x > 0.0 { Found::right("followed") } else { Found::silent("jumped to the other branch") }
 }
 
-fn traced(epsilon: f64, settings: Settings) -> Result<Branch, TraceError> {
+/// The branch by the core's steps, between the least and the largest.
+fn traced(epsilon: f64, [min_step, max_step]: [f64; 2]) -> Result<Branch, TraceError> {
+    let settings = Settings { initial_step: max_step, max_step, min_step, ..Settings::default() };
     let mut system = Dense::new(Hyperbola);
     Continuation::of(&mut system)
         .from(&[(1.0 + epsilon * epsilon).sqrt()])
@@ -85,10 +87,10 @@ fn judged(epsilon: f64, traced: Result<Branch, TraceError>) -> Found {
             let crossing = branch.of_kind(Kind::BP).next();
             match (arrived(last.state[0]), crossing) {
                 // Branches that are nearer cross, by what the core promises.
-                (found, Some(point)) if found.is_silent() && epsilon < CROSSING => Found::reported(
-                    "taken for a branch point",
-                    format!("{}, {}", point.kind, point.event),
-                ),
+                (found, Some(point)) if found.class == Class::Silent && epsilon < CROSSING => {
+                    let why = format!("{}, {}", point.kind, point.event);
+                    Found::reported("taken for a branch point", why)
+                }
                 (found, _) => found,
             }
         }
@@ -106,14 +108,9 @@ pub(super) fn draw() -> RobustnessMap {
         let method = |x: f64, y: f64| method(10_f64.powf(x), 10_f64.powf(y));
         Panel::of((name, naive), labels, [&bends, &lengths], method)
     };
-    let adapted = |epsilon, step| {
-        let settings = Settings { initial_step: step, max_step: step, ..Settings::default() };
-        judged(epsilon, traced(epsilon, settings))
-    };
-    let fixed = |epsilon, step| {
-        let settings = Settings { initial_step: step, max_step: step, ..Settings::default() };
-        judged(epsilon, traced(epsilon, Settings { min_step: step, ..settings }))
-    };
+    let adapted =
+        |epsilon, step| judged(epsilon, traced(epsilon, [Settings::default().min_step, step]));
+    let fixed = |epsilon, step| judged(epsilon, traced(epsilon, [step; 2]));
     map(
         "steps",
         vec![

@@ -165,11 +165,7 @@ impl SceneError {
         SceneError::Run { run: run.into(), cause: Box::new(cause.into()) }
     }
 
-    pub(super) fn value(
-        name: impl Into<String>,
-        value: impl Into<String>,
-        reason: impl Into<String>,
-    ) -> Self {
+    pub(super) fn value(name: &str, value: &str, reason: impl Into<String>) -> Self {
         SceneError::Value { name: name.into(), value: value.into(), reason: reason.into() }
     }
 

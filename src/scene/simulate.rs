@@ -36,30 +36,25 @@ impl Default for Simulated {
     }
 }
 
-/// A simulated history as a branch of one point, and the state in which it ends.
-pub(super) struct Simulation {
-    pub branch: Branch,
-    pub end: HybridState<f64>,
-}
-
 /// Names of what is counted: events a period of the forcing (or in the whole history).
 const EVENTS: &str = "events";
 
 /// Samples of a step in a history.
 const SAMPLES: usize = 8;
 
-/// Follows a system through a transient, and then for as long as the history is to last.
+/// Follows a system through a transient, and then for as long as the history is to last: the history as a branch of one
+/// point, and the state in which it ends.
 pub(super) fn simulate(
     system: &dyn HybridEquations,
     name: &str,
     simulated: &Simulated,
     p: &[f64],
     start: Option<HybridState<f64>>,
-) -> Result<Simulation, SceneError> {
+) -> Result<(Branch, HybridState<f64>), SceneError> {
     let failed = |cause: HybridError| SceneError::of_run(name, cause);
     let mut state = match start {
         Some(state) => state,
-        None => initial(system, simulated)?,
+        None => at_rest(&system.modes()[0], &simulated.state)?,
     };
     let unit = system.period(p);
     let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
@@ -71,7 +66,7 @@ pub(super) fn simulate(
     flow.advance(&mut state, simulated.duration * unit, p, &mut history).map_err(failed)?;
     let curves = curves(system, &history.pieces, begin);
     let events = history.events.len() as f64 / simulated.duration;
-    Ok(Simulation { branch: branch(system, name, p, &curves, events), end: state })
+    Ok((branch(system, name, p, &curves, events), state))
 }
 
 /// The periodic motion on which a simulation settles, as one of the orbits like it.
@@ -82,7 +77,7 @@ pub(super) fn settled(
     p: &[f64],
 ) -> Result<Birth<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
-    let start = initial(&*system, simulated)?;
+    let start = at_rest(&system.modes()[0], &simulated.state)?;
     let transient = simulated.transient * system.period(p);
     let search = CycleSearch { transient, ..CycleSearch::default() };
     let mut flow = HybridFlow::new(&*system, HybridSettings::default())
@@ -90,13 +85,6 @@ pub(super) fn settled(
     let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
     drop(flow);
     HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
-}
-
-fn initial(
-    system: &dyn HybridEquations,
-    simulated: &Simulated,
-) -> Result<HybridState<f64>, SceneError> {
-    at_rest(&system.modes()[0], &simulated.state)
 }
 
 /// A state of the first mode, given by name where it is not zero.

@@ -27,7 +27,6 @@ pub struct Scene<P = Problem> {
     /// The relative error asked of special points, and of ends at bounds: of the parameters that vary
     /// along their branch, and of the columns that the setting `settle` names. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.
-    #[serde(default)]
     pub accuracy: Option<f64>,
     /// Settings of the continuation.
     #[serde(default)]
@@ -56,7 +55,6 @@ pub struct Run {
     #[serde(default)]
     pub start: Start,
     /// The local map near a grazing of which fixed or periodic points are followed, in place of orbits of the flow.
-    #[serde(default)]
     pub local: Option<Local>,
     /// Whether each iterate of a point of the local map impacts: none, of fixed points before the surface. A start
     /// from another run goes on with its iterates.
@@ -64,13 +62,10 @@ pub struct Run {
     pub impacts: Vec<bool>,
     /// The curve of folds (`LP`) or period doublings (`PD`) that begins at the grazing of the local map, by its Taylor
     /// series to the map's order, in place of points of the map: released is one of its two parameters.
-    #[serde(default)]
     pub expanded: Option<Kind>,
     /// The kind of special point that is held along the curve, where it is a curve of events.
-    #[serde(default)]
     pub hold: Option<Kind>,
     /// The parameter or monitor that is held at a level along the curve, where it is a curve of marks.
-    #[serde(default)]
     pub hold_level: Option<(String, f64)>,
     /// The parameters that are released, the continued one first, with their ranges. A simulation that
     /// releases none is kept as a history.
@@ -108,10 +103,8 @@ pub struct Range {
     /// The parameter or monitor.
     pub name: String,
     /// The lower end.
-    #[serde(default)]
     pub low: Option<f64>,
     /// The upper end.
-    #[serde(default)]
     pub high: Option<f64>,
 }
 
@@ -174,7 +167,6 @@ pub struct Sweep {
     pub set: Vec<(String, String)>,
     /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the
     /// grazing.
-    #[serde(default)]
     pub local: Option<Local>,
     /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
     pub over: Vec<Grid>,
@@ -193,7 +185,6 @@ pub struct Sweep {
     #[serde(default)]
     pub search: AttractorSearch,
     /// Where each run seeks the crisis in which its attractor is lost.
-    #[serde(default)]
     pub crisis: Option<SoughtCrisis>,
     /// What is measured in every period recorded, by the names of the problem's monitors.
     #[serde(default)]

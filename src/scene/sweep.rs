@@ -46,13 +46,8 @@ impl Scene {
             Ok::<Axis, UnknownName>(Axis { quantity, low, high, count })
         };
         let axes = sweep.over.iter().map(axis).collect::<Result<_, _>>()?;
-        let starts = match sweep.starts.is_empty() {
-            true => vec![at_rest(mode, &[])?],
-            false => {
-                let starts = sweep.starts.iter().map(|state| at_rest(mode, state));
-                starts.collect::<Result<_, _>>()?
-            }
-        };
+        let starts = if sweep.starts.is_empty() { &[Vec::new()] } else { &sweep.starts[..] };
+        let starts = starts.iter().map(|state| at_rest(mode, state)).collect::<Result<_, _>>()?;
         let crisis = sweep.crisis.as_ref().map(|sought| sought.among(&parameters)).transpose()?;
         let Sweep { order, strands, search, .. } = *sweep;
         let plan = Plan { axes, starts, order, strands, search, crisis };

@@ -4,7 +4,7 @@ use super::error::SceneError;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
 use super::plan::{Planned, StartPoint, leading, plan};
-use super::simulate::{Simulated, Simulation, settled, simulate};
+use super::simulate::{Simulated, settled, simulate};
 use super::statement::{Run, Scene, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
 use crate::core::grazing::LocalMap;
@@ -97,8 +97,7 @@ fn history(
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
-    let Simulation { branch, end } =
-        simulate(&*motion, &run.name, simulated, &seen.values()?, start)?;
+    let (branch, end) = simulate(&*motion, &run.name, simulated, &seen.values()?, start)?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }

@@ -1,7 +1,7 @@
 //! Pull-in of a plate: which model, and how many functions.
 
 use super::plan::{Method, Plan};
-use super::scenes::{Counted, Sought, tracing};
+use super::scenes::{Counted, Sought, number_of, tracing};
 use crate::core::continuation::Kind;
 
 /// A supported square plate with twice its thickness as gap, through pull-in; special points are not refined.
@@ -41,12 +41,9 @@ pub(super) fn models() -> Vec<Plan> {
         ("modal, direct", "modal", "direct"),
     ] {
         for modes in [1, 2, 4, 8, 15] {
-            let (count, setting) = (
-                modes.to_string(),
-                if modes == 1 { "1 mode".into() } else { format!("{modes} modes") },
-            );
+            let count = modes.to_string();
             let settings = [("model", model), ("projection", projection), ("modes", &count)];
-            methods.push(plate(line, setting, &settings));
+            methods.push(plate(line, number_of(modes, "mode"), &settings));
         }
     }
     let orders = [(2, 3), (3, 4), (4, 6), (6, 8), (8, 11), (11, 15)];

@@ -4,7 +4,7 @@ use super::differences::{Differences, IMPACTING};
 use super::period::Period;
 use super::plan::{Answer, Method, Plan};
 use super::plates::{PLATE, PULL_IN};
-use super::scenes::{Counted, GRAZING, PASSING, scene, tracing};
+use super::scenes::{Counted, GRAZING, PASSING, number_of, scene, tracing};
 use crate::core::chunk::{DualChunk, seeded};
 use crate::core::hybrid::{EventNumber, GuardOf};
 use crate::core::sweep::Part;
@@ -52,13 +52,10 @@ fn unknowns() -> Plan {
 fn pieces() -> Plan {
     let orbits = |line: String, pieces: usize, settings: &[(&str, &str)]| {
         let count = pieces.to_string();
-        let pieces_of = if line == "shooting" { "segments" } else { "intervals" };
-        let settings = [settings, &[(pieces_of, count.as_str())]].concat();
-        let setting = match pieces {
-            1 => pieces_of.trim_end_matches('s').to_string(),
-            _ => pieces_of.to_string(),
-        };
-        let setting = format!("{pieces} {setting}");
+        let [piece, name] =
+            if line == "shooting" { ["segment", "segments"] } else { ["interval", "intervals"] };
+        let settings = [settings, &[(name, count.as_str())]].concat();
+        let setting = number_of(pieces, piece);
         tracing((line.as_str(), setting), PASSING, &settings, GRAZING, Counted::Unknowns)
     };
     let mut methods = Vec::new();
@@ -120,9 +117,8 @@ fn parameters() -> Plan {
     let x = IMPACTING.settled();
     let tolerance = IMPACTING.tolerance;
     let method = |line: &str, count: usize, find: fn(usize, [f64; 2], f64) -> _| {
-        let setting = if count == 1 { "1 parameter".into() } else { format!("{count} parameters") };
         let x = x.clone();
-        Method::new(line, setting, move || {
+        Method::new(line, number_of(count, "parameter"), move || {
             Ok(Answer { numbers: find(count, x.clone()?, tolerance)?, work: count as f64 })
         })
     };
@@ -154,10 +150,7 @@ fn parameters() -> Plan {
 fn threads() -> Plan {
     let scene = scene(SWEEP, &[]);
     let method = |threads: NonZeroUsize| {
-        let setting = match threads.get() {
-            1 => "1 thread".to_string(),
-            _ => format!("{threads} threads"),
-        };
+        let setting = number_of(threads.get(), "thread");
         let (scene, part) = (scene.clone(), Part { threads: Some(threads), ..Part::WHOLE });
         Method::new("a sweep over 32 voltages", setting, move || {
             let swept = sweep(scene.as_ref()?, "threads", part, None, &mut ());

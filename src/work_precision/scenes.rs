@@ -35,6 +35,11 @@ pub(super) enum Counted {
     Evaluations,
 }
 
+/// So many of something in words: `1 mode`, `2 modes`.
+pub(super) fn number_of(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A scene with settings, or what is wrong with it.
 pub(super) fn scene(text: &str, settings: &[(&str, &str)]) -> Result<Scene, String> {
     let set = |mut scene: Scene| -> Result<Scene, SceneError> {

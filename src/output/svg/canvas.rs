@@ -17,6 +17,9 @@ pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
 /// Lines of the grid.
 pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
 
+/// What drawing comes to.
+pub(super) type Painted = Result<(), FigureError>;
+
 /// A drawing area in pixels with fractions, `y` downwards.
 pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
@@ -39,7 +42,7 @@ pub(super) enum Anchor {
 pub(super) fn render(
     width: f64,
     height: f64,
-    draw: impl FnOnce(&Canvas) -> Result<(), FigureError>,
+    draw: impl FnOnce(&Canvas) -> Painted,
 ) -> Result<String, FigureError> {
     let fine = |length: f64| (length * FINENESS).round() as u32;
     let mut svg = String::new();
@@ -70,12 +73,7 @@ fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
 
 impl Canvas<'_> {
     /// A line through points.
-    pub(super) fn line(
-        &self,
-        points: &[[f64; 2]],
-        colour: RGBColor,
-        width: f64,
-    ) -> Result<(), FigureError> {
+    pub fn line(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> Painted {
         // Points nearer than the backend can tell apart only make the file longer.
         let mut path: Vec<(i32, i32)> = points.iter().map(|at| fine(*at)).collect();
         path.dedup();
@@ -83,22 +81,12 @@ impl Canvas<'_> {
     }
 
     /// A dashed line through points.
-    pub(super) fn dashed(
-        &self,
-        points: &[[f64; 2]],
-        colour: RGBColor,
-        width: f64,
-    ) -> Result<(), FigureError> {
+    pub fn dashed(&self, points: &[[f64; 2]], colour: RGBColor, width: f64) -> Painted {
         dashes(points).iter().try_for_each(|dash| self.line(dash, colour, width))
     }
 
     /// A filled polygon with an outline.
-    pub(super) fn polygon(
-        &self,
-        corners: &[[f64; 2]],
-        fill: RGBColor,
-        outline: RGBColor,
-    ) -> Result<(), FigureError> {
+    pub fn polygon(&self, corners: &[[f64; 2]], fill: RGBColor, outline: RGBColor) -> Painted {
         let mut path: Vec<(i32, i32)> = corners.iter().map(|at| fine(*at)).collect();
         self.area.draw(&Polygon::new(path.clone(), fill.filled())).map_err(failed)?;
         path.extend_from_within(..path.len().min(2));
@@ -106,22 +94,18 @@ impl Canvas<'_> {
     }
 
     /// A rectangle between two opposite corners.
-    pub(super) fn rectangle(
-        &self,
-        corners: [[f64; 2]; 2],
-        fill: RGBColor,
-    ) -> Result<(), FigureError> {
+    pub fn rectangle(&self, corners: [[f64; 2]; 2], fill: RGBColor) -> Painted {
         self.area.draw(&Rectangle::new(corners.map(fine), fill.filled())).map_err(failed)
     }
 
     /// A filled disc with an outline.
-    pub(super) fn disc(
+    pub fn disc(
         &self,
         centre: [f64; 2],
         radius: f64,
         fill: RGBColor,
         outline: RGBColor,
-    ) -> Result<(), FigureError> {
+    ) -> Painted {
         let radius = (radius * FINENESS).round() as i32;
         self.area.draw(&Circle::new(fine(centre), radius, fill.filled())).map_err(failed)?;
         self.area.draw(&Circle::new(fine(centre), radius, stroke(outline, 1.0))).map_err(failed)
@@ -129,7 +113,7 @@ impl Canvas<'_> {
 
     /// The smallest spot that can be seen at every point. Of spots in one place one is drawn, and those on top of
     /// each other are one line: the file does not grow with the points.
-    pub(super) fn specks(&self, points: &[[f64; 2]], colour: RGBColor) -> Result<(), FigureError> {
+    pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor) -> Painted {
         let cell = |at: &[f64; 2]| at.map(|x| (x / SPECK).floor() as i32);
         let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
         let corner = |column: i32, row: i32| {
@@ -153,19 +137,13 @@ impl Canvas<'_> {
     }
 
     /// A veil over a rectangle about a centre, on which a text can be read.
-    pub(super) fn veil(&self, centre: [f64; 2], [w, h]: [f64; 2]) -> Result<(), FigureError> {
+    pub fn veil(&self, centre: [f64; 2], [w, h]: [f64; 2]) -> Painted {
         let corners = [-0.5, 0.5].map(|side| fine([centre[0] + side * w, centre[1] + side * h]));
         self.area.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled())).map_err(failed)
     }
 
     /// A text of a size in pixels.
-    pub(super) fn text(
-        &self,
-        text: &str,
-        at: [f64; 2],
-        size: f64,
-        anchor: Anchor,
-    ) -> Result<(), FigureError> {
+    pub fn text(&self, text: &str, at: [f64; 2], size: f64, anchor: Anchor) -> Painted {
         // The backend divides the size by 1.24.
         let mut font = ("sans-serif", size * FINENESS * 1.24).into_font().color(&INK);
         if let Anchor::Upwards = anchor {

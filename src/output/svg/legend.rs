@@ -1,8 +1,7 @@
 //! The legend below a figure: names of curves, meanings of line styles, kinds of marks.
 
-use super::canvas::{Anchor, Canvas, INK, text_width};
+use super::canvas::{Anchor, Canvas, INK, Painted, text_width};
 use super::pen::{colour, curve, mark, tint};
-use crate::output::error::FigureError;
 use crate::output::figure::{Figure, Mark, Style, Symbol};
 use plotters::style::RGBColor;
 
@@ -34,7 +33,7 @@ enum Sample<'a> {
 
 impl<'a> Legend<'a> {
     /// The legend of a figure, in a width in pixels.
-    pub(super) fn new(figure: &'a Figure, width: f64) -> Self {
+    pub fn new(figure: &'a Figure, width: f64) -> Self {
         let styles = figure.styles.iter().filter(|(style, _)| {
             figure.series.iter().any(|series| series.style == *style && series.points.len() > 1)
         });
@@ -88,12 +87,12 @@ impl<'a> Legend<'a> {
     }
 
     /// Its height in pixels.
-    pub(super) fn height(&self) -> f64 {
+    pub fn height(&self) -> f64 {
         self.height
     }
 
     /// Draws it, with its upper left corner at a point.
-    pub(super) fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Result<(), FigureError> {
+    pub fn draw(&self, canvas: &Canvas, [left, top]: [f64; 2]) -> Painted {
         let mut entries = self.entries.iter();
         entries.try_for_each(|(entry, at)| entry.draw(canvas, [left + at[0], top + at[1]]))
     }
@@ -140,7 +139,7 @@ impl Entry<'_> {
         self.sample_width() + 6.0 + text_width(&self.text, SIZE) + GAP
     }
 
-    fn draw(&self, canvas: &Canvas, [x, y]: [f64; 2]) -> Result<(), FigureError> {
+    fn draw(&self, canvas: &Canvas, [x, y]: [f64; 2]) -> Painted {
         match self.sample {
             Sample::None => {}
             Sample::Curve(style, colour) => {

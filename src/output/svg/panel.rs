@@ -1,6 +1,6 @@
 //! One figure: title, axes, curves, marks, and the legend below.
 
-use super::canvas::{Anchor, Canvas, FAINT, INK, text_width};
+use super::canvas::{Anchor, Canvas, FAINT, INK, Painted, text_width};
 use super::labels::{place, sampled};
 use super::legend::Legend;
 use super::pen::{colour, curve, mark, tint};
@@ -29,7 +29,7 @@ pub(super) struct Panel<'a> {
 
 impl<'a> Panel<'a> {
     /// Lays a figure out.
-    pub(super) fn new(figure: &'a Figure) -> Result<Self, FigureError> {
+    pub fn new(figure: &'a Figure) -> Result<Self, FigureError> {
         let [x, y] = figure.extent()?;
         let y = match figure.y_names.is_empty() {
             true => Ticks::new(y, 7.0)?,
@@ -51,7 +51,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Its height in pixels.
-    pub(super) fn height(&self) -> f64 {
+    pub fn height(&self) -> f64 {
         match self.legend.height() {
             0.0 => PLOT_HEIGHT,
             legend => PLOT_HEIGHT + legend + 16.0,
@@ -59,7 +59,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Draws it with its upper left corner at a point.
-    pub(super) fn draw(&self, canvas: &Canvas, corner: [f64; 2]) -> Result<(), FigureError> {
+    pub fn draw(&self, canvas: &Canvas, corner: [f64; 2]) -> Painted {
         let [dx, dy] = corner;
         let [left, top, right, bottom] = self.frame;
         let frame = [left + dx, top + dy, right + dx, bottom + dy];
@@ -77,7 +77,7 @@ impl<'a> Panel<'a> {
         self.legend.draw(canvas, [frame[0], dy + PLOT_HEIGHT + 4.0])
     }
 
-    fn axes(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
+    fn axes(&self, canvas: &Canvas, frame: [f64; 4]) -> Painted {
         let [left, top, right, bottom] = frame;
         for (value, label) in &self.x.ticks {
             let [x, _] = self.pixel(frame, [*value, self.y.range[0]]);
@@ -103,7 +103,7 @@ impl<'a> Panel<'a> {
         canvas.text(name, [edge, up], fitting(name, NAME, bottom - top), Anchor::Upwards)
     }
 
-    fn curves(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
+    fn curves(&self, canvas: &Canvas, frame: [f64; 4]) -> Painted {
         let names = self.figure.names();
         for series in self.figure.series.iter().filter(|series| !series.points.is_empty()) {
             let index = names.iter().position(|name| *name == series.name).unwrap_or(0);
@@ -113,19 +113,14 @@ impl<'a> Panel<'a> {
         Ok(())
     }
 
-    fn marks(&self, canvas: &Canvas, frame: [f64; 4]) -> Result<(), FigureError> {
+    fn marks(&self, canvas: &Canvas, frame: [f64; 4]) -> Painted {
         let pixel = |at: &[f64; 2]| self.pixel(frame, *at);
-        let curves: Vec<_> = self
-            .figure
-            .series
-            .iter()
-            .filter(|series| series.style != Style::Specks)
+        let series = self.figure.series.iter().filter(|series| series.style != Style::Specks);
+        let curves: Vec<_> = series
             .flat_map(|series| sampled(&series.points.iter().map(pixel).collect::<Vec<_>>()))
             .collect();
-        let marks: Vec<_> = self
-            .figure
-            .marks
-            .iter()
+        let marks = self.figure.marks.iter();
+        let marks: Vec<_> = marks
             .map(|mark| (pixel(&mark.at), &*mark.label, [text_width(&mark.label, TEXT), TEXT]))
             .collect();
         // Labels may stand a little beyond the data.

@@ -1,7 +1,6 @@
 //! Colours, and how curves and symbols are drawn.
 
-use super::canvas::{Canvas, INK};
-use crate::output::error::FigureError;
+use super::canvas::{Canvas, INK, Painted};
 use crate::output::figure::{Style, Symbol};
 use crate::output::tile::Hue;
 use plotters::style::{RGBColor, WHITE};
@@ -45,7 +44,7 @@ pub(super) fn curve(
     style: Style,
     points: &[[f64; 2]],
     colour: RGBColor,
-) -> Result<(), FigureError> {
+) -> Painted {
     match style {
         Style::Solid if points.len() > 1 => canvas.line(points, colour, 2.0),
         Style::Dashed => canvas.dashed(points, colour, 2.0),
@@ -62,7 +61,7 @@ pub(super) fn curve(
 }
 
 /// Draws a symbol at a point in pixels.
-pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Result<(), FigureError> {
+pub(super) fn mark(canvas: &Canvas, symbol: Symbol, at: [f64; 2]) -> Painted {
     let red = RGBColor(213, 60, 0);
     let polygon = |corners: usize, radii: [f64; 2], first: f64, fill| {
         let corner = |i: usize| {

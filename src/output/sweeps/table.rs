@@ -117,13 +117,8 @@ impl SweepTable {
         run_columns.extend(crisis.into_iter().flat_map(|name| own(&[name, CRISIS_ERROR])));
         run_columns.push("periods".into());
         run_columns.extend_from_slice(events);
-        run_columns.extend(own(&[
-            "accumulations",
-            "exponent",
-            "exponent_error",
-            "failed",
-            "end_mode",
-        ]));
+        let results = ["accumulations", "exponent", "exponent_error", "failed", "end_mode"];
+        run_columns.extend(own(&results));
         run_columns.extend((0..longest).map(|k| format!("end_{k}")));
         let mut point_columns = own(&["run", "period", "event", "time"]);
         point_columns.extend(own(&all_states(modes)));

@@ -12,6 +12,7 @@ use super::discretisation::{Discretisation, Membrane, PairTables};
 use super::parameters::Parameters;
 use super::plane::PlaneFactor;
 use super::residual::{Workspace, quadratic_terms};
+use super::tensor::weights;
 use faer::linalg::matmul::{matmul, triangular};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -134,7 +135,7 @@ impl Assembly {
         let field = &mut self.field;
         field.resize(w_x.len(), 0.0);
         let fill = |value: &dyn Fn(usize, f64, f64) -> f64, field: &mut Vec<f64>| {
-            for (k, weight) in membrane.weights().enumerate() {
+            for (k, weight) in weights(&membrane.rules).enumerate() {
                 field[k] = stiffness * weight * value(k, 2.0 * w_x[k], along * w_y[k]);
             }
         };
@@ -173,7 +174,8 @@ impl Assembly {
     ) {
         let (n, m) = (model.unknowns(), model.plane.len());
         for slope in &mut work.slopes {
-            slope.iter_mut().zip(membrane.weights()).for_each(|(slope, weight)| *slope *= weight);
+            let weighted = slope.iter_mut().zip(weights(&membrane.rules));
+            weighted.for_each(|(slope, weight)| *slope *= weight);
         }
         self.couple(model, membrane, &work.slopes, parameters);
         let mut coupling = MatMut::from_column_major_slice_mut(&mut self.coupling, m, n);
@@ -226,6 +228,7 @@ impl Assembly {
         let u = (&membrane.uw, of_u, &plane.u_active, plane.u[1].len(), 0);
         let v = (&membrane.vw, of_v, &plane.v_active, plane.v[1].len(), plane.u_active.len());
         let points = membrane.points();
+        let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         for (tables, terms, active, along_y, first_row) in [u, v] {
             let [x, y]: &[PairTables; 2] = tables;
             let (out, half) = (&mut self.pairs, &mut self.half);
@@ -236,24 +239,12 @@ impl Assembly {
                 integral.add(scale, slope, x, y, accumulate);
             }
             let pairs_x = x[0][0].len() / points[0];
-            self.scatter_coupling(model, active, along_y, first_row, pairs_x);
-        }
-    }
-
-    fn scatter_coupling(
-        &mut self,
-        model: &Discretisation,
-        active: &[usize],
-        along_y: usize,
-        first_row: usize,
-        pairs_x: usize,
-    ) {
-        let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
-        for (column, entries) in self.coupling.chunks_exact_mut(model.plane.len()).enumerate() {
-            let (i, j) = (column / ny, column % ny);
-            for (entry, position) in entries[first_row..].iter_mut().zip(active) {
-                let (k, l) = (position / along_y, position % along_y);
-                *entry = self.pairs[(l * ny + j) * pairs_x + k * nx + i];
+            for (column, entries) in self.coupling.chunks_exact_mut(plane.len()).enumerate() {
+                let (i, j) = (column / ny, column % ny);
+                for (entry, position) in entries[first_row..].iter_mut().zip(active) {
+                    let (k, l) = (position / along_y, position % along_y);
+                    *entry = self.pairs[(l * ny + j) * pairs_x + k * nx + i];
+                }
             }
         }
     }

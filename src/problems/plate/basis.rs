@@ -44,7 +44,7 @@ pub struct Basis {
     /// How often the bubbles integrate a Legendre polynomial, `m`.
     integrals: usize,
     /// How many of the first functions do not vanish at the ends.
-    boundary: usize,
+    pub(super) boundary: usize,
     degree: usize,
     /// Combinations of the functions that take their place, if any.
     mix: Option<Mix>,
@@ -201,30 +201,13 @@ impl Basis {
         self.degree
     }
 
-    /// How many functions, the first ones, may differ from zero at the ends.
-    pub(super) fn boundary(&self) -> usize {
-        self.boundary
-    }
-
-    /// Whether constants are among the combinations of these functions.
-    pub(super) fn has_constant(&self) -> bool {
-        self.boundary > 0 && self.has_at_zero_degree(0)
-    }
-
-    /// Whether `ξ` is among the combinations of these functions.
-    pub(super) fn has_linear(&self) -> bool {
-        self.boundary > 0 && self.has_at_zero_degree(1)
-    }
-
-    fn has_at_zero_degree(&self, power: usize) -> bool {
-        let cubics: Vec<[f64; 4]> = self
-            .functions
-            .iter()
-            .filter_map(|f| match f {
-                Function::Cubic(c) if c[2] == 0.0 && c[3] == 0.0 => Some(*c),
-                _ => None,
-            })
-            .collect();
+    /// Whether 1 (`power` 0) or `ξ` (1) is among the combinations of these functions.
+    pub(super) fn contains(&self, power: usize) -> bool {
+        let linear = |function: &Function| match function {
+            Function::Cubic(c) if c[2] == 0.0 && c[3] == 0.0 => Some(*c),
+            _ => None,
+        };
+        let cubics: Vec<[f64; 4]> = self.functions.iter().filter_map(linear).collect();
         cubics.len() == 2 || cubics.iter().any(|c| c[power] != 0.0 && c[1 - power] == 0.0)
     }
 

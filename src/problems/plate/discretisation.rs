@@ -45,13 +45,8 @@ impl RitzSettings {
     }
 
     /// Directions in which only symmetric displacements are considered.
-    fn symmetries(&self) -> [bool; 2] {
+    pub(super) fn symmetries(&self) -> [bool; 2] {
         self.supports.alike().map(|alike| alike && self.symmetric)
-    }
-
-    /// Orders from the coarsest to the finest, where accuracy decides.
-    pub(super) fn ladder(&self) -> Vec<Orders> {
-        Orders::ladder(self.symmetries(), self.aspect)
     }
 }
 
@@ -295,11 +290,5 @@ impl Membrane {
             Product { x: &tables[0].slopes, y: &tables[1].values, points },
             Product { x: &tables[0].values, y: &tables[1].slopes, points },
         ]
-    }
-
-    /// Weights of the mean over the plate, node by node.
-    pub fn weights(&self) -> impl Iterator<Item = f64> + '_ {
-        let [x, y] = &self.rules;
-        x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
     }
 }

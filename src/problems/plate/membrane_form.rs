@@ -5,9 +5,9 @@ use super::domain;
 use super::error::PlateError;
 use super::parameters::Units;
 use super::ritz::Ritz;
-use super::tensor::{Product, Rule};
+use super::tensor::{Product, Rule, weights};
 
-/// A deflection and its derivatives by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
+/// A deflection and its slopes by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
 /// `p·m_y + q`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
@@ -15,8 +15,6 @@ pub(super) struct Field {
     pub value: Vec<f64>,
     /// `w_ξ`, `w_ζ`.
     pub slopes: [Vec<f64>; 2],
-    /// `w_ξξ`, `w_ζζ`, `w_ξζ`.
-    pub curvatures: [Vec<f64>; 3],
 }
 
 /// The stretching energy of a deflection `w = Σ a_i φ_i`, in-plane displacements eliminated:
@@ -41,7 +39,7 @@ pub struct MembraneForm {
 }
 
 impl Ritz {
-    /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its derivatives at the
+    /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its slopes at the
     /// grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
     pub(super) fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
         let model = &self.model;
@@ -57,19 +55,7 @@ impl Ritz {
         Field {
             value: expand(&x.values, &y.values),
             slopes: [expand(&x.slopes, &y.values), expand(&x.values, &y.slopes)],
-            curvatures: [
-                expand(&x.curvatures, &y.values),
-                expand(&x.values, &y.curvatures),
-                expand(&x.slopes, &y.slopes),
-            ],
         }
-    }
-
-    /// Rules along ξ and ζ by which the electrostatic load is integrated where the largest deflection is
-    /// `largest`. Symmetric directions have nodes on half the plate; weights are those of the mean over
-    /// all of it.
-    pub(super) fn load_rules(&self, largest: f64) -> &[Rule; 2] {
-        &self.model.load_rule(largest).rules
     }
 
     /// The stretching energy of deflections spanned by `shapes` (coefficients, such as those of
@@ -111,11 +97,10 @@ impl Ritz {
                 sum
             })
             .collect();
-        let weights: Vec<f64> = membrane.weights().collect();
-        let slopes: Vec<[Vec<f64>; 2]> = shapes
-            .iter()
-            .map(|shape| self.field(shape, [&rules[0].nodes, &rules[1].nodes]).slopes)
-            .collect();
+        let weights: Vec<f64> = weights(&membrane.rules).collect();
+        let nodes = [&rules[0].nodes[..], &rules[1].nodes];
+        let slopes: Vec<[Vec<f64>; 2]> =
+            shapes.iter().map(|shape| self.field(shape, nodes).slopes).collect();
         let mut quartic = vec![0.0; pairs.len() * pairs.len()];
         for (row, (i, j)) in pairs.iter().enumerate() {
             let strain = pair_strain(&slopes[*i], &slopes[*j], 2.0 / alpha);

@@ -111,14 +111,14 @@ impl PlaneSpace {
     fn rigid_motions(&self, ends: [[InPlane; 2]; 2], symmetric: [bool; 2]) -> Vec<Vec<f64>> {
         let turned = |axis: usize| ends[axis].contains(&InPlane::Straight);
         let mut motions = Vec::new();
-        if self.u[0].has_constant() && self.u[1].has_constant() {
+        if self.u[0].contains(0) && self.u[1].contains(0) {
             motions.push(self.functional(symmetric, [Some([0, 0]), None]));
         }
-        if self.v[0].has_constant() && self.v[1].has_constant() {
+        if self.v[0].contains(0) && self.v[1].contains(0) {
             motions.push(self.functional(symmetric, [None, Some([0, 0])]));
         }
-        let u_turns = self.u[0].has_constant() && self.u[1].has_linear() && !turned(0);
-        let v_turns = self.v[1].has_constant() && self.v[0].has_linear() && !turned(1);
+        let u_turns = self.u[0].contains(0) && self.u[1].contains(1) && !turned(0);
+        let v_turns = self.v[1].contains(0) && self.v[0].contains(1) && !turned(1);
         if u_turns && v_turns {
             let turn_v = self.functional(symmetric, [None, Some([1, 0])]);
             let turn_u = self.functional(symmetric, [Some([0, 1]), None]);
@@ -192,11 +192,11 @@ impl PlaneSpace {
 /// along it.
 fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Vec<bool> {
     let straight = ends.map(|end| end == InPlane::Straight);
-    match (normal.boundary(), symmetric) {
+    match (normal.boundary, symmetric) {
         (2, false) => straight.to_vec(),
         // One function at the ends: it is that of the end (or, by symmetry, of both ends) not held.
         (1, _) => vec![straight[0] || straight[1]],
-        _ => vec![false; normal.boundary()],
+        _ => vec![false; normal.boundary],
     }
 }
 

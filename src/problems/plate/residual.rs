@@ -17,7 +17,7 @@ use super::discretisation::{Discretisation, Membrane};
 use super::edges::Support;
 use super::parameters::Parameters;
 use super::plane::PlaneFactor;
-use super::tensor::Product;
+use super::tensor::{Product, weights};
 use crate::core::scalar::Scalar;
 
 /// Buffers for one scalar type, and the fields that the last residual left in them.
@@ -196,7 +196,7 @@ impl<T: Scalar> Workspace<T> {
         self.grids.iter_mut().for_each(|grid| grid.fill(T::zero()));
         let field = &mut self.fields[0][..self.stress[0].len()];
         for (product, grid, stress, scale) in plane_strains(membrane, along) {
-            let stresses = self.stress[stress].iter().zip(membrane.weights());
+            let stresses = self.stress[stress].iter().zip(weights(&membrane.rules));
             for (field, (n, weight)) in field.iter_mut().zip(stresses) {
                 *field = *n * scale * weight;
             }
@@ -214,7 +214,7 @@ impl<T: Scalar> Workspace<T> {
         let [n1, n2, n6] = &self.stress;
         let [w_x, w_y] = &self.slopes;
         let [force_x, force_y] = &mut self.fields;
-        for (k, weight) in membrane.weights().enumerate() {
+        for (k, weight) in weights(&membrane.rules).enumerate() {
             let slope = w_y[k] * along;
             force_x[k] = (n1[k] * w_x[k] * 2.0 + n6[k] * slope) * stiffness * (2.0 * weight);
             force_y[k] = (n2[k] * slope + n6[k] * w_x[k] * 2.0) * stiffness * along * weight;

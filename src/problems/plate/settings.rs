@@ -135,7 +135,11 @@ impl PlateSettings {
         let with_modes = |modes| PlateSettings { modes, ..self.clone() };
         let with_orders = |orders| PlateSettings { orders: Some(orders), ..self.clone() };
         Ok(match self.model {
-            Model::Ritz => self.plate(p, reach)?.ladder().into_iter().map(with_orders).collect(),
+            Model::Ritz => {
+                let plate = self.plate(p, reach)?;
+                let orders = Orders::ladder(plate.symmetries(), plate.aspect);
+                orders.into_iter().map(with_orders).collect()
+            }
             Model::Modal | Model::Sine => MODES.map(with_modes).into(),
         })
     }

@@ -99,7 +99,15 @@ impl Strip {
         if points < n {
             return Err(PlateError::TooFewPoints { points, needed: n });
         }
-        let functions = Functions::new(settings.ends, n);
+        let (functions, stiffness): (_, Vec<f64>) = match settings.ends {
+            Ends::Supported => {
+                (Functions::Sines(n), (0..n).map(|i| 0.5 * odd_wave(i).powi(4)).collect())
+            }
+            Ends::Clamped => {
+                let bubbles = Basis::transverse([Support::Clamped; 2], true, n);
+                (Functions::Bubbles(bubbles), vec![1.0; n])
+            }
+        };
         // The constant integrals need a rule exact for the products of functions of wave number or
         // degree up to 2N + 2, whatever the rule of the load.
         let gram = |pick: fn(&[f64; 2]) -> f64| -> DMatrix<f64> {
@@ -110,10 +118,6 @@ impl Strip {
             })
         };
         let (mass, slopes) = (gram(|[value, _]| *value), gram(|[_, slope]| *slope));
-        let stiffness: Vec<f64> = match settings.ends {
-            Ends::Supported => (0..n).map(|i| 0.5 * odd_wave(i).powi(4)).collect(),
-            Ends::Clamped => vec![1.0; n],
-        };
         let Rule { nodes, weights } = Rule::halves(points, true);
         let abscissae = nodes.iter().map(|node| 0.5 * node).chain([0.5]);
         let flat = DMatrix::from_diagonal(&DVector::from_row_slice(&stiffness));
@@ -223,15 +227,6 @@ enum Functions {
 }
 
 impl Functions {
-    fn new(ends: Ends, count: usize) -> Functions {
-        match ends {
-            Ends::Supported => Functions::Sines(count),
-            Ends::Clamped => {
-                Functions::Bubbles(Basis::transverse([Support::Clamped; 2], true, count))
-            }
-        }
-    }
-
     /// All functions and their slopes at `0 ≤ x ≤ 1`.
     fn at(&self, x: f64) -> Vec<[f64; 2]> {
         match self {
@@ -242,11 +237,8 @@ impl Functions {
             Functions::Bubbles(basis) => {
                 // ∫₋₁¹ b"² dξ = 1 with ξ = 2x − 1: ∫₀¹ (d²b/dx²)² dx = 8.
                 let scale = 1.0 / 8.0_f64.sqrt();
-                let values = basis.at(2.0 * x - 1.0);
-                values
-                    .iter()
-                    .map(|[value, slope, _]| [scale * value, 2.0 * scale * slope])
-                    .collect()
+                let scaled = |[value, slope, _]: [f64; 3]| [scale * value, 2.0 * scale * slope];
+                basis.at(2.0 * x - 1.0).into_iter().map(scaled).collect()
             }
         }
     }

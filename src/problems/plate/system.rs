@@ -100,8 +100,8 @@ impl Ritz {
         Ok(self.eigenproblem.square(0))
     }
 
-    /// Brings the unloaded plate at the parameters `p` up to date.
-    fn ensure_flat(&mut self, p: &[f64]) -> Result<(), LeftDomain> {
+    /// The lowest frequency of the unloaded plate; its mode is left in `self.flat`.
+    fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, LeftDomain> {
         let parameters = self.model.settings.units.parameters(p);
         let at = (parameters.aspect, parameters.nu);
         if self.flat.as_ref().is_none_or(|flat| flat.at != at) {
@@ -109,12 +109,6 @@ impl Ritz {
             let shape = modes.shapes.swap_remove(0);
             self.flat = Some(FlatPlate { at, square: modes.squares[0], shape });
         }
-        Ok(())
-    }
-
-    /// The lowest frequency of the unloaded plate.
-    fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, LeftDomain> {
-        self.ensure_flat(p)?;
         Ok(self.flat.as_ref().map_or(f64::NAN, |flat| signed_root(flat.square)))
     }
 
@@ -263,13 +257,7 @@ impl System for Ritz {
         Ok(())
     }
 
-    fn monitor_gradient(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        _released: &[usize],
-        out: &mut [f64],
-    ) {
+    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], _: &[usize], out: &mut [f64]) {
         let n = self.model.unknowns();
         out.fill(0.0);
         let done = match monitor {

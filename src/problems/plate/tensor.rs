@@ -58,6 +58,11 @@ impl Rule {
     }
 }
 
+/// Weights of the mean over the plate, node by node.
+pub fn weights([x, y]: &[Rule; 2]) -> impl Iterator<Item = f64> {
+    x.weights.iter().flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
+}
+
 /// Functions of both variables at the nodes: which table of `ξ`, which of `ζ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {

@@ -56,8 +56,7 @@ impl Multiplied {
         out.fill(0.0);
         let forces = linear.forces(plate).map(DualChunk::<f64, 7>::from);
         let stiffness = 12.0 * plate.gap_ratio * plate.gap_ratio;
-        let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
-        membrane::products(q, &mut pairs);
+        let pairs = membrane::products(q);
         let scaled: Vec<f64> = q.iter().map(|q| stiffness * q).collect();
         let bending: Vec<f64> =
             q.iter().zip(&linear.squares).map(|(q, square)| q * square).collect();

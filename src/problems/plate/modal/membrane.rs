@@ -14,20 +14,20 @@
 use crate::core::scalar::Scalar;
 use crate::problems::plate::tensor::dot;
 
-/// `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`, into `products`.
-pub(super) fn products<T: Scalar>(q: &[T], products: &mut Vec<T>) {
-    products.clear();
+/// `s_P = q_i²` or `2q_i q_j` for the pairs `i ≤ j`.
+pub(super) fn products<T: Scalar>(q: &[T]) -> Vec<T> {
+    let mut products = Vec::with_capacity(q.len() * (q.len() + 1) / 2);
     for (i, first) in q.iter().enumerate() {
         products.push(*first * *first);
         let twice = *first * 2.0;
         products.extend(q[i + 1..].iter().map(|second| twice * *second));
     }
+    products
 }
 
 /// Adds `∂U_m/∂q_i = stiffness · Σ_j (A s)_ij q_j`, `stiffness = 24α₁²`, to `r`.
 pub(super) fn add_force<T: Scalar>(form: &[f64], q: &[T], stiffness: T, r: &mut [T]) {
-    let mut pairs = Vec::with_capacity(q.len() * (q.len() + 1) / 2);
-    products(q, &mut pairs);
+    let pairs = products(q);
     let mut rows = form.chunks_exact(pairs.len());
     for i in 0..q.len() {
         for (j, row) in (i..q.len()).zip(&mut rows) {
@@ -56,8 +56,7 @@ pub(super) fn add_product_slopes(row: &[f64], q: &[f64], out: &mut [f64]) {
 /// Adds the derivative of [`add_force`] by `q` to `out` (`N × N`, symmetric).
 pub(super) fn add_stiffness(form: &[f64], q: &[f64], stiffness: f64, out: &mut [f64]) {
     let n = q.len();
-    let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
-    products(q, &mut pairs);
+    let pairs = products(q);
     let mut slopes = vec![0.0; n];
     let mut rows = form.chunks_exact(pairs.len());
     for i in 0..n {

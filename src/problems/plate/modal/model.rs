@@ -104,19 +104,11 @@ impl Modal {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn deflection<T: Scalar>(&self, z: &[T], x: f64, y: f64) -> T {
-        let mut values = vec![0.0; self.shapes.len()];
-        self.modes_at([x, y], &mut values);
-        dot(z, &values)
-    }
-
-    /// `φ_i` of all modes at a point.
-    fn modes_at(&self, [x, y]: [f64; 2], out: &mut [f64]) {
         let mut products = vec![0.0; self.plate.model.unknowns()];
         let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
         shape::products(&self.plate.model, at, &mut Default::default(), &mut products);
-        for (out, shape) in out.iter_mut().zip(&self.shapes) {
-            *out = dot(shape, &products);
-        }
+        let modes: Vec<f64> = self.shapes.iter().map(|shape| dot(shape, &products)).collect();
+        dot(z, &modes)
     }
 
     /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.

@@ -154,7 +154,7 @@ impl Multiplied {
                 let stress = [by_node(0), by_node(1), by_node(2)];
                 (form.rules, Some(stress))
             }
-            None => (flat.plate.load_rules(0.5).clone(), None),
+            None => (flat.plate.model.load_rule(0.5).rules.clone(), None),
         };
         let nodes = Nodes::new(&flat.plate, &flat.shapes, &rules, settings.plate.aspect);
         Ok(Multiplied { nodes, stress })
@@ -179,8 +179,7 @@ impl Multiplied {
         let n = q.len();
         let forces = linear.forces(plate);
         let stiffness = plate.gap_ratio * plate.gap_ratio * 12.0;
-        let mut pairs = Vec::with_capacity(n * (n + 1) / 2);
-        membrane::products(q, &mut pairs);
+        let mut pairs = membrane::products(q);
         pairs.iter_mut().for_each(|pair| *pair *= stiffness);
         let bending: Vec<T> =
             q.iter().zip(&linear.squares).map(|(q, square)| *q * *square).collect();

@@ -1,7 +1,7 @@
 //! Modes at the nodes of tensor rules.
 
 use crate::problems::plate::ritz::Ritz;
-use crate::problems::plate::tensor::Rule;
+use crate::problems::plate::tensor::{Rule, weights};
 
 /// Modes at nodes, all modes of one node together.
 pub(super) struct Nodes {
@@ -23,13 +23,8 @@ impl Nodes {
         let by_node = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             (0..nodes * shapes.len()).map(|e| value(e % shapes.len(), e / shapes.len())).collect()
         };
-        let [x, y] = rules;
         Nodes {
-            weights: x
-                .weights
-                .iter()
-                .flat_map(|wx| y.weights.iter().map(move |wy| wx * wy))
-                .collect(),
+            weights: weights(rules).collect(),
             values: by_node(&|mode, node| fields[mode].value[node]),
             slopes: [
                 by_node(&|mode, node| fields[mode].slopes[0][node] * 2.0),

@@ -58,11 +58,10 @@ impl Airy {
         all.sort_by_key(|&(function, _)| function);
         let mut functions: Vec<Function> = Vec::new();
         for (index, &((m, n), _)) in all.iter().enumerate() {
+            let end = index as u32 + 1;
             match functions.last_mut() {
-                Some(last) if (last.m, last.n) == (m, n) => last.end = index as u32 + 1,
-                _ => {
-                    functions.push(Function { m, n, first: index as u32, end: index as u32 + 1 });
-                }
+                Some(last) if (last.m, last.n) == (m, n) => last.end = end,
+                _ => functions.push(Function { m, n, first: index as u32, end }),
             }
         }
         Airy { functions, terms: all.into_iter().map(|(_, term)| term).collect() }
@@ -74,20 +73,16 @@ impl Airy {
 
     /// `f_mn`, eq. 3.24 with `c = 1/8`.
     fn coefficient<T: Scalar>(&self, function: &Function, w: &[T], aspect: T) -> T {
-        let form = self
-            .terms(function)
-            .iter()
-            .fold(T::zero(), |sum, term| sum + w[term.i as usize] * w[term.j as usize] * term.b);
+        let add = |sum: T, term: &Term| sum + w[term.i as usize] * w[term.j as usize] * term.b;
+        let form = self.terms(function).iter().fold(T::zero(), add);
         let (m, n) = (function.m as f64, function.n as f64);
         form / ((aspect * (m * m) + aspect.recip() * (n * n)).powi(2) * 8.0)
     }
 
     /// All `(m, n, f_mn)`.
     pub fn coefficients<T: Scalar>(&self, w: &[T], aspect: T) -> Vec<(usize, usize, T)> {
-        self.functions
-            .iter()
-            .map(|f| (f.m as usize, f.n as usize, self.coefficient(f, w, aspect)))
-            .collect()
+        let all = self.functions.iter();
+        all.map(|f| (f.m as usize, f.n as usize, self.coefficient(f, w, aspect))).collect()
     }
 
     /// Adds `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to `r_i`, with `κ = 12(1−ν²)α₁²/α²`.
