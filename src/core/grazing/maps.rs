@@ -28,8 +28,7 @@ macro_rules! in_chart {
         let space = $source.space($order)?;
         match space.len() {
             ..=16 => Chart::<16>::of(*$source, space)?.$map(),
-            ..=64 => Chart::<64>::of(*$source, space)?.$map(),
-            ..=256 => Chart::<256>::of(*$source, space)?.$map(),
+            ..=128 => Chart::<128>::of(*$source, space)?.$map(),
             _ => Chart::<1024>::of(*$source, space)?.$map(),
         }
     }};

@@ -190,19 +190,19 @@ equations! {
     fn cumulative_states() -> Vec<String>;
     wide: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
     explicit: Lanes Dual<Lanes>
-        Jet<16> Jet<64> Jet<256> Jet<1024>
-        Dual<Jet<16>> Dual<Jet<64>> Dual<Jet<256>> Dual<Jet<1024>>;
+        Jet<16> Jet<128> Jet<1024>
+        Dual<Jet<16>> Dual<Jet<128>> Dual<Jet<1024>>;
     // Of the wide scalars, `Wide<f64>` is `Narrow`.
     only_wide: Wide<Dual64> Wide<HyperDual64> Wide<HyperHyperDual64> Wide<Narrow> Wide<Chunk>
         Wide<Dual<Chunk>> Wide<Dual2<Chunk>>;
     guards: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>
         Dual2_64 Dual<Dual64> Dual2<Dual64> Dual<Narrow> Dual2<Narrow>
         Dual<Dual<Chunk>> Dual2<Dual<Chunk>> Dual<Lanes>
-        Jet<16> Jet<64> Jet<256> Jet<1024>
-        Dual<Jet<16>> Dual<Jet<64>> Dual<Jet<256>> Dual<Jet<1024>>
-        Dual<Dual<Jet<16>>> Dual<Dual<Jet<64>>> Dual<Dual<Jet<256>>> Dual<Dual<Jet<1024>>>;
+        Jet<16> Jet<128> Jet<1024>
+        Dual<Jet<16>> Dual<Jet<128>> Dual<Jet<1024>>
+        Dual<Dual<Jet<16>>> Dual<Dual<Jet<128>>> Dual<Dual<Jet<1024>>>;
     resets: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>
-        Jet<16> Jet<64> Jet<256> Jet<1024>;
+        Jet<16> Jet<128> Jet<1024>;
     measures: f64 Dual64 Dual2_64 Chunk;
 }
 
