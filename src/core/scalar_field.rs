@@ -106,6 +106,7 @@ pub trait RealFields: Fields<f64> + Fields<Wide<f64>> {}
 impl<F: Fields<f64> + Fields<Wide<f64>>> RealFields for F {}
 
 /// One field of a collection, with a time from which its own time counts.
+#[derive(Clone, Copy)]
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
     pub fields: &'a dyn Fields<T>,
@@ -120,14 +121,6 @@ pub struct FieldRef<'a, T: Scalar> {
     /// How many of the numbers the field depends on: the first ones.
     pub numbers: usize,
 }
-
-impl<T: Scalar> Clone for FieldRef<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Scalar> Copy for FieldRef<'_, T> {}
 
 impl<T: Scalar> FieldRef<'_, T> {
     /// The numbers on which the field depends.
