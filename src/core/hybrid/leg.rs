@@ -111,10 +111,6 @@ where
     Dual<T>: GuardNumber,
     Dual2<T>: GuardNumber,
 {
-    fn state_index(&self) -> Option<usize> {
-        None
-    }
-
     fn size(&self) -> f64 {
         self.scale
     }

@@ -41,10 +41,6 @@ impl<T: GuardNumber + MeasureNumber> WatchIn<T> for OnLeg<'_> {
 }
 
 impl Watchable<f64> for OnLeg<'_> {
-    fn state_index(&self) -> Option<usize> {
-        None
-    }
-
     fn size(&self) -> f64 {
         self.scale
     }
