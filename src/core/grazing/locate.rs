@@ -9,6 +9,7 @@ use crate::core::condition::Failure;
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
+use crate::core::names::position;
 use crate::core::zero::Border;
 
 /// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of the scales.
@@ -50,7 +51,7 @@ impl GrazingPoint {
         parameter: &str,
     ) -> Result<Self, GrazingError> {
         self.check(system)?;
-        let free = GrazingError::position(parameter, &system.parameters())?;
+        let free = position("parameter", parameter, &system.parameters())?;
         let mut point = self.clone();
         let mut residual = f64::INFINITY;
         for _ in 0..ITERATIONS {

@@ -8,6 +8,7 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::hybrid::{HybridEquations, guard_scale, time_scale};
 use crate::core::jet::{Polynomial, Space};
+use crate::core::names::position;
 
 /// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
 const TOUCHES: f64 = 1e-8;
@@ -62,7 +63,7 @@ impl LocalMap {
         }
         point.check(system)?;
         let known = system.parameters();
-        let position = |name: &&str| GrazingError::position(name, &known);
+        let position = |name: &&str| position("parameter", name, &known);
         let positions: Vec<usize> = parameters.iter().map(position).collect::<Result<_, _>>()?;
         let section = &Section::of(system, point)?;
         touches(system, point)?;
