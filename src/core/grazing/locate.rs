@@ -4,7 +4,6 @@ use super::chart::{MapSettings, Source};
 use super::error::GrazingError;
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
-use super::surface::Surface;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
@@ -94,9 +93,8 @@ impl GrazingPoint {
         }
         let k = section.eliminated;
         for _ in 0..ITERATIONS {
-            let turning = Surface::Turning(self.guard);
-            self.x[k] -= turning.value(system, self.mode, self.time, &self.x, &self.p)
-                / section.slopes[1][1];
+            let rate = self.moment(system).rate(self.guard);
+            self.x[k] -= rate / section.slopes[1][1];
         }
         Ok(residual)
     }

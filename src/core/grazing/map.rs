@@ -153,7 +153,7 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
 /// Refuses a point at which the orbit does not touch.
 fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
-    let touch = Surface::Guard(*guard).moving(system, *mode, *time, x, p);
+    let touch = Surface::Guard(*guard).moving(point.moment(system));
     let (value, rate, time) = (touch.re, touch.eps, *time);
     let scale = guard_scale(system, (*guard, *mode), (time, x), p);
     let slow = TOUCHES * scale / time_scale(system, p);
