@@ -10,6 +10,7 @@ use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
+use crate::core::vector::dot;
 use crate::core::watch::{WatchIn, Watchable};
 use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
@@ -206,7 +207,6 @@ impl HybridOrbit {
             normal[i] = changed.guard(touch.guard).eps;
             slope[i] = changed.rate(touch.guard).eps;
         }
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let share = dot(&slope, &normal) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
         slope.iter_mut().zip(&normal).for_each(|(s, n)| *s -= share * n);
         let size = dot(&slope, &slope).max(f64::MIN_POSITIVE);
