@@ -151,11 +151,11 @@ impl Neg for Lanes {
 }
 
 operations! { [] Lanes, |a, b|
-    += a.0 = a.0 + b.0, a.0 = a.0 + Vector::splat(b);
-    -= a.0 = a.0 - b.0, a.0 = a.0 - Vector::splat(b);
-    *= a.0 = a.0 * b.0, a.0 = a.0 * Vector::splat(b);
-    /= a.0 = a.0 / b.0, a.0 = a.0 / Vector::splat(b);
-    %= a.0 = a.0 % b.0, a.0 = a.0 % Vector::splat(b);
+    += a.0 += b.0, a.0 += b;
+    -= a.0 -= b.0, a.0 -= b;
+    *= a.0 *= b.0, a.0 *= b;
+    /= a.0 /= b.0, a.0 /= b;
+    %= a.0 %= b.0, a.0 %= b;
 }
 
 impl Display for Lanes {
