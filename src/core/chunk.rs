@@ -5,9 +5,7 @@ use super::scalar::Scalar;
 use num_dual::{Dual, DualNum};
 use num_traits::Signed;
 use std::fmt::{Display, Formatter};
-use std::ops::{
-    Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
-};
+use std::ops::Neg;
 
 /// The width of a chunk of directions differentiated in one pass.
 pub(crate) const CHUNK: usize = 8;
@@ -74,6 +72,12 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         Dual::new(self.re, T::one())
     }
 
+    /// The number with all parts changed alike.
+    #[inline(always)]
+    fn mapped(&self, part: impl Fn(T) -> T) -> Self {
+        DualChunk { re: part(self.re), eps: self.eps.map(part) }
+    }
+
     /// The number with both parts changed.
     #[inline(always)]
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
@@ -107,86 +111,21 @@ number_of_reals!(
     real: |x: &Self| x.re.real(), constant: |value| Self::of(T::constant(value))
 );
 
-operations!([T: Scalar, const W: usize] DualChunk<T, W>);
-
 impl<T: Scalar, const W: usize> Neg for DualChunk<T, W> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        DualChunk { re: -self.re, eps: self.eps.map(|e| -e) }
+        self.mapped(|x| -x)
     }
 }
 
-impl<T: Scalar, const W: usize> AddAssign<&Self> for DualChunk<T, W> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: &Self) {
-        *self = self.combined(other, self.re + other.re, |a, b| a + b);
-    }
-}
-
-impl<T: Scalar, const W: usize> SubAssign<&Self> for DualChunk<T, W> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: &Self) {
-        *self = self.combined(other, self.re - other.re, |a, b| a - b);
-    }
-}
-
-impl<T: Scalar, const W: usize> MulAssign<&Self> for DualChunk<T, W> {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: &Self) {
-        *self = self.product(other);
-    }
-}
-
-impl<T: Scalar, const W: usize> DivAssign<&Self> for DualChunk<T, W> {
-    #[inline(always)]
-    fn div_assign(&mut self, other: &Self) {
-        *self = self.quotient(other);
-    }
-}
-
-/// The remainder of a division that is truncated as its real part is.
-impl<T: Scalar, const W: usize> RemAssign<&Self> for DualChunk<T, W> {
-    fn rem_assign(&mut self, other: &Self) {
-        let quotient = (self.re.real() / other.re.real()).trunc();
-        *self -= *other * quotient;
-    }
-}
-
-impl<T: Scalar, const W: usize> AddAssign<f64> for DualChunk<T, W> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: f64) {
-        self.re += other;
-    }
-}
-
-impl<T: Scalar, const W: usize> SubAssign<f64> for DualChunk<T, W> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: f64) {
-        self.re -= other;
-    }
-}
-
-impl<T: Scalar, const W: usize> MulAssign<f64> for DualChunk<T, W> {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: f64) {
-        self.re *= other;
-        self.eps.iter_mut().for_each(|e| *e *= other);
-    }
-}
-
-impl<T: Scalar, const W: usize> DivAssign<f64> for DualChunk<T, W> {
-    #[inline(always)]
-    fn div_assign(&mut self, other: f64) {
-        self.re /= other;
-        self.eps.iter_mut().for_each(|e| *e /= other);
-    }
-}
-
-impl<T: Scalar, const W: usize> RemAssign<f64> for DualChunk<T, W> {
-    fn rem_assign(&mut self, other: f64) {
-        *self %= &Self::from(other);
-    }
+// The remainder of a division is that which is truncated as its real part is.
+operations! { [T: Scalar, const W: usize] DualChunk<T, W>, |a, b|
+    += *a = a.combined(b, a.re + b.re, |x, y| x + y), a.re += b;
+    -= *a = a.combined(b, a.re - b.re, |x, y| x - y), a.re -= b;
+    *= *a = a.product(b), *a = a.mapped(|x| x * b);
+    /= *a = a.quotient(b), *a = a.mapped(|x| x / b);
+    %= *a -= *b * (a.re.real() / b.re.real()).trunc(), *a %= &Self::from(b);
 }
 
 impl<T: Scalar, const W: usize> Display for DualChunk<T, W> {
@@ -239,7 +178,7 @@ impl<T: Scalar, const W: usize> DualNum for DualChunk<T, W> {
 
     #[inline(always)]
     fn scale(self, factor: &T) -> Self {
-        DualChunk { re: self.re * factor, eps: self.eps.map(|e| e * factor) }
+        self.mapped(|x| x * factor)
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::measure::Measure;
 use super::scalar::Scalar;
 use super::zero::{LeftDomain, Names, ZeroProblem};
-use std::sync::Arc;
+use std::ops::Deref;
 
 /// Whether time itself enters a vector field or a hybrid system.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,8 +100,8 @@ pub trait VectorField: Send + Sync {
     }
 }
 
-/// A field that is shared.
-impl<F: VectorField> VectorField for Arc<F> {
+/// A field that is shared or referred to.
+impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
     fn names(&self) -> Names {
         (**self).names()
     }

@@ -84,21 +84,16 @@ pub enum NewtonError {
         /// The largest allowed.
         largest: f64,
     },
-    /// A step would have gone straight on where the curve turns away from another one.
+    /// A step would have gone straight on where the curve turns away from another one, this far from it in scaled
+    /// arclength.
     #[error(
-        "the step goes over to another branch, {gap:.1e} beside this one where they come near each other: \
+        "the step goes over to another branch, {0:.1e} beside this one where they come near each other: \
          lower `min_step`, or the parameter that keeps them apart"
     )]
-    Beside {
-        /// How far the branches are from each other, in scaled arclength.
-        gap: f64,
-    },
-    /// A condition does not apply at this point.
-    #[error("{reason}")]
-    NotApplicable {
-        /// Why.
-        reason: String,
-    },
+    Beside(f64),
+    /// A condition does not apply at this point, and why.
+    #[error("{0}")]
+    NotApplicable(String),
 }
 
 impl NewtonError {
@@ -107,7 +102,7 @@ impl NewtonError {
         match cause {
             Failure::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
             Failure::Singular(cause) => NewtonError::Singular { iteration, cause },
-            Failure::NotApplicable(reason) => NewtonError::NotApplicable { reason },
+            Failure::NotApplicable(reason) => NewtonError::NotApplicable(reason),
         }
     }
 }

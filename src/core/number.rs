@@ -118,50 +118,74 @@ macro_rules! number_of_reals {
     };
 }
 
-/// Implements every operation from its assigning forms with a reference and with a real number, which the caller
-/// implements; the traits of `std::ops` are in scope where it stands.
+/// Implements every operation from what its assigning form does with another number and with a real one.
 macro_rules! operations {
-    (one [$($generics:tt)*] $type:ty: $operation:ident $method:ident $assign:ident $assigning:ident) => {
-        impl<$($generics)*> $assign for $type {
+    (one [$($generics:tt)*] $type:ty, |$a:ident, $b:ident|
+        $operation:ident $method:ident, $assign:ident $assigning:ident = $with_number:expr, $with_real:expr
+    ) => {
+        impl<$($generics)*> std::ops::$assign<&$type> for $type {
             #[inline(always)]
-            fn $assigning(&mut self, other: Self) {
-                $assign::$assigning(self, &other);
+            fn $assigning(&mut self, $b: &Self) {
+                let $a = self;
+                $with_number;
             }
         }
-        impl<$($generics)*> $operation for $type {
+        impl<$($generics)*> std::ops::$assign<f64> for $type {
+            #[inline(always)]
+            fn $assigning(&mut self, $b: f64) {
+                let $a = self;
+                $with_real;
+            }
+        }
+        impl<$($generics)*> std::ops::$assign for $type {
+            #[inline(always)]
+            fn $assigning(&mut self, other: Self) {
+                std::ops::$assign::$assigning(self, &other);
+            }
+        }
+        impl<$($generics)*> std::ops::$operation for $type {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
-                $assign::$assigning(&mut self, &other);
+                std::ops::$assign::$assigning(&mut self, &other);
                 self
             }
         }
-        impl<$($generics)*> $operation<&$type> for $type {
+        impl<$($generics)*> std::ops::$operation<&$type> for $type {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: &Self) -> Self {
-                $assign::$assigning(&mut self, other);
+                std::ops::$assign::$assigning(&mut self, other);
                 self
             }
         }
-        impl<$($generics)*> $operation<f64> for $type {
+        impl<$($generics)*> std::ops::$operation<f64> for $type {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: f64) -> Self {
-                $assign::$assigning(&mut self, other);
+                std::ops::$assign::$assigning(&mut self, other);
                 self
             }
         }
     };
-    ($generics:tt $type:ty) => {
-        $crate::core::number::operations! { $generics $type:
-            Add add AddAssign add_assign; Sub sub SubAssign sub_assign; Mul mul MulAssign mul_assign;
-            Div div DivAssign div_assign; Rem rem RemAssign rem_assign;
-        }
+    ($generics:tt $type:ty, |$a:ident, $b:ident|
+        += $add:expr, $add_real:expr;
+        -= $subtract:expr, $subtract_real:expr;
+        *= $multiply:expr, $multiply_real:expr;
+        /= $divide:expr, $divide_real:expr;
+        %= $rest:expr, $rest_real:expr;
+    ) => {
+        $crate::core::number::operations! { one $generics $type, |$a, $b|
+            Add add, AddAssign add_assign = $add, $add_real }
+        $crate::core::number::operations! { one $generics $type, |$a, $b|
+            Sub sub, SubAssign sub_assign = $subtract, $subtract_real }
+        $crate::core::number::operations! { one $generics $type, |$a, $b|
+            Mul mul, MulAssign mul_assign = $multiply, $multiply_real }
+        $crate::core::number::operations! { one $generics $type, |$a, $b|
+            Div div, DivAssign div_assign = $divide, $divide_real }
+        $crate::core::number::operations! { one $generics $type, |$a, $b|
+            Rem rem, RemAssign rem_assign = $rest, $rest_real }
     };
-    ($generics:tt $type:ty: $($operation:ident $method:ident $assign:ident $assigning:ident;)*) => {$(
-        $crate::core::number::operations!(one $generics $type: $operation $method $assign $assigning);
-    )*};
 }
 
 pub(in crate::core) use {number_of_reals, operations};

@@ -45,12 +45,12 @@ pub trait FieldIn<T: Scalar> {
 
 impl<F: VectorField, T: Scalar> FieldIn<T> for F {
     type Real<'a>
-        = RealOf<'a, F>
+        = &'a F
     where
         F: 'a;
 
-    fn real(&self) -> RealOf<'_, F> {
-        RealOf(self)
+    fn real(&self) -> &F {
+        self
     }
 
     #[inline]
@@ -75,42 +75,6 @@ impl<F: VectorField, T: Scalar> FieldIn<T> for F {
         let names = self.names().unknowns;
         let mut all = names.iter().flat_map(|group| std::iter::repeat_n(&group.name, group.length));
         all.nth(state).cloned().unwrap_or_default()
-    }
-}
-
-/// A vector field in real numbers.
-pub struct RealOf<'a, F>(&'a F);
-
-impl<F: VectorField> FieldIn<f64> for RealOf<'_, F> {
-    type Real<'a>
-        = RealOf<'a, F>
-    where
-        Self: 'a;
-
-    fn real(&self) -> RealOf<'_, F> {
-        RealOf(self.0)
-    }
-
-    #[inline]
-    fn slope(&self, t: f64, x: &[f64], p: &[f64], f: &mut [f64]) {
-        self.0.field(t, x, p, f);
-    }
-
-    #[inline]
-    fn wide_slope(&self, t: Wide<f64>, x: &[Wide<f64>], p: &[Wide<f64>], f: &mut [Wide<f64>]) {
-        self.0.field(t, x, p, f);
-    }
-
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
-        VectorField::domain(self.0, x, p)
-    }
-
-    fn state_scales(&self, p: &[f64]) -> Vec<f64> {
-        self.0.scales(p)
-    }
-
-    fn state_name(&self, state: usize) -> String {
-        FieldIn::<f64>::state_name(self.0, state)
     }
 }
 
@@ -142,6 +106,7 @@ pub trait RealFields: Fields<f64> + Fields<Wide<f64>> {}
 impl<F: Fields<f64> + Fields<Wide<f64>>> RealFields for F {}
 
 /// One field of a collection, with a time from which its own time counts.
+#[derive(Clone, Copy)]
 pub struct FieldRef<'a, T: Scalar> {
     /// The collection.
     pub fields: &'a dyn Fields<T>,
@@ -156,14 +121,6 @@ pub struct FieldRef<'a, T: Scalar> {
     /// How many of the numbers the field depends on: the first ones.
     pub numbers: usize,
 }
-
-impl<T: Scalar> Clone for FieldRef<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Scalar> Copy for FieldRef<'_, T> {}
 
 impl<T: Scalar> FieldRef<'_, T> {
     /// The numbers on which the field depends.

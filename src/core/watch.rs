@@ -90,7 +90,9 @@ pub trait Watchable<T: Scalar>:
     fn size(&self) -> f64;
 
     /// The state that is watched, if it is nothing else.
-    fn state_index(&self) -> Option<usize>;
+    fn state_index(&self) -> Option<usize> {
+        None
+    }
 }
 
 impl<W: Watch, T: Scalar> Watchable<T> for W {

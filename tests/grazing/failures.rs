@@ -34,7 +34,7 @@ fn impossible_maps_are_refused() {
         LocalMap::of(&Actuator, point, names, settings(order)).unwrap_err()
     };
     let error = of(&point, &["volt"], 2);
-    assert!(matches!(&error, GrazingError::Parameter { name, .. } if name == "volt"), "{error}");
+    assert!(matches!(&error, GrazingError::Unknown(unknown) if unknown.name == "volt"), "{error}");
     assert!(matches!(of(&point, &[], 0), GrazingError::Order(0)));
     assert!(matches!(of(&point, &[], 8), GrazingError::Jet(_)));
     assert!(matches!(of(&point, &["voltage"; 9], 5), GrazingError::Jet(_)));

@@ -27,12 +27,9 @@ fn itineraries_are_read() {
     assert!(matches!(refused("0* stick"), ItineraryError::Periods(_)));
     assert!(matches!(refused("stick forward:rest"), ItineraryError::Endless(_)));
     let unknown = refused("flight:front").to_string();
-    assert!(unknown.contains("no mode `flight`: there are stick, forward"), "{unknown}");
+    assert!(unknown.contains("unknown mode `flight`. Known: stick, forward"), "{unknown}");
     let unknown = refused("stick:rest").to_string();
-    assert!(
-        unknown.contains("mode `stick` has no event `rest`: it ends by front, back"),
-        "{unknown}"
-    );
+    assert!(unknown.contains("mode `stick` `rest`. Known: front, back"), "{unknown}");
 }
 
 /// A mass that is thrown back, and caught at every other impact: an itinerary in which it is always thrown back

@@ -46,7 +46,7 @@ impl Stepper<'_> {
         self.equations.residual(&point, Some(closing), &mut miss)?;
         self.equations.solve(&mut miss);
         let gap = 2.0 * (scaled_norm(&miss, &self.weights) * length).sqrt();
-        if gap > CROSSING { Err(NewtonError::Beside { gap }) } else { Ok(()) }
+        if gap > CROSSING { Err(NewtonError::Beside(gap)) } else { Ok(()) }
     }
 
     /// How far along a step it passes through the start, in the start's direction: a Newton correction

@@ -12,11 +12,8 @@ pub enum TraceError {
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
     /// A parameter released twice.
-    #[error("the parameter `{name}` is released twice")]
-    Twice {
-        /// The parameter.
-        name: String,
-    },
+    #[error("the parameter `{0}` is released twice")]
+    Twice(String),
     /// A start outside a range or bound.
     #[error("the start {name} = {value} is not in its range {low} to {high}")]
     OutOfRange {
@@ -62,22 +59,14 @@ pub enum TraceError {
         needed: usize,
     },
     /// A kind of special point whose condition the core does not know.
-    #[error(
-        "no condition for the kind {kind} is known to the core; hold one with `hold_condition`"
-    )]
-    NotHeld {
-        /// The kind.
-        kind: super::Kind,
-    },
+    #[error("no condition for the kind {0} is known to the core; hold one with `hold_condition`")]
+    NotHeld(super::Kind),
     /// An event whose test function is a condition with unknowns of its own.
     #[error(
-        "the condition of the event `{event}` has unknowns of its own and so is no test function: \
+        "the condition of the event `{0}` has unknowns of its own and so is no test function: \
          give one with `Event::with_test`"
     )]
-    NoTest {
-        /// The event.
-        event: String,
-    },
+    NoTest(String),
     /// An event that names a parameter or monitor by a position that there is not.
     #[error("the event `{event}` asks for {what} {position}, counted from 0, of {count}")]
     Position {

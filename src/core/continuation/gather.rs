@@ -24,7 +24,7 @@ impl Continuation<'_> {
                     Kind::G => self.grazing.first().map(grazing),
                     _ => Event::bifurcation(*kind, parameter).map(|event| event.condition),
                 };
-                make.clone().or_else(known).ok_or(TraceError::NotHeld { kind: *kind })
+                make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
             })
             .collect()
     }
@@ -124,7 +124,7 @@ impl Continuation<'_> {
     /// Refuses an event without a test function, and one at a position that does not exist.
     fn check(&self, event: &Event, own: usize) -> Result<(), TraceError> {
         if event.test == Test::Condition && (event.condition)().unknowns() > 0 {
-            return Err(TraceError::NoTest { event: event.name.clone() });
+            return Err(TraceError::NoTest(event.name.clone()));
         }
         let names = self.system.names();
         let (what, position, count) = match event.test {

@@ -121,7 +121,7 @@ impl Stepper<'_> {
                         return self.describe(index, [from, to], along, &unknowns, error, true);
                     }
                 }
-                Err(NewtonError::NotApplicable { .. }) => applicable = false,
+                Err(NewtonError::NotApplicable(_)) => applicable = false,
                 Err(_) => {}
             }
             if !self.halve(index, from, &row, &mut bracket) {

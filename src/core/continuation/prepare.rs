@@ -87,7 +87,7 @@ impl<'a> Continuation<'a> {
                 return Err(TraceError::OutOfRange { name, value, low, high });
             }
             if released.contains(&p) {
-                return Err(TraceError::Twice { name });
+                return Err(TraceError::Twice(name));
             }
             released.push(p);
         }

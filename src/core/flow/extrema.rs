@@ -73,11 +73,19 @@ impl<T: Scalar> Extrema<T> {
         &mut self,
         watch: &W,
         step: &mut Step<F, T>,
-        visit: impl FnMut(Extremum<T>),
+        mut visit: impl FnMut(Extremum<T>),
     ) {
         let slopes = self.sampler.ends(step, watch, None).as_ref().map(slopes);
-        if !self.passes(watch, step, slopes) {
-            self.survey(watch, step, slopes, visit);
+        if self.passes(watch, step, slopes) {
+            return;
+        }
+        let brief = slopes.is_some_and(|slopes| crosses_once(&slopes));
+        self.sampler.survey(step, watch, brief);
+        let mut left = self.sampler.samples[0];
+        for k in 0..self.sampler.samples.len() {
+            let right = self.sampler.samples[k];
+            self.pass(watch, step, [left, right], &mut visit);
+            left = right;
         }
     }
 
@@ -110,23 +118,6 @@ impl<T: Scalar> Extrema<T> {
             self.slope = slopes[2];
         }
         passes
-    }
-
-    fn survey<F: FieldIn<T>, W: Watchable<T>>(
-        &mut self,
-        watch: &W,
-        step: &mut Step<F, T>,
-        slopes: Option<[f64; 3]>,
-        mut visit: impl FnMut(Extremum<T>),
-    ) {
-        let brief = slopes.is_some_and(|slopes| crosses_once(&slopes));
-        self.sampler.survey(step, watch, brief);
-        let mut left = self.sampler.samples[0];
-        for k in 0..self.sampler.samples.len() {
-            let right = self.sampler.samples[k];
-            self.pass(watch, step, [left, right], &mut visit);
-            left = right;
-        }
     }
 
     /// Goes on from one sample to the next: a slope of the other sign than the last one that was not zero

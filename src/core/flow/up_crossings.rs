@@ -35,23 +35,15 @@ impl UpCrossings {
         step: &mut Step<F, f64>,
         visit: impl FnOnce(f64, &[f64]),
     ) {
-        if self.may_rise(watch, step) {
-            self.find(watch, step, visit);
+        if !self.may_rise(watch, step) {
+            return;
         }
-    }
-
-    /// From the root of dense output, Newton's method on shorter steps.
-    fn find<F: FieldIn<f64>, W: Watchable<f64>>(
-        &mut self,
-        watch: &W,
-        step: &mut Step<F, f64>,
-        visit: impl FnOnce(f64, &[f64]),
-    ) {
         step.prepare();
         let ends = [0.0, 1.0].map(|fraction| self.sampler.sample(step, watch, fraction));
         if !rises(&ends) {
             return;
         }
+        // From the root of dense output, Newton's method on shorter steps.
         let mut theta = self.sampler.root(step, watch, ends, Sample::crossing).fraction;
         for _ in 0..ROUNDS {
             let (value, slope) = self.sampler.exact(step, watch, theta);

@@ -6,7 +6,9 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
-use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, HybridEquations, time_scale};
+use crate::core::hybrid::{
+    EventNumber, FieldNumber, GuardNumber, HybridEquations, Moment, time_scale,
+};
 use crate::core::jet::{Jet, Space};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
@@ -125,14 +127,9 @@ where
         place
     }
 
-    /// The function of a surface at a place.
-    pub fn value(&self, surface: Surface, place: &Place<Jet<C>>) -> Jet<C> {
-        surface.value(self.source.system, place.mode, place.t, &place.x, &self.p)
-    }
-
-    /// The function of a surface at a place, and its rate.
-    pub fn moving(&self, surface: Surface, place: &Place<Jet<C>>) -> Dual<Jet<C>> {
-        surface.moving(self.source.system, place.mode, place.t, &place.x, &self.p)
+    /// A place with the parameters.
+    pub fn at<'m>(&'m self, Place { mode, t, x }: &'m Place<Jet<C>>) -> Moment<'m, Jet<C>> {
+        Moment { system: self.source.system, mode: *mode, t: *t, x, p: &self.p }
     }
 
     /// The place on the section with these deviations of the coordinates.
@@ -140,7 +137,7 @@ where
         let (mut place, section) = (self.place(deviations), self.source.section);
         let slope = section.slopes[1][1];
         for _ in 0..ROUNDS {
-            let turning = self.value(Surface::Turning(self.source.point.guard), &place);
+            let turning = Surface::Turning(self.source.point.guard).value(self.at(&place));
             place.x[section.eliminated] -= turning / slope;
             if turning.size() == 0.0 {
                 break;
@@ -157,8 +154,8 @@ where
         let [[a, b], [c, d]] = section.slopes;
         let determinant = a * d - b * c;
         for _ in 0..ROUNDS {
-            let h = self.value(Surface::Guard(point.guard), &place) - guard;
-            let r = self.value(Surface::Turning(point.guard), &place);
+            let h = Surface::Guard(point.guard).value(self.at(&place)) - guard;
+            let r = Surface::Turning(point.guard).value(self.at(&place));
             place.x[section.normal] -= (h * d - r * b) / determinant;
             place.x[section.eliminated] -= (r * a - h * c) / determinant;
             if h.size() == 0.0 && r.size() == 0.0 {
@@ -214,7 +211,7 @@ where
     ) -> Result<(), GrazingError> {
         let (mut largest, mut last) = (f64::MIN_POSITIVE, 0.0);
         for _ in 0..ROUNDS {
-            let moving = self.moving(surface, place);
+            let moving = surface.moving(self.at(place));
             let step = -moving.re / moving.eps;
             self.shift(place, step)?;
             last = step.size();

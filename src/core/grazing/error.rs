@@ -4,6 +4,7 @@ use crate::core::condition::Failure;
 use crate::core::flow::{FlowError, SettingsError};
 use crate::core::jet::JetError;
 use crate::core::kind::Kind;
+use crate::core::names::UnknownName;
 
 /// Why a local map cannot be computed, or used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,14 +19,9 @@ pub enum GrazingError {
     /// A setting of the flow has no meaning.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// There is no such parameter.
-    #[error("there is no parameter `{name}`: there are {known}")]
-    Parameter {
-        /// The name.
-        name: String,
-        /// The parameters.
-        known: String,
-    },
+    /// There is no such parameter, or no such measure.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
     /// A grazing point that does not belong to the system.
     #[error("the grazing point does not belong to the system: {0}")]
     Foreign(String),
@@ -42,9 +38,6 @@ pub enum GrazingError {
     /// The phase of a period has no meaning.
     #[error("the phase grows by {0} in a period of the forcing: it should be a positive number")]
     Phase(f64),
-    /// There is no such measure.
-    #[error("a local map measures no `{0}`, only `penetration`")]
-    NoMeasure(String),
     /// The order is none.
     #[error("a local map has at least order 1, not {0}")]
     Order(usize),
@@ -164,14 +157,4 @@ pub enum GrazingError {
         /// The penetration, negative on this side of the surface.
         penetration: f64,
     },
-}
-
-impl GrazingError {
-    /// The position of a parameter among those that are known.
-    pub(super) fn position(name: &str, known: &[String]) -> Result<usize, GrazingError> {
-        known
-            .iter()
-            .position(|known| known == name)
-            .ok_or_else(|| GrazingError::Parameter { name: name.into(), known: known.join(", ") })
-    }
 }

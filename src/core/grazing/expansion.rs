@@ -18,6 +18,7 @@ use crate::core::condition::Failure;
 use crate::core::jet::{Jet, Space};
 use crate::core::kind::Kind;
 use crate::core::linear::BorderedLu;
+use crate::core::names::position;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{Border, Dynamics, Names, ZeroProblem};
 use num_dual::{Dual, Dual64, DualNum};
@@ -227,14 +228,14 @@ impl LocalMap {
     ///
     /// # Errors
     /// [`GrazingError::NotDegenerate`] if no such curve begins here, [`GrazingError::NoCurve`] for another
-    /// kind, and [`GrazingError::Parameter`] for a parameter that does not deviate.
+    /// kind, and [`GrazingError::Unknown`] for a parameter that does not deviate.
     pub fn expanded(&self, kind: Kind, parameters: [&str; 2]) -> Result<Expansion, GrazingError> {
         let mu = match kind {
             Kind::LP => 1.0,
             Kind::PD => -1.0,
             _ => return Err(GrazingError::NoCurve(kind)),
         };
-        let position = |name| GrazingError::position(name, self.parameters());
+        let position = |name| position("parameter", name, self.parameters());
         let parameters = [position(parameters[0])?, position(parameters[1])?];
         // Null vectors have a part along y.
         let (n, order) = (self.coordinates().len(), self.space().order());

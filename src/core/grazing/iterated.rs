@@ -6,6 +6,7 @@ use super::map::LocalMap;
 use crate::core::attractor::{EventRecord, Layout, Period, StroboscopicError, StroboscopicMap};
 use crate::core::hybrid::{Member, Mode};
 use crate::core::measure::Measure;
+use crate::core::names::position;
 use crate::core::scalar::Scalar;
 use num_dual::Dual64;
 use std::sync::Arc;
@@ -91,17 +92,16 @@ impl Iterated {
     /// The map, where `parameters` names those that are given to it; with measures, of which there is `penetration`.
     ///
     /// # Errors
-    /// [`GrazingError::Parameter`] if one of the map's parameters is not among them, [`GrazingError::NoMeasure`] for
-    /// another measure.
+    /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another measure.
     pub fn of(
         map: LocalMap,
         parameters: &[String],
         measures: &[String],
     ) -> Result<Self, GrazingError> {
-        let position = |name: &String| GrazingError::position(name, parameters);
-        let positions = map.parameters().iter().map(position).collect::<Result<_, _>>()?;
-        if let Some(name) = measures.iter().find(|name| *name != Measure::PENETRATION) {
-            return Err(GrazingError::NoMeasure(name.clone()));
+        let among = |name: &String| position("parameter", name, parameters);
+        let positions = map.parameters().iter().map(among).collect::<Result<_, _>>()?;
+        for name in measures {
+            position("measure", name, [Measure::PENETRATION])?;
         }
         let map = Arc::new(map);
         Ok(Iterated {

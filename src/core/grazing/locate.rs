@@ -4,11 +4,11 @@ use super::chart::{MapSettings, Source};
 use super::error::GrazingError;
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
-use super::surface::Surface;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
+use crate::core::names::position;
 use crate::core::zero::Border;
 
 /// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of the scales.
@@ -50,7 +50,7 @@ impl GrazingPoint {
         parameter: &str,
     ) -> Result<Self, GrazingError> {
         self.check(system)?;
-        let free = GrazingError::position(parameter, &system.parameters())?;
+        let free = position("parameter", parameter, &system.parameters())?;
         let mut point = self.clone();
         let mut residual = f64::INFINITY;
         for _ in 0..ITERATIONS {
@@ -93,9 +93,8 @@ impl GrazingPoint {
         }
         let k = section.eliminated;
         for _ in 0..ITERATIONS {
-            let turning = Surface::Turning(self.guard);
-            self.x[k] -= turning.value(system, self.mode, self.time, &self.x, &self.p)
-                / section.slopes[1][1];
+            let rate = self.moment(system).rate(self.guard);
+            self.x[k] -= rate / section.slopes[1][1];
         }
         Ok(residual)
     }

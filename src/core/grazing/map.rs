@@ -8,6 +8,7 @@ use super::section::{Coordinate, Section, unit_of_phase};
 use super::surface::Surface;
 use crate::core::hybrid::{HybridEquations, guard_scale, time_scale};
 use crate::core::jet::{Polynomial, Space};
+use crate::core::names::position;
 
 /// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
 const TOUCHES: f64 = 1e-8;
@@ -62,7 +63,7 @@ impl LocalMap {
         }
         point.check(system)?;
         let known = system.parameters();
-        let position = |name: &&str| GrazingError::position(name, &known);
+        let position = |name: &&str| position("parameter", name, &known);
         let positions: Vec<usize> = parameters.iter().map(position).collect::<Result<_, _>>()?;
         let section = &Section::of(system, point)?;
         touches(system, point)?;
@@ -152,7 +153,7 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
 /// Refuses a point at which the orbit does not touch.
 fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
     let GrazingPoint { guard, mode, time, x, p, .. } = point;
-    let touch = Surface::Guard(*guard).moving(system, *mode, *time, x, p);
+    let touch = Surface::Guard(*guard).moving(point.moment(system));
     let (value, rate, time) = (touch.re, touch.eps, *time);
     let scale = guard_scale(system, (*guard, *mode), (time, x), p);
     let slow = TOUCHES * scale / time_scale(system, p);

@@ -72,7 +72,7 @@ where
     fn smooth(mut self) -> Result<Smooth, GrazingError> {
         let point = self.source.point;
         let mut place = self.on_section(&self.deviations);
-        let penetration = -self.value(Surface::Guard(point.guard), &place);
+        let penetration = -Surface::Guard(point.guard).value(self.at(&place));
         let legs = &point.legs;
         for (k, (leg, duration)) in legs.iter().enumerate() {
             self.follow(&mut place, *duration)?;
@@ -131,7 +131,7 @@ where
         for _ in 0..=settings.order.ilog2() + 2 {
             let mut place = start.clone();
             self.shift(&mut place, -y * sigma)?;
-            let h = self.moving(Surface::Guard(point.guard), &place);
+            let h = Surface::Guard(point.guard).moving(self.at(&place));
             let (g, slope) = (h.re.divided_by(normal).divided_by(normal), h.eps.divided_by(normal));
             sigma += g / slope / self.source.depth();
         }

@@ -2,7 +2,7 @@
 
 use super::error::GrazingError;
 use crate::core::field::Forcing;
-use crate::core::hybrid::HybridEquations;
+use crate::core::hybrid::{HybridEquations, Moment};
 use crate::core::orbit::Leg;
 
 /// A point of a grazing orbit: time and state of the touch, what follows an event there at once, and how the
@@ -43,6 +43,11 @@ pub struct GrazingPoint {
 }
 
 impl GrazingPoint {
+    /// The touch as a moment of a system's motion.
+    pub(super) fn moment<'a>(&'a self, system: &'a dyn HybridEquations) -> Moment<'a, f64> {
+        Moment { system, mode: self.mode, t: self.time, x: &self.x, p: &self.p }
+    }
+
     /// Refuses a point whose numbers do not belong to a system.
     pub(super) fn check(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
         if let Forcing::Periodic { phase } = system.forcing()

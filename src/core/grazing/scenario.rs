@@ -18,6 +18,7 @@ use super::locate::solved;
 use super::map::LocalMap;
 use crate::core::jet::Polynomial;
 use crate::core::linear::multipliers;
+use crate::core::names::position;
 use crate::core::zero::Spectrum;
 use std::fmt::{Display, Formatter};
 
@@ -87,11 +88,11 @@ impl LocalMap {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError::Parameter`] for a parameter that does not deviate, [`GrazingError::NotBorn`] where a
+    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::NotBorn`] where a
     /// multiplier of either orbit is 1: at points of codimension two.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
-        let p = n + GrazingError::position(parameter, self.parameters())?;
+        let p = n + position("parameter", parameter, self.parameters())?;
         let smooth = |i: usize, j: usize| slope(&self.smooth()[i], j);
         let jump = |i: usize, j: usize| slope(&self.discontinuity()[i], j);
         let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };

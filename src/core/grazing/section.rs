@@ -4,7 +4,7 @@ use super::error::GrazingError;
 use super::point::GrazingPoint;
 use super::surface::Surface;
 use crate::core::field::Forcing;
-use crate::core::hybrid::{EventNumber, HybridEquations};
+use crate::core::hybrid::{EventNumber, HybridEquations, Moment};
 use num_dual::Dual64;
 
 /// A coordinate on the section.
@@ -48,7 +48,7 @@ fn gradient(surface: Surface, system: &dyn HybridEquations, point: &GrazingPoint
     let slope = |i: usize| {
         let mut x: Vec<Dual64> = point.x.iter().map(|x| Dual64::from(*x)).collect();
         x[i] = x[i].derivative();
-        surface.value(system, point.mode, point.time.into(), &x, &p).eps
+        surface.value(Moment { system, mode: point.mode, t: point.time.into(), x: &x, p: &p }).eps
     };
     (0..point.x.len()).map(slope).collect()
 }
@@ -85,7 +85,7 @@ impl Section {
         if left[normal].abs() / size < DEPENDENT {
             return Err(dependent(left[normal].abs() / size));
         }
-        let curvature = turning.moving(system, point.mode, point.time, &point.x, &point.p).eps;
+        let curvature = turning.moving(point.moment(system)).eps;
         if curvature.is_nan() || curvature <= 0.0 {
             let (guard, time) = (system.guards()[point.guard].name.clone(), point.time);
             return Err(GrazingError::Curvature { guard, time, curvature });

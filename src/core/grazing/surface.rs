@@ -1,6 +1,6 @@
 //! Surfaces along the motion of a mode: a guard, and where it is least.
 
-use crate::core::hybrid::{FieldNumber, GuardNumber, HybridEquations, along, rate};
+use crate::core::hybrid::{FieldNumber, GuardNumber, HybridEquations, Moment};
 use num_dual::Dual;
 
 /// A surface in time and state.
@@ -14,37 +14,23 @@ pub(super) enum Surface {
 
 impl Surface {
     /// The function that vanishes there.
-    pub fn value<T: FieldNumber + GuardNumber>(
-        self,
-        system: &dyn HybridEquations,
-        mode: usize,
-        t: T,
-        x: &[T],
-        p: &[T],
-    ) -> T
+    pub fn value<T: FieldNumber + GuardNumber>(self, at: Moment<T>) -> T
     where
         Dual<T>: GuardNumber,
     {
         match self {
-            Surface::Guard(guard) => system.guard(guard, mode, t, x, p),
-            Surface::Turning(guard) => rate(system, (guard, mode), t, x, p),
+            Surface::Guard(guard) => at.guard(guard),
+            Surface::Turning(guard) => at.rate(guard),
         }
     }
 
-    /// The function with its rate along the motion of a mode.
-    pub fn moving<T: FieldNumber>(
-        self,
-        system: &dyn HybridEquations,
-        mode: usize,
-        t: T,
-        x: &[T],
-        p: &[T],
-    ) -> Dual<T>
+    /// The function with its rate along the motion.
+    pub fn moving<T: FieldNumber>(self, at: Moment<T>) -> Dual<T>
     where
         Dual<T>: FieldNumber + GuardNumber,
         Dual<Dual<T>>: GuardNumber,
     {
-        along(system, mode, t, x, p, |t, x, p| self.value(system, mode, t, x, p))
+        at.along(|moving| self.value(moving))
     }
 
     /// Its name, given those of the guards.

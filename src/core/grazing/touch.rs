@@ -5,7 +5,7 @@ use super::point::GrazingPoint;
 use crate::core::bvp::{BoundarySystem, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::Flow;
-use crate::core::hybrid::{guard_scale, rate, time_scale};
+use crate::core::hybrid::{Moment, guard_scale, time_scale};
 use crate::core::orbit::{HybridOrbit, Leg};
 use crate::core::zero::LeftDomain;
 use std::any::Any;
@@ -50,7 +50,7 @@ impl Orbit<'_> {
         let x = self.end(leg)?;
         let (system, unit) = (self.problem.system(), time_scale(self.problem.system(), p));
         let slow = NONE * guard_scale(system, (guard, mode), (time, &x), p) / unit;
-        if rate(system, (guard, mode), time, &x, p).abs() > slow {
+        if (Moment { system, mode, t: time, x: &x, p }).rate(guard).abs() > slow {
             return Ok(None);
         }
         let mut legs: Vec<(Leg, f64)> =

@@ -1,7 +1,7 @@
 //! Motion beyond a surface, as if the surface were not there.
 
 use super::erased::{EventNumber, FieldNumber, GuardNumber, HybridEquations};
-use super::leg::{GuardOf, along, rate};
+use super::leg::{GuardOf, Moment};
 use super::scales::guard_scale;
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
 use crate::core::scalar::Scalar;
@@ -40,7 +40,7 @@ where
     Dual<T>: FieldNumber + GuardNumber,
     Dual<Dual<T>>: GuardNumber,
 {
-    let guess = first_turn(system, (guard, mode), (t, x), p, within)?;
+    let guess = first_turn(Moment { system, mode, t, x, p }, guard, within)?;
     let (mut t, mut x) = (t, x.to_vec());
     let mut flow = Flow::<T>::new(Settings::new(Scheme::DormandPrince8, TOLERANCE)).ok()?;
     let mut step = T::constant(guess);
@@ -48,7 +48,7 @@ where
         let field = T::in_mode(system, mode, T::zero());
         flow.advance(&field, t, step, &mut x, p).ok()?;
         t += step;
-        let turning = turning(system, (guard, mode), t, &x, p);
+        let turning = Moment { system, mode, t, x: &x, p }.along(|moving| moving.rate(guard));
         if turning.eps.real().is_nan() || turning.eps.real() <= 0.0 {
             return None;
         }
@@ -58,19 +58,14 @@ where
 }
 
 /// After what time a guard that falls stops falling; none if it rises already.
-fn first_turn<T: EventNumber>(
-    system: &dyn HybridEquations,
-    (guard, mode): (usize, usize),
-    (t, x): (T, &[T]),
-    p: &[T],
-    within: f64,
-) -> Option<f64>
+fn first_turn<T: EventNumber>(at: Moment<T>, guard: usize, within: f64) -> Option<f64>
 where
     Dual<T>: GuardNumber,
 {
-    if rate(system, (guard, mode), t, x, p).real() >= 0.0 {
+    if at.rate(guard).real() >= 0.0 {
         return Some(0.0);
     }
+    let Moment { system, mode, t, x, p } = at;
     let real = |values: &[T]| values.iter().map(Scalar::real).collect::<Vec<f64>>();
     let (mut x, p) = (real(x), real(p));
     let scale = guard_scale(system, (guard, mode), (t.real(), &x), &p);
@@ -87,19 +82,4 @@ where
     // Where motion leaves the domain of the field it has not turned.
     outcome.ok()?;
     turn
-}
-
-/// The rate of a guard, and how fast that changes, along the motion of a mode.
-fn turning<T: EventNumber>(
-    system: &dyn HybridEquations,
-    (guard, mode): (usize, usize),
-    t: T,
-    x: &[T],
-    p: &[T],
-) -> Dual<T>
-where
-    Dual<T>: FieldNumber + GuardNumber,
-    Dual<Dual<T>>: GuardNumber,
-{
-    along(system, mode, t, x, p, |t, x, p| rate(system, (guard, mode), t, x, p))
 }

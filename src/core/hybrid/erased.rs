@@ -39,7 +39,7 @@ macro_rules! faces {
         $(#[$of_number])*
         pub trait $number: $super $(+ $other)? {
             /// The system in this scalar.
-            fn $select<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn $face<Self> + 'a);
+            fn $select(system: &dyn HybridEquations) -> &dyn $face<Self>;
         }
 
         impl dyn HybridEquations + '_ {
@@ -116,12 +116,10 @@ macro_rules! equations {
         }
 
         $(impl FieldNumber for $wide {
-            fn fields<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Fields<Self> + 'a) {
+            fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self> {
                 system
             }
-            fn wide<'a>(
-                system: &'a (dyn HybridEquations + 'a),
-            ) -> Option<&'a (dyn Fields<Wide<Self>> + 'a)> {
+            fn wide(system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> {
                 Some(system)
             }
         })*
@@ -136,9 +134,7 @@ macro_rules! equations {
 macro_rules! select {
     ($number:ident $method:ident $equations:ident: $($scalar:ty)*) => {
         $(impl $number for $scalar {
-            fn $method<'a>(
-                system: &'a (dyn HybridEquations + 'a),
-            ) -> &'a (dyn $equations<Self> + 'a) {
+            fn $method(system: &dyn HybridEquations) -> &dyn $equations<Self> {
                 system
             }
         })*
@@ -148,30 +144,17 @@ macro_rules! select {
 /// A scalar in which the fields of any hybrid system can be evaluated.
 pub trait FieldNumber: Scalar {
     /// The fields of a system in this scalar.
-    fn fields<'a>(system: &'a (dyn HybridEquations + 'a)) -> &'a (dyn Fields<Self> + 'a);
+    fn fields(system: &dyn HybridEquations) -> &dyn Fields<Self>;
 
     /// The fields with derivatives, if implicit schemes are supported in this scalar.
-    fn wide<'a>(
-        _system: &'a (dyn HybridEquations + 'a),
-    ) -> Option<&'a (dyn Fields<Wide<Self>> + 'a)> {
+    fn wide(_system: &dyn HybridEquations) -> Option<&dyn Fields<Wide<Self>>> {
         None
     }
 
     /// The field of a mode, whose own time begins at `start`.
-    fn in_mode<'a>(
-        system: &'a (dyn HybridEquations + 'a),
-        mode: usize,
-        start: Self,
-    ) -> FieldRef<'a, Self> {
-        let real: &dyn RealFields = system;
-        FieldRef {
-            fields: Self::fields(system),
-            wide: Self::wide(system),
-            real,
-            index: mode,
-            start,
-            numbers: usize::MAX,
-        }
+    fn in_mode(system: &dyn HybridEquations, mode: usize, start: Self) -> FieldRef<'_, Self> {
+        let (fields, wide) = (Self::fields(system), Self::wide(system));
+        FieldRef { fields, wide, real: system, index: mode, start, numbers: usize::MAX }
     }
 }
 

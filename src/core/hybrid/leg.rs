@@ -45,34 +45,41 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
     }
 }
 
-/// A function of time and states along the motion of a mode, with its rate `d/dt`.
-pub(in crate::core) fn along<T: FieldNumber>(
-    system: &dyn HybridEquations,
-    mode: usize,
-    t: T,
-    x: &[T],
-    p: &[T],
-    value: impl FnOnce(Dual<T>, &[Dual<T>], &[Dual<T>]) -> Dual<T>,
-) -> Dual<T> {
-    let mut f = vec![T::zero(); x.len()];
-    system.field(mode, t, x, p, &mut f);
-    let moving: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
-    let fixed: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
-    value(Dual::new(t, T::one()), &moving, &fixed)
+/// A time and a state of the motion in a mode.
+#[derive(Clone, Copy)]
+pub(in crate::core) struct Moment<'a, T> {
+    pub system: &'a dyn HybridEquations,
+    pub mode: usize,
+    pub t: T,
+    pub x: &'a [T],
+    pub p: &'a [T],
 }
 
-/// How fast a guard changes along the motion of its mode, `dh/dt = h_t + h_x f`.
-pub(in crate::core) fn rate<T: FieldNumber>(
-    system: &dyn HybridEquations,
-    (guard, mode): (usize, usize),
-    t: T,
-    x: &[T],
-    p: &[T],
-) -> T
-where
-    Dual<T>: GuardNumber,
-{
-    along(system, mode, t, x, p, |t, x, p| system.guard(guard, mode, t, x, p)).eps
+impl<T: GuardNumber> Moment<'_, T> {
+    /// The value of a guard.
+    pub fn guard(self, guard: usize) -> T {
+        self.system.guard(guard, self.mode, self.t, self.x, self.p)
+    }
+}
+
+impl<T: FieldNumber> Moment<'_, T> {
+    /// How fast a guard changes along the motion, `dh/dt = h_t + h_x f`.
+    pub fn rate(self, guard: usize) -> T
+    where
+        Dual<T>: GuardNumber,
+    {
+        self.along(|moving| moving.guard(guard)).eps
+    }
+
+    /// A function of time and states along the motion, with its rate `d/dt`.
+    pub fn along(self, value: impl FnOnce(Moment<Dual<T>>) -> Dual<T>) -> Dual<T> {
+        let Moment { system, mode, t, x, p } = self;
+        let mut f = vec![T::zero(); x.len()];
+        system.field(mode, t, x, p, &mut f);
+        let x: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
+        let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+        value(Moment { system, mode, t: Dual::new(t, T::one()), x: &x, p: &p })
+    }
 }
 
 /// One guard as a function to be watched along the flow of one of its modes.
@@ -111,10 +118,6 @@ where
     Dual<T>: GuardNumber,
     Dual2<T>: GuardNumber,
 {
-    fn state_index(&self) -> Option<usize> {
-        None
-    }
-
     fn size(&self) -> f64 {
         self.scale
     }

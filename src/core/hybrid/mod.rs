@@ -34,7 +34,7 @@ pub use error::HybridError;
 pub use event::{Event, History, HybridObserver, Piece};
 pub use fleet::{Fleet, FleetObserver, Member};
 pub use leg::{GuardOf, InMode};
-pub(in crate::core) use leg::{ScalarOf, along, rate};
+pub(in crate::core) use leg::{Moment, ScalarOf};
 pub(crate) use measured::check_measures;
 pub(in crate::core) use repetition::{Repetition, StateScales};
 pub(crate) use scales::{guard_scale, time_scale};

@@ -3,9 +3,7 @@
 use super::space::{JetError, Space};
 use crate::core::number::operations;
 use num_dual::DualNum;
-use std::ops::{
-    Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
-};
+use std::ops::Neg;
 
 /// A truncated Taylor series with room for `C` coefficients: as a number it is a
 /// [`Scalar`](crate::core::scalar::Scalar), compared by its constant term.
@@ -160,31 +158,11 @@ impl<const C: usize> Neg for Jet<C> {
     }
 }
 
-/// Operations that assign, with another jet and with a real number.
-macro_rules! assigning {
-    ($($operation:ident $method:ident: |$a:ident, $b:ident| $with_jet:expr, $with_real:expr;)*) => {$(
-        impl<const C: usize> $operation<&Jet<C>> for Jet<C> {
-            fn $method(&mut self, $b: &Self) {
-                let $a = self;
-                $with_jet
-            }
-        }
-        impl<const C: usize> $operation<f64> for Jet<C> {
-            fn $method(&mut self, $b: f64) {
-                let $a = self;
-                $with_real
-            }
-        }
-    )*};
-}
-
 // The remainder of a division is that which is truncated as its real part is.
-assigning! {
-    AddAssign add_assign: |a, b| a.add_multiple(1.0, b), a.c[0] += b;
-    SubAssign sub_assign: |a, b| a.add_multiple(-1.0, b), a.c[0] -= b;
-    MulAssign mul_assign: |a, b| *a = a.product(b), *a = a.scaled(b);
-    DivAssign div_assign: |a, b| *a = a.quotient(b), *a = a.scaled(b.recip());
-    RemAssign rem_assign: |a, b| a.add_multiple(-(a.c[0] / b.c[0]).trunc(), b), a.c[0] %= b;
+operations! { [const C: usize] Jet<C>, |a, b|
+    += a.add_multiple(1.0, b), a.c[0] += b;
+    -= a.add_multiple(-1.0, b), a.c[0] -= b;
+    *= *a = a.product(b), *a = a.scaled(b);
+    /= *a = a.quotient(b), *a = a.scaled(b.recip());
+    %= a.add_multiple(-(a.c[0] / b.c[0]).trunc(), b), a.c[0] %= b;
 }
-
-operations!([const C: usize] Jet<C>);

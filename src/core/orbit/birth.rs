@@ -9,7 +9,8 @@ use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, guard_scale, rate, time_scale};
+use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
+use crate::core::vector::dot;
 use crate::core::watch::{WatchIn, Watchable};
 use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
@@ -41,10 +42,6 @@ impl<T: GuardNumber + MeasureNumber> WatchIn<T> for OnLeg<'_> {
 }
 
 impl Watchable<f64> for OnLeg<'_> {
-    fn state_index(&self) -> Option<usize> {
-        None
-    }
-
     fn size(&self) -> f64 {
         self.scale
     }
@@ -206,11 +203,10 @@ impl HybridOrbit {
         for i in 0..n {
             let mut x: Vec<Dual64> = touch.x.iter().map(|x| Dual64::from(*x)).collect();
             x[i].eps = sizes[i];
-            let t = Dual64::from(t);
-            normal[i] = system.guard(touch.guard, mode, t, &x, &p).eps;
-            slope[i] = rate(system, (touch.guard, mode), t, &x, &p).eps;
+            let changed = Moment { system, mode, t: t.into(), x: &x, p: &p };
+            normal[i] = changed.guard(touch.guard).eps;
+            slope[i] = changed.rate(touch.guard).eps;
         }
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let share = dot(&slope, &normal) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
         slope.iter_mut().zip(&normal).for_each(|(s, n)| *s -= share * n);
         let size = dot(&slope, &slope).max(f64::MIN_POSITIVE);
@@ -220,9 +216,9 @@ impl HybridOrbit {
 
     /// The guard of a mode that falls to zero first, by its rate, and when.
     fn soonest(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<(f64, usize)> {
+        let at = Moment { system: self.system(), mode, t, x, p };
         let times = self.guards_in(mode).filter_map(|guard| {
-            let value = self.system().guard(guard, mode, t, x, p);
-            let rate = rate(self.system(), (guard, mode), t, x, p);
+            let (value, rate) = (at.guard(guard), at.rate(guard));
             (rate < 0.0).then(|| ((value / -rate).max(0.0), guard))
         });
         times.min_by(|a, b| a.0.total_cmp(&b.0))

@@ -8,7 +8,7 @@ use crate::core::bvp::{
 };
 use crate::core::condition::Failure;
 use crate::core::hybrid::{
-    EventNumber, GuardNumber, GuardOf, MeasureNumber, ScalarOf, guard_scale, rate, time_scale,
+    EventNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, guard_scale, time_scale,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
@@ -228,7 +228,8 @@ impl Equations for HybridOrbit {
             let Some(guard) = leg.exit else { continue };
             let (x, time) =
                 (&ends.end[self.of_leg(s)], self.time(s, q) + self.durations(extras)[s]);
-            let approach = -rate(self.system(), (guard, leg.mode), time, x, p);
+            let at = Moment { system: self.system(), mode: leg.mode, t: time, x, p };
+            let approach = -at.rate(guard);
             let meant = legs[(s + 1) % legs.len()].mode;
             let next = self.system().next_mode(guard, leg.mode, time, x, p);
             let sure = || {

@@ -1,6 +1,7 @@
 //! Itineraries: what a hybrid orbit goes through.
 
 use crate::core::hybrid::{Guard, HybridEquations, Mode};
+use crate::core::names::{UnknownName, position};
 
 /// A leg of an itinerary: motion in a mode until a guard vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,24 +45,9 @@ pub enum ItineraryError {
     /// A cycle takes no period.
     #[error("the itinerary `{0}` takes no period of the forcing: give at least 1")]
     Periods(String),
-    /// A mode that there is not.
-    #[error("there is no mode `{name}`: there are {known}")]
-    Mode {
-        /// The name.
-        name: String,
-        /// The modes.
-        known: String,
-    },
-    /// An event that there is not in a mode.
-    #[error("mode `{mode}` has no event `{name}`: it ends by {known}")]
-    Event {
-        /// The mode.
-        mode: String,
-        /// The name.
-        name: String,
-        /// The events of the mode.
-        known: String,
-    },
+    /// A mode that there is not, or an event that there is not in a mode.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
     /// A leg that does not end, among others.
     #[error("the leg `{0}` does not end: an itinerary of several legs names the event of each")]
     Endless(String),
@@ -126,17 +112,11 @@ fn read_leg(word: &str, modes: &[Mode], guards: &[Guard]) -> Result<Leg, Itinera
         Some((name, event)) => (name, Some(event)),
         None => (word, None),
     };
-    let mode = modes.iter().position(|mode| mode.name == name).ok_or_else(|| {
-        let known: Vec<&str> = modes.iter().map(|mode| mode.name.as_str()).collect();
-        ItineraryError::Mode { name: name.into(), known: known.join(", ") }
-    })?;
+    let mode = position("mode", name, modes.iter().map(|mode| &mode.name))?;
     let exit = event.map(|event| {
-        let own = |guard: &Guard| guard.ends(mode) && guard.name == event;
-        guards.iter().position(own).ok_or_else(|| {
-            let of_mode = guards.iter().filter(|guard| guard.ends(mode));
-            let known: Vec<&str> = of_mode.map(|guard| guard.name.as_str()).collect();
-            ItineraryError::Event { mode: name.into(), name: event.into(), known: known.join(", ") }
-        })
+        let own: Vec<usize> = (0..guards.len()).filter(|k| guards[*k].ends(mode)).collect();
+        let names = own.iter().map(|k| &guards[*k].name);
+        position(&format!("event of mode `{name}`"), event, names).map(|k| own[k])
     });
     Ok(Leg { mode, exit: exit.transpose()? })
 }

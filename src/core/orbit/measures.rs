@@ -3,7 +3,7 @@
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
-    EventNumber, FieldNumber, GuardNumber, MeasureNumber, Passage, rate, virtual_point,
+    EventNumber, FieldNumber, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
@@ -70,11 +70,12 @@ impl HybridOrbit {
         &'a self,
         ends: Ends<'a, T>,
         q: &'a [T],
-    ) -> impl Iterator<Item = ((usize, usize), T, &'a [T])> + 'a {
-        let durations = self.durations(self.split(q).1);
+    ) -> impl Iterator<Item = (usize, Moment<'a, T>)> + 'a {
+        let ((p, extras), system) = (self.split(q), self.system());
+        let durations = self.durations(extras);
         self.legs().iter().enumerate().filter_map(move |(s, leg)| {
-            let time = self.time(s, q) + durations[s];
-            Some(((leg.exit?, leg.mode), time, &ends.end[self.of_leg(s)]))
+            let (t, x) = (self.time(s, q) + durations[s], &ends.end[self.of_leg(s)]);
+            Some((leg.exit?, Moment { system, mode: leg.mode, t, x, p }))
         })
     }
 }
@@ -87,7 +88,7 @@ where
 {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
         let ((p, extras), system) = (self.split(q), self.system());
-        let rate_at = |(event, time, x): &(_, T, &[T])| rate(system, *event, *time, x, p);
+        let rate_at = |(guard, at): &(usize, Moment<T>)| at.rate(*guard);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
         match function {
@@ -97,8 +98,8 @@ where
                 let speed = |event: &_| -rate_at(event).real();
                 let within = self.durations(extras).iter().map(|duration| duration.real()).sum();
                 let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
-                let turn = slowest.and_then(|((guard, mode), time, x)| {
-                    let (time, x) = virtual_point(system, (guard, mode), (time, x), p, within)?;
+                let turn = slowest.and_then(|(guard, Moment { mode, t, x, .. })| {
+                    let (time, x) = virtual_point(system, (guard, mode), (t, x), p, within)?;
                     Some(-system.guard(guard, mode, time, &x, p))
                 });
                 turn.unwrap_or_else(T::zero)

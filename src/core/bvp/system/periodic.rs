@@ -16,6 +16,7 @@ use super::factorisation::{Bordered, column_of, form_of};
 use crate::core::bvp::{Number, Return};
 use crate::core::linear::multipliers;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::dot;
 use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
 
 impl BoundarySystem {
@@ -232,10 +233,6 @@ fn reflector(v: &[f64]) -> Vec<f64> {
 fn reflect(w: &[f64], x: &mut [f64]) {
     let share = 2.0 * dot(w, x) / dot(w, w);
     x.iter_mut().zip(w).for_each(|(x, w)| *x -= share * w);
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Oscillation for BoundarySystem {

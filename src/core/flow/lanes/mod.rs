@@ -6,12 +6,11 @@
 mod dual;
 mod sine;
 
+use crate::core::number::operations;
 use crate::core::scalar::Scalar;
 use num_dual::{Dual, Dual64};
 use std::fmt::{Display, Formatter};
-use std::ops::{
-    Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
-};
+use std::ops::Neg;
 
 #[cfg(not(target_feature = "avx512f"))]
 use wide::f64x4 as Vector;
@@ -151,54 +150,12 @@ impl Neg for Lanes {
     }
 }
 
-macro_rules! operators {
-    ($($operator:ident $method:ident, $assign:ident $assigned:ident;)*) => {$(
-        impl $operator for Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Lanes(self.0.$method(other.0))
-            }
-        }
-
-        impl $operator<&Lanes> for Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: &Self) -> Self {
-                Lanes(self.0.$method(other.0))
-            }
-        }
-
-        impl $operator<f64> for Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: f64) -> Self {
-                Lanes(self.0.$method(Vector::splat(other)))
-            }
-        }
-
-        impl $assign for Lanes {
-            #[inline(always)]
-            fn $assigned(&mut self, other: Self) {
-                *self = (*self).$method(other);
-            }
-        }
-
-        impl $assign<f64> for Lanes {
-            #[inline(always)]
-            fn $assigned(&mut self, other: f64) {
-                *self = (*self).$method(other);
-            }
-        }
-    )*};
-}
-
-operators! {
-    Add add, AddAssign add_assign;
-    Sub sub, SubAssign sub_assign;
-    Mul mul, MulAssign mul_assign;
-    Div div, DivAssign div_assign;
-    Rem rem, RemAssign rem_assign;
+operations! { [] Lanes, |a, b|
+    += a.0 += b.0, a.0 += b;
+    -= a.0 -= b.0, a.0 -= b;
+    *= a.0 *= b.0, a.0 *= b;
+    /= a.0 /= b.0, a.0 /= b;
+    %= a.0 %= b.0, a.0 %= b;
 }
 
 impl Display for Lanes {
