@@ -131,7 +131,8 @@ pub(super) fn combine<T: Scalar>(
         3 => combine_all::<T, 3>(x, h, row, slopes, out),
         4 => combine_all::<T, 4>(x, h, row, slopes, out),
         // Two at a time, so that sums stay in registers.
-        n => {
+        _ => {
+            let n = x.len();
             for i in (0..n - n % 2).step_by(2) {
                 let [first, second] = sums::<T, 2>(i, n, h, row, slopes);
                 (out[i], out[i + 1]) = (x[i] + first, x[i + 1] + second);
