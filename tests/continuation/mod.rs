@@ -3,6 +3,7 @@
 mod algebraic;
 mod arclength;
 mod chain;
+mod chunks;
 mod flow;
 mod flow_failures;
 mod gradients;
