@@ -72,7 +72,7 @@
 //! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
 //!
 //! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command line. How the
-//! core is put together, with pictures, is told in `docs/core.md`; periodic orbits and boundary-value problems in
+//! core is put together, with pictures, is described in `docs/core.md`; periodic orbits and boundary-value problems in
 //! `docs/orbits.md`; impacts in `docs/hybrid.md` and `docs/grazing.md`; what motions settle on in
 //! `docs/sweeps.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
 

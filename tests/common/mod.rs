@@ -1,5 +1,4 @@
 //! Problems with known answers, shared by the tests of the core.
-#![allow(dead_code, reason = "each of the programs that share it uses a part")]
 
 use std::f64::consts::TAU;
 use tangency::core::continuation::{Branch, Kind, SpecialPoint};

@@ -220,7 +220,7 @@ impl Tracer<'_> {
         observer: &mut dyn Observer,
     ) -> End {
         let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
-        // The branch ends here anyhow, whatever the observer says.
+        // The branch ends here: the answer of the observer changes nothing.
         let _ = observer.point(&last);
         half.points.push(last);
         let Some(Located { mut special, .. }) = at else {

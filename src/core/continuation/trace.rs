@@ -47,7 +47,7 @@ pub struct Continuation<'a> {
 /// The point that a curve starts from.
 #[derive(Default)]
 pub(super) struct Origin {
-    /// The solution that the start is to be made of, where one restarts.
+    /// The saved solution that the branch starts from, at a restart.
     pub solution: Option<Solution>,
     /// The direction `(z, p)` of the branch that it lies on, where it is known.
     pub tangent: Option<Vec<f64>>,
@@ -59,7 +59,7 @@ pub(super) struct Origin {
     pub condition: Option<Kind>,
     /// The kind of the special point one restarts from.
     pub kind: Option<Kind>,
-    /// It is to be left along the other branch.
+    /// Whether the branch point is left along the other branch.
     pub switched: bool,
 }
 

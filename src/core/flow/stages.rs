@@ -22,10 +22,10 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// Numbers of at most so many bytes stay in registers: steps of few of them have code of their own.
+/// The largest size in bytes of a number that stays in registers: steps of few such numbers are unrolled.
 const IN_REGISTERS: usize = 72;
 
-/// The number of states for which there is code of its own; 0 for numbers that are too large.
+/// The number of states, by which a step is unrolled; 0 for numbers that do not stay in registers.
 const fn few<T>(states: usize) -> usize {
     if size_of::<T>() > IN_REGISTERS { 0 } else { states }
 }

@@ -13,7 +13,7 @@ use crate::core::jet::{Jet, Space};
 use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
-/// What a local map is to be.
+/// Order and accuracy of a local map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapSettings {
     /// The order of the polynomials, from 1 to 7.

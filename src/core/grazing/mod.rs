@@ -1,7 +1,7 @@
 //! Near grazing: discontinuity maps of any order.
 //!
 //! A periodic orbit grazes where it touches the surface `h = 0` of a guard that it does not pass. On the section `Π`
-//! where motion is nearest to the surface, `dh/dt = 0`, motion near the orbit is told by the map
+//! where motion is nearest to the surface, `dh/dt = 0`, motion near the orbit is described by the map
 //!
 //! ```text
 //!     P = P_smooth ∘ D

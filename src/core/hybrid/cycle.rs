@@ -61,7 +61,7 @@ impl Cycle {
         Cycle { start: time, legs: vec![leg], periods, distance: 0.0 }
     }
 
-    /// A cycle of so many periods of the forcing, given its events.
+    /// A cycle over a number of periods of the forcing, from its events.
     pub(super) fn through(events: &[Event<f64>], duration: f64, periods: usize) -> Option<Self> {
         let (first, last) = (events.first()?, events.last()?);
         let inner = events.windows(2).map(|pair| CycleLeg::between(&pair[0], &pair[1], 0.0));
