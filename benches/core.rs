@@ -1,10 +1,10 @@
 //! How long the core takes: one Newton solution, a branch of a discretised field, a curve of folds.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/common/measured.rs"]
+mod measured;
 
-use common::{Bratu, Oxidation, first};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use measured::{Bratu, Oxidation};
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::dense::Dense;
 use tangency::core::extended::Extended;
@@ -60,7 +60,7 @@ fn folds(c: &mut Criterion) {
         .along("q2", 0.5..=2.0)
         .trace()
         .unwrap();
-    let label = first(&branch, Kind::LP).label;
+    let label = branch.of_kind(Kind::LP).next().unwrap().label;
     c.bench_function("fold curve", |b| {
         b.iter(|| {
             Continuation::of(&mut system)
