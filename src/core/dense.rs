@@ -5,8 +5,8 @@ use super::linear::{BorderedLu, DenseOscillation};
 use super::potential::PotentialGradient;
 use super::scalar::Scalar;
 use super::zero::{
-    Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Singular, Slot, Spectrum, System,
-    ZeroProblem,
+    Border, Dynamics, Failure, LeftDomain, Names, Oscillation, Profile, Singular, Slot, Spectrum,
+    System, ZeroProblem,
 };
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
@@ -171,7 +171,8 @@ impl<P: ZeroProblem> System for Dense<P> {
         finite(
             r,
             |i| format!("component {i} of the residual"),
-            "the residual must be finite; bound the branch before the equations lose their meaning",
+            "the residual must be finite: bound the branch before the equations lose their meaning, and write every \
+             component (one that is never written is not a number)",
         )
     }
 
@@ -277,27 +278,35 @@ impl<P: ZeroProblem> System for Dense<P> {
         self.problem.dynamics()
     }
 
-    fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
+    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
         let n = self.names.dimension();
         let matrix = MatRef::from_column_major_slice(&self.jacobian, n, n);
-        let dynamics = self.problem.dynamics();
+        let (dynamics, unknown) = (self.problem.dynamics(), Failure::Eigenvalues("eigenvalues"));
         let self_adjoint = match dynamics {
-            Dynamics::Static | Dynamics::Periodic => return None,
+            Dynamics::Static => return Ok(None),
+            Dynamics::Periodic => {
+                return Err(Failure::NotApplicable(
+                    "the unknowns of a `ZeroProblem` are no periodic orbit of which multipliers are known: state a \
+                     vector field and its `periodic_orbits`, or the dynamics `Static`"
+                        .into(),
+                ));
+            }
             Dynamics::Flow => symmetric(&self.jacobian, n),
             Dynamics::Potential => true,
             Dynamics::Restoring => false,
         };
         let mut eigenvalues: Spectrum = if self_adjoint {
-            let real = matrix.self_adjoint_eigenvalues(Side::Lower).ok()?;
+            let real = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| unknown)?;
             real.into_iter().map(|l| (l, 0.0)).collect()
         } else {
-            matrix.eigenvalues().ok()?.into_iter().map(|l| (l.re, l.im)).collect()
+            let found = matrix.eigenvalues().map_err(|_| unknown)?;
+            found.into_iter().map(|l| (l.re, l.im)).collect()
         };
         if dynamics != Dynamics::Flow {
             eigenvalues.iter_mut().for_each(|l| l.0 = -l.0);
         }
         eigenvalues.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
-        Some(eigenvalues)
+        Ok(Some(eigenvalues))
     }
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {

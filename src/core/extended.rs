@@ -8,6 +8,7 @@
 //! ```
 
 use super::condition::{At, Condition, Failure};
+use super::system_ref::SystemRef;
 use super::vector::along;
 use super::zero::{Border, Names, Slot, System};
 
@@ -38,7 +39,7 @@ pub struct Closing<'a> {
 /// # Ok::<(), NewtonError>(())
 /// ```
 pub struct Extended<'a> {
-    system: &'a mut dyn System,
+    system: SystemRef<'a>,
     conditions: Vec<Box<dyn Condition + 'a>>,
     released: Vec<usize>,
     /// `x = (z, p)` with all parameters, held ones included.
@@ -56,6 +57,11 @@ pub struct Extended<'a> {
 impl<'a> Extended<'a> {
     /// The problem at `x = (z, p)` with these parameters released and no condition.
     pub fn new(system: &'a mut dyn System, x: &[f64], released: Vec<usize>) -> Self {
+        Self::of(SystemRef::Borrowed(system), x, released)
+    }
+
+    /// The same of a system that may be its own.
+    pub(crate) fn of(system: SystemRef<'a>, x: &[f64], released: Vec<usize>) -> Self {
         let x = x.to_vec();
         let mut extended = Extended {
             direction: vec![0.0; x.len()],
@@ -85,8 +91,10 @@ impl<'a> Extended<'a> {
     ) -> Result<Vec<f64>, Failure> {
         self.load(unknowns);
         let mut y = vec![0.0; condition.unknowns()];
-        condition
-            .start(At { system: self.system, x: &self.x, released: &self.released }, &mut y)?;
+        condition.start(
+            At { system: &mut *self.system, x: &self.x, released: &self.released },
+            &mut y,
+        )?;
         let place = self.dimension() + self.own;
         let mut unknowns = unknowns.to_vec();
         unknowns.splice(place..place, y.iter().copied());
@@ -133,7 +141,7 @@ impl<'a> Extended<'a> {
 
     /// The system.
     pub(crate) fn system(&mut self) -> &mut dyn System {
-        self.system
+        &mut *self.system
     }
 
     /// Names of the system.
@@ -148,7 +156,7 @@ impl<'a> Extended<'a> {
 
     /// The system together with `x = (z, p)` as loaded last, and the released parameters.
     pub(crate) fn at(&mut self) -> At<'_> {
-        At { system: self.system, x: &self.x, released: &self.released }
+        At { system: &mut *self.system, x: &self.x, released: &self.released }
     }
 
     /// Writes `X` into `x = (z, p)`, and returns that.
@@ -231,7 +239,7 @@ impl<'a> Extended<'a> {
                     out[..n].iter_mut().zip(b).for_each(|(r, b)| *r += y * b);
                 }
             }
-            let at = At { system: self.system, x: &self.x, released: &self.released };
+            let at = At { system: &mut *self.system, x: &self.x, released: &self.released };
             condition.values(at, y, &mut out[row..row + k + 1])?;
             row += k + 1;
             place += k;
@@ -287,7 +295,7 @@ impl<'a> Extended<'a> {
         let (mut row, mut place) = (0, 0);
         for condition in &mut self.conditions {
             let k = condition.unknowns();
-            let at = At { system: self.system, x: &self.x, released: &self.released };
+            let at = At { system: &mut *self.system, x: &self.x, released: &self.released };
             let gradients = &mut self.gradients[..(k + 1) * length];
             let own = &mut self.own_gradients[..(k + 1) * k];
             condition.gradients(at, gradients, own)?;

@@ -24,7 +24,7 @@ impl LeftDomain {
 
 /// A matrix without an inverse, in arithmetic of 16 digits.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")]
+#[error("{}", self.words())]
 pub struct Singular {
     /// The smallest pivot.
     pub pivot: f64,
@@ -36,6 +36,16 @@ impl Singular {
     /// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
     /// equilibrated matrix, or the largest entry of its row.
     pub(crate) const THRESHOLD: f64 = 1e-15;
+
+    fn words(&self) -> String {
+        let Singular { pivot, largest } = self;
+        if pivot.is_nan() {
+            return "the matrix has an empty row or column, or an entry that is not a number: is every equation written, \
+                    and does every unknown occur in one?"
+                .into();
+        }
+        format!("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")
+    }
 }
 
 /// Why equations could not be evaluated.
@@ -48,6 +58,11 @@ pub enum Failure {
     /// A matrix that defines a condition is singular.
     #[error(transparent)]
     Singular(#[from] Singular),
+    /// Eigenvalues or multipliers that an iterative method did not find.
+    #[error(
+        "the {0} do not converge: the matrix may have entries that are not finite, or of very different sizes"
+    )]
+    Eigenvalues(&'static str),
     /// The condition does not apply at this point.
     #[error("{0}")]
     NotApplicable(String),

@@ -22,6 +22,15 @@ pub enum Kind {
     PD,
     /// `TR`: a torus (Neimark–Sacker) point of periodic orbits.
     TR,
+    /// `GH`: a generalised Hopf (Bautin) point, where a curve of folds of cycles ends on a curve of Hopf points.
+    GH,
+    /// `R1`: a resonance 1:1, where a curve of torus points ends with a double multiplier 1.
+    R1,
+    /// `R2`: a resonance 1:2, where a curve of torus points ends with a double multiplier −1.
+    R2,
+    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and no event that was looked for
+    /// explains it.
+    ND,
     /// `G`: a grazing: the solution touches a surface.
     G,
     /// `UZ`: a user's event.
@@ -47,6 +56,10 @@ impl Kind {
             Kind::BT => "Bogdanov–Takens point",
             Kind::PD => "period doubling",
             Kind::TR => "torus point",
+            Kind::GH => "generalised Hopf point",
+            Kind::R1 => "resonance 1:1",
+            Kind::R2 => "resonance 1:2",
+            Kind::ND => "unclassified point",
             Kind::G => "grazing",
             Kind::UZ => "user's point",
             Kind::MX => "method failed",

@@ -6,6 +6,7 @@ pub mod bvp;
 pub mod chunk;
 pub mod condition;
 pub mod continuation;
+pub mod cycles;
 pub mod dense;
 pub mod extended;
 mod failure;
@@ -30,6 +31,7 @@ pub mod scalar_field;
 pub mod solution;
 #[cfg(feature = "scene")]
 pub mod sweep;
+pub(crate) mod system_ref;
 pub(crate) mod vector;
 pub mod watch;
 pub mod zero;

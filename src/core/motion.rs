@@ -1,6 +1,14 @@
 //! What decides stability: the spectrum of the linearised motion about a solution.
 
+use super::kind::Kind;
 use super::zero::{Dynamics, Spectrum};
+
+/// Eigenvalues this near to zero, compared with the largest one, and multipliers this near to the unit circle count
+/// as neither stable nor unstable: conserved quantities and continuous symmetries have them there but for rounding.
+const NEUTRAL: f64 = 1e-13;
+
+/// The same for multipliers, which the mesh of an orbit disturbs as well.
+const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
 /// What a spectrum says about stability, and the test functions of bifurcations that it holds.
 ///
@@ -29,15 +37,21 @@ impl Stability {
     /// The verdict on a spectrum.
     pub fn of(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> Self {
         let periodic = dynamics == Dynamics::Periodic;
-        let outside =
-            |(re, im): &(f64, f64)| if periodic { re.hypot(*im) > 1.0 } else { *re > 0.0 };
+        let neutral = match periodic {
+            true => NEUTRAL_MULTIPLIER,
+            false => NEUTRAL * largest(spectrum),
+        };
+        let outside = |(re, im): &(f64, f64)| match periodic {
+            true => re.hypot(*im) > 1.0 + neutral,
+            false => *re > neutral,
+        };
         Stability {
             unstable: spectrum.iter().filter(|value| outside(value)).count(),
             oscillation: match dynamics {
                 Dynamics::Periodic => {
-                    pairs(spectrum, |a, b| a * b - 1.0, |re, im| re.hypot(im) - 1.0)
+                    pairs(spectrum, neutral, |a, b| a * b - 1.0, |re, im| re.hypot(im) - 1.0)
                 }
-                Dynamics::Flow => pairs(spectrum, |a, b| a + b, |re, _| re),
+                Dynamics::Flow => pairs(spectrum, neutral, |a, b| a + b, |re, _| re),
                 _ => 0.0,
             },
             doubling: if periodic { spectrum.iter().map(doubling_factor).product() } else { 1.0 },
@@ -62,20 +76,68 @@ fn doubling_factor(mu: &(f64, f64)) -> f64 {
 }
 
 /// The sign of the product of `real(a, b)` over all pairs of real eigenvalues and of `complex(re, im)` over
-/// all complex pairs.
+/// all complex pairs, without those that are neutral.
 fn pairs(
     spectrum: &[(f64, f64)],
+    neutral: f64,
     real: impl Fn(f64, f64) -> f64,
     complex: impl Fn(f64, f64) -> f64,
 ) -> f64 {
     let mut sign = 1.0_f64;
+    let mut count = |value: f64| {
+        if value < -neutral {
+            sign = -sign;
+        }
+    };
     let reals = || spectrum.iter().filter(|l| l.1 == 0.0).map(|l| l.0);
     for (i, a) in reals().enumerate() {
-        for b in reals().skip(i + 1) {
-            sign *= real(a, b).signum();
-        }
+        reals().skip(i + 1).for_each(|b| count(real(a, b)));
     }
-    spectrum.iter().filter(|l| l.1 > 0.0).fold(sign, |sign, l| sign * complex(l.0, l.1).signum())
+    spectrum.iter().filter(|l| l.1 > 0.0).for_each(|l| count(complex(l.0, l.1)));
+    sign
+}
+
+/// How many eigenvalues are neither stable nor unstable.
+pub(super) fn neutral(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> usize {
+    let periodic = dynamics == Dynamics::Periodic;
+    let bound = if periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest(spectrum) };
+    let rate = |l: &&(f64, f64)| if periodic { l.0.hypot(l.1) - 1.0 } else { l.0 };
+    spectrum.iter().filter(|l| rate(l).abs() <= bound).count()
+}
+
+/// The largest modulus.
+fn largest(spectrum: &[(f64, f64)]) -> f64 {
+    spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
+}
+
+/// How far an eigenvalue or multiplier is from where it would be critical.
+pub(super) type Distance = fn(&(f64, f64)) -> f64;
+
+/// How many eigenvalues or multipliers are critical at a kind of special point, and how far one of them is from
+/// where it would be critical.
+pub(super) fn criticality(kind: Kind, dynamics: Dynamics) -> (usize, Distance) {
+    let periodic = dynamics == Dynamics::Periodic;
+    match kind {
+        Kind::LP | Kind::BP if periodic => (1, |l| (l.0 - 1.0).hypot(l.1)),
+        Kind::LP | Kind::BP => (1, |l| l.0.hypot(l.1)),
+        Kind::HB if periodic => (1, |l| (l.0 - 1.0).hypot(l.1)),
+        Kind::PD => (1, |l| (l.0 + 1.0).hypot(l.1)),
+        Kind::HB => (2, |l| if l.1 == 0.0 { f64::INFINITY } else { l.0.abs() }),
+        Kind::TR => (2, |l| if l.1 == 0.0 { f64::INFINITY } else { (l.0.hypot(l.1) - 1.0).abs() }),
+        _ => (0, |_| f64::INFINITY),
+    }
+}
+
+/// A spectrum without the `count` eigenvalues of the smallest `distance`.
+pub(super) fn without_critical(
+    spectrum: &[(f64, f64)],
+    count: usize,
+    distance: impl Fn(&(f64, f64)) -> f64,
+) -> Spectrum {
+    let mut order: Vec<usize> = (0..spectrum.len()).collect();
+    order.sort_by(|&a, &b| distance(&spectrum[a]).total_cmp(&distance(&spectrum[b])));
+    let critical = &order[..count.min(order.len())];
+    (0..spectrum.len()).filter(|k| !critical.contains(k)).map(|k| spectrum[k]).collect()
 }
 
 /// Beyond this size eigenvalues are infinite but for rounding.

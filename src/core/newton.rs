@@ -91,6 +91,26 @@ pub enum NewtonError {
          lower `min_step`, or the parameter that keeps them apart"
     )]
     Beside(f64),
+    /// The corrected point lies far from the predicted one, compared with the step: it may be of another branch.
+    #[error(
+        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another branch \
+         is near, or the curve is sharper than the step; lower `min_step`"
+    )]
+    Far {
+        /// The distance in scaled arclength.
+        distance: f64,
+        /// The length of the step.
+        length: f64,
+    },
+    /// A step from a branch point came back to the branch that was to be left.
+    #[error(
+        "the branch that leaves the branch point is the one that leads to it, after a step of {0:.1e}: the other one \
+         is not determined by derivatives of second order"
+    )]
+    SameBranch(f64),
+    /// Eigenvalues or multipliers that an iterative method did not find.
+    #[error("{0}")]
+    Eigenvalues(String),
     /// A condition does not apply at this point, and why.
     #[error("{0}")]
     NotApplicable(String),
@@ -102,6 +122,7 @@ impl NewtonError {
         match cause {
             Failure::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
             Failure::Singular(cause) => NewtonError::Singular { iteration, cause },
+            Failure::Eigenvalues(_) => NewtonError::Eigenvalues(cause.to_string()),
             Failure::NotApplicable(reason) => NewtonError::NotApplicable(reason),
         }
     }

@@ -11,8 +11,8 @@
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
-use super::failure::Failure;
-pub use super::failure::{LeftDomain, Singular};
+use super::cycles::Cycles;
+pub use super::failure::{Failure, LeftDomain, Singular};
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
 use super::solution::{Adopted, Leaving, Solution};
@@ -258,7 +258,10 @@ pub trait System: Send {
 
     /// The eigenvalues that decide stability, from the assembled `F_z`; `None` if
     /// no motion is meant. At least all unstable ones are returned, and the rightmost stable one.
-    fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum>;
+    ///
+    /// # Errors
+    /// [`Failure::Eigenvalues`] if they are not found; nothing is said of stability then.
+    fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure>;
 
     /// The sign of the leading coefficient of the polynomial whose zeros are the multipliers that
     /// [`spectrum`](System::spectrum) has given last. Where a multiplier passes through infinity, as at a
@@ -312,6 +315,11 @@ pub trait System: Send {
         Vec::new()
     }
 
+    /// What is known of periodic solutions as closed curves; `None` if solutions are none.
+    fn cycles(&mut self) -> Option<&mut dyn Cycles> {
+        None
+    }
+
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
     fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]);
 
@@ -335,6 +343,12 @@ pub trait System: Send {
     /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
     fn itinerary(&self) -> String {
         String::new()
+    }
+
+    /// The same system, to be changed without changing this one; `None` for systems that no branch changes: neither
+    /// [`adopt`](System::adopt) nor [`follow`](System::follow) does anything to them.
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        None
     }
 
     /// The mesh that the unknowns are values on, to be saved with special points; empty without one.

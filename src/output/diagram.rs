@@ -257,12 +257,12 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::EP => Symbol::Ring,
         Kind::BP => Symbol::Square,
         Kind::HB => Symbol::Diamond,
-        Kind::CP => Symbol::Star,
-        Kind::BT => Symbol::Triangle,
+        Kind::CP | Kind::GH => Symbol::Star,
+        Kind::BT | Kind::R1 | Kind::R2 => Symbol::Triangle,
         Kind::PD => Symbol::Pentagon,
         Kind::TR => Symbol::Hexagon,
         Kind::G => Symbol::TriangleLeft,
         Kind::UZ => Symbol::TriangleDown,
-        Kind::MX => Symbol::Cross,
+        Kind::MX | Kind::ND => Symbol::Cross,
     }
 }

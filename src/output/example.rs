@@ -55,6 +55,8 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         parameters: vec![exact, 1.2],
         monitors: vec![u],
         unstable: Some(usize::from(u > 1.0 / 3.0)),
+        eigenvalues: Vec::new(),
+        multiplicity: 1,
         error: if kind == Kind::EP { 0.0 } else { 2.5e-15 },
         bracket: [neighbour(after), neighbour(after + 1)],
         converged: true,

@@ -6,22 +6,22 @@ use crate::core::names::distinct;
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
 /// parameter and then every monitor by name, in the order in which the branches first mention them,
-/// then `error`, the estimated absolute error of the continued parameter, and `unstable`, the number of
-/// unstable eigenvalues or multipliers. Numbers have 15 significant digits. A cell is empty where a branch
-/// lacks the column, and `unstable` where stability is not meant.
+/// then `error`, the estimated absolute error of the continued parameter, `unstable`, the number of
+/// unstable eigenvalues or multipliers, and `converged`: where it is `false` no digit is promised. Numbers have 15
+/// significant digits. A cell is empty where a branch lacks the column, and `unstable` where stability is not meant.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
 /// let lines: Vec<&str> = table.lines().collect();
-/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable");
-/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0");
+/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged");
+/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true");
 /// ```
 pub fn csv(branches: &[Branch]) -> String {
     let parameters = distinct(branches.iter().flat_map(|branch| &branch.parameters));
     let monitors = distinct(branches.iter().flat_map(|branch| &branch.monitors));
     let columns = parameters.iter().chain(&monitors).map(|name| quoted(name));
     let first = ["branch", "label", "kind"].map(String::from).into_iter();
-    let header = first.chain(columns).chain(["error".into(), "unstable".into()]);
+    let header = first.chain(columns).chain(["error", "unstable", "converged"].map(String::from));
     let mut table = header.collect::<Vec<_>>().join(",") + "\n";
     for branch in branches {
         for point in &branch.special {
@@ -36,6 +36,7 @@ pub fn csv(branches: &[Branch]) -> String {
             }
             cells.push(significant(point.error, 15));
             cells.push(count(point.unstable));
+            cells.push(point.converged.to_string());
             table.push_str(&cells.join(","));
             table.push('\n');
         }

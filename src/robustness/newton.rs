@@ -60,9 +60,7 @@ fn failed(cause: &NewtonError) -> Found {
         NewtonError::Singular { .. } => "singular matrix",
         NewtonError::LeftDomain { .. } => "left the domain",
         NewtonError::IterationLimit { .. } => "iteration limit",
-        NewtonError::Turned { .. }
-        | NewtonError::Beside { .. }
-        | NewtonError::NotApplicable { .. } => "not applicable",
+        _ => "not applicable",
     };
     Found::reported(name, cause)
 }

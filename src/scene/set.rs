@@ -21,6 +21,9 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         max_iterations: Plain,
         refinement: Plain,
         settle: Plain,
+        max_mesh_error: Plain,
+        detect: Plain,
+        stability: Plain,
         eigenvalues: Plain,
     })
 }

@@ -156,6 +156,8 @@ fn branch(
         parameters: p.to_vec(),
         monitors: values,
         unstable: None,
+        eigenvalues: Vec::new(),
+        multiplicity: 1,
         error: 0.0,
         bracket: [p[0]; 2],
         converged: true,

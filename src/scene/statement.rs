@@ -140,6 +140,9 @@ pub enum Start {
         /// Whether to leave it along the other branch.
         #[serde(default)]
         switch: bool,
+        /// Whether to start there although it has not converged.
+        #[serde(default)]
+        unconverged: bool,
     },
 }
 

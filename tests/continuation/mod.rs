@@ -12,3 +12,4 @@ mod newton;
 mod order_conditions;
 mod prediction;
 mod special_points;
+mod strangers;

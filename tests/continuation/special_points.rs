@@ -6,7 +6,8 @@ use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, Tr
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System, ZeroProblem,
+    Border, Dynamics, Failure, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System,
+    ZeroProblem,
 };
 use tangency::problems::classic::Hyperbola;
 
@@ -246,8 +247,8 @@ impl System for Refinable {
     fn dynamics(&self) -> Dynamics {
         Dynamics::Static
     }
-    fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
-        None
+    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+        Ok(None)
     }
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
         self.0.monitors(x, values)

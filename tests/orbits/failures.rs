@@ -128,8 +128,8 @@ fn a_coarse_mesh_is_not_trusted() {
     assert_eq!(fine.parameters[0], 5.0);
     close(fine.monitors[0], 11.612230667, 1e-6);
     assert!(fine.monitors[column] < 1e-9, "{fine:?}");
-    assert!(coarse.monitors[column] > 0.1, "{coarse:?}");
-    assert!(matches!(branch.ends[1], End::StepTooSmall { .. }) || coarse.parameters[0] == 5.0);
+    let said = matches!(branch.ends[1], End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
+    assert!(said || coarse.monitors[column] > 0.1, "{:?} {coarse:?}", branch.ends);
 }
 
 /// `ε x' = −(x − cos t) − ε sin t`, `y' = −y`, with the periodic solution `x = cos t`.

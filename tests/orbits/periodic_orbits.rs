@@ -143,7 +143,7 @@ fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]
             .restart(&branch, label)
             .switch()
             .along("lambda", 10.0..=20.0)
-            .settings(Settings { max_points: 60, ..settings.clone() })
+            .settings(Settings { max_points: 100, ..settings.clone() })
             .trace()
             .unwrap();
     }

@@ -4,7 +4,8 @@ use crate::plates::models::{plate, system, through_pull_in};
 use std::sync::{Arc, Mutex};
 use tangency::core::continuation::{Kind, Settings};
 use tangency::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
+    Border, Dynamics, Failure, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum,
+    System,
 };
 use tangency::problems::plate::{InPlane, Orders};
 
@@ -82,7 +83,7 @@ impl System for Counted {
     fn dynamics(&self) -> Dynamics {
         self.inner.dynamics()
     }
-    fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum> {
+    fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure> {
         self.count(|counts| &mut counts.spectra).spectrum(x)
     }
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {

@@ -1,4 +1,4 @@
-//! Branch points: where two branches cross.
+//! Branch points: where two branches cross, as a condition.
 
 use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
@@ -144,43 +144,4 @@ impl Condition for BranchPoint {
         second.iter_mut().zip(first.iter()).for_each(|(s, f)| *s -= overlap * f);
         normalise(second);
     }
-}
-
-/// The tangents, as directions of `x`, of the two branches that cross at a branch point: the
-/// solutions `t = αζ₁ + βζ₂` of the algebraic bifurcation equation
-/// `wᵀF_xx[ζ₁,ζ₁] α² + 2wᵀF_xx[ζ₁,ζ₂] αβ + wᵀF_xx[ζ₂,ζ₂] β² = 0`
-/// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977).
-///
-/// # Errors
-/// [`Failure::NotApplicable`] where it has no two real solutions: the point is isolated or
-/// degenerate.
-pub(crate) fn branches_at(mut at: At, parameter: usize) -> Result<[Vec<f64>; 2], Failure> {
-    let mut point = BranchPoint::new(parameter);
-    let mut beta = [0.0];
-    point.start(At { system: at.system, x: at.x, released: at.released }, &mut beta)?;
-    point.solve(&mut at)?;
-    let mut second = vec![0.0; point.left.len()];
-    let mut form = |i: usize, j: usize| {
-        at.system.second_derivative(at.x, &point.right[i], &point.right[j], &mut second);
-        dot(&point.left, &second)
-    };
-    let (a, b, c) = (form(0, 0), form(0, 1), form(1, 1));
-    let discriminant = b * b - a * c;
-    let size = a.abs().max(b.abs()).max(c.abs());
-    if discriminant <= 1e-10 * size * size {
-        return Err(Failure::NotApplicable(format!(
-            "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no two \
-             distinct real solutions: the branch point is isolated or degenerate, and no branch can be \
-             switched to"
-        )));
-    }
-    // Both roots without cancellation: q = −(b + sign(b)√disc), roots (α : β) = (q : a) and (c : q).
-    let q = -(b + discriminant.sqrt().copysign(b));
-    let tangent = |alpha: f64, beta: f64| {
-        let mut t: Vec<f64> =
-            point.right[0].iter().zip(&point.right[1]).map(|(x, y)| alpha * x + beta * y).collect();
-        normalise(&mut t);
-        t
-    };
-    Ok([tangent(q, a), tangent(c, q)])
 }

@@ -141,7 +141,7 @@ fn oscillation<'a>(at: &'a mut At) -> Result<&'a mut dyn Oscillation, Failure> {
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair of
 /// multipliers nearest to the unit circle.
 fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
-    let spectrum = at.system.spectrum(at.x).unwrap_or_default();
+    let spectrum = at.system.spectrum(at.x)?.unwrap_or_default();
     let periodic = at.system.dynamics() == Dynamics::Periodic;
     let distance = |l: &(f64, f64)| match periodic {
         true => (l.0.hypot(l.1) - 1.0).abs(),

@@ -7,13 +7,14 @@
 //! 2000, chapters 3 and 4).
 
 mod branch_point;
+mod crossing;
 mod degenerate_fold;
 mod fold;
 mod hopf;
 mod null;
 
 pub use branch_point::BranchPoint;
-pub(crate) use branch_point::branches_at;
+pub(crate) use crossing::branches_at;
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
 pub use hopf::Hopf;

@@ -2,6 +2,7 @@
 
 mod adaptation;
 mod carry;
+mod closed;
 mod equations;
 mod extremes;
 mod face;

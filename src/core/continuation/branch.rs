@@ -2,6 +2,7 @@
 
 use super::settings::Settings;
 use crate::core::kind::Kind;
+use crate::core::solution::Solution;
 use crate::core::zero::{Group, Profile, Spectrum};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,14 @@ fn yes() -> bool {
     true
 }
 
+fn one() -> usize {
+    1
+}
+
+fn is_one(count: &usize) -> bool {
+    *count == 1
+}
+
 /// A special point of a branch: where a condition holds, or where the branch begins or ends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -46,8 +55,14 @@ pub struct SpecialPoint {
     pub parameters: Vec<f64>,
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
-    /// The number of unstable eigenvalues; `None` where stability is not meant.
+    /// The number of unstable eigenvalues, without those that are critical there; `None` where stability is not meant.
     pub unstable: Option<usize>,
+    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a [`Point`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub eigenvalues: Spectrum,
+    /// How many eigenvalues vanish at a branch point, where it is more than one.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub multiplicity: usize,
     /// The estimated absolute error of the continued parameter (of the first released one on a curve
     /// of events), from Newton's last correction, rounding, and the discretisation where the problem
     /// can be refined.
@@ -114,6 +129,17 @@ pub enum End {
         /// Why it failed, in the words of Newton's failure.
         cause: String,
     },
+    /// The mesh is too coarse for the solution, as near a homoclinic orbit.
+    #[error(
+        "the mesh causes an error of {error:.1e}, more than `max_mesh_error`, {limit:.1e}: take more intervals, or \
+         bound the branch"
+    )]
+    MeshTooCoarse {
+        /// The estimated relative error.
+        error: f64,
+        /// The largest allowed.
+        limit: f64,
+    },
     /// A terminal event happened.
     #[error("the event `{event}` ends the branch")]
     Event {
@@ -166,9 +192,28 @@ impl Branch {
         self.special.iter().filter(move |point| point.kind == kind)
     }
 
+    /// The special points of one kind that have converged, in the order of the branch.
+    pub fn converged_points(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
+        self.of_kind(kind).filter(|point| point.converged)
+    }
+
     /// The special point with a label.
     pub fn labelled(&self, label: usize) -> Option<&SpecialPoint> {
         self.special.iter().find(|point| point.label == label)
+    }
+
+    /// The solution at a special point, for [`System::adopt`](crate::core::zero::System::adopt): a trace does not change
+    /// the system that it is asked of, which may have another mesh, period or itinerary.
+    pub fn solution(&self, special: &SpecialPoint) -> Solution {
+        Solution {
+            kind: special.kind,
+            itinerary: self.itinerary.clone(),
+            mesh: special.mesh.clone(),
+            state: special.state.clone(),
+            parameters: special.parameters.clone(),
+            tangent: None,
+            switch: false,
+        }
     }
 
     /// The names of all columns that every point has: parameters, then monitors.
@@ -218,6 +263,9 @@ impl Point {
 }
 
 impl SpecialPoint {
+    /// How many eigenvalues are kept with a special point.
+    pub const EIGENVALUES: usize = 10;
+
     /// Its values as those of a regular point.
     pub(super) fn point(&self) -> Point {
         Point::of(self.parameters.clone(), self.monitors.clone(), self.unstable)

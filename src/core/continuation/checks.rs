@@ -1,12 +1,14 @@
 //! What a long step passes unseen: pairs of events, at which a test function has the same sign at both ends of the
-//! step; the start, where a curve is closed; and the way over to another branch, where two come near each other without
-//! crossing.
+//! step; and the way over to another branch, where two come near each other without crossing.
 
+use super::Kind;
 use super::event::Test;
-use super::stepper::{Before, Place, Step, Stepper};
+use super::hermite::hermite;
+use super::predictor::knots_of;
+use super::stepper::{Before, MOST_DISTANT, Place, Step, Stepper};
 use crate::core::extended::Closing;
 use crate::core::newton::{NewtonError, scaled_norm};
-use crate::core::vector::{advanced, along, difference, dot};
+use crate::core::vector::{along, difference, dot};
 
 /// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry that their meshes do not have miss a
 /// branch point by as much.
@@ -49,43 +51,46 @@ impl Stepper<'_> {
         if gap > CROSSING { Err(NewtonError::Beside(gap)) } else { Ok(()) }
     }
 
-    /// How far along a step it passes through the start, in the start's direction: a Newton correction
-    /// at the start's own distance along the step decides.
-    pub fn passes(&mut self, start: &Place, from: &Place, step: &Step) -> Option<f64> {
-        let row = self.covector(&from.tangent);
-        let offset = difference(&start.unknowns, &from.unknowns);
-        let (along, alignment) = (dot(&row, &offset), dot(&row, &start.tangent));
-        let distance = scaled_norm(&offset, &self.weights);
-        if !(0.0..=step.length).contains(&along) || distance > 1.5 * step.length || alignment < 0.0
-        {
-            return None;
-        }
-        let whole = difference(&step.place.unknowns, &from.unknowns);
-        let mut unknowns = advanced(&from.unknowns, along / step.length, &whole);
-        let closing = Closing { row: &row, base: &from.unknowns, length: along };
-        self.correct(&mut unknowns, closing).ok()?;
-        let miss = scaled_norm(&difference(&unknowns, &start.unknowns), &self.weights);
-        (miss < 1e3 * self.settings.tolerance.max(1e-12)).then_some(along)
-    }
-
     /// A shorter step, to a place between `from` and the end of `step` where some test function has
     /// the other sign than at both: found where the parabola through its last three values has an
-    /// extremum close to zero or beyond. Only the sign of a determinant or of a spectrum's product is
-    /// no smooth function, so that pairs of branch points and Hopf points in one step are not seen.
+    /// extremum close to zero or beyond.
     pub fn hidden(&mut self, before: &Before, from: &Place, step: &Step) -> Option<Step> {
         (0..self.events.len()).find_map(|index| {
-            let smooth = !matches!(self.events[index].test, Test::BranchPoint | Test::Hopf);
-            let values = [before.place.tests[index], from.tests[index], step.place.tests[index]];
-            let one_sign = values[1] * values[2] > 0.0;
-            let places = [-before.length, 0.0, step.length];
-            (smooth && one_sign).then(|| self.search(index, from, places, values)).flatten()
+            let places = [&before.place, from, &step.place];
+            let values = places.map(|place| self.smooth_test(index, place));
+            let [Some(a), Some(b), Some(c)] = values else { return None };
+            let lengths = [-before.length, 0.0, step.length];
+            (b * c > 0.0).then(|| self.search(index, (from, step), lengths, [a, b, c])).flatten()
         })
+    }
+
+    /// The value of a test function that is smooth: in place of the sign of a determinant or of a spectrum's product, the
+    /// real eigenvalue that is nearest to zero, or the real part of the pair that is nearest to the imaginary axis.
+    fn smooth_test(&self, index: usize, place: &Place) -> Option<f64> {
+        let spectrum = place.spectrum.iter().flatten();
+        let least = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
+        match self.events[index].test {
+            // Those of periodic orbits are left to the counts.
+            Test::BranchPoint | Test::Hopf if self.events[index].kind == Kind::TR => None,
+            Test::BranchPoint if self.is_equilibrium() => {
+                spectrum.filter(|l| l.1 == 0.0).map(|l| l.0).min_by(least)
+            }
+            Test::Hopf if self.is_equilibrium() => {
+                spectrum.filter(|l| l.1 > 0.0).map(|l| l.0).min_by(least)
+            }
+            Test::BranchPoint | Test::Hopf | Test::Amplitude => None,
+            _ => Some(place.tests[index]),
+        }
+    }
+
+    fn is_equilibrium(&self) -> bool {
+        self.events.iter().all(|event| event.kind != Kind::PD)
     }
 
     fn search(
         &mut self,
         index: usize,
-        from: &Place,
+        (from, step): (&Place, &Step),
         mut at: [f64; 3],
         mut values: [f64; 3],
     ) -> Option<Step> {
@@ -98,14 +103,34 @@ impl Stepper<'_> {
             if !inside || sign * value > NEAR * least {
                 return None;
             }
-            let mut unknowns = advanced(&from.unknowns, length, &from.tangent);
+            let predicted = hermite(&knots_of(from, (&step.place, step.length), &row), length);
+            let mut unknowns = predicted.clone();
             let closing = Closing { row: &row, base: &from.unknowns, length };
             let report = self.correct(&mut unknowns, closing).ok()?;
-            let stability = self.held.is_empty();
-            let place = self.arrive(unknowns, &row, report.matrix_error, stability).ok()?;
-            let test = place.tests[index];
+            let distance = scaled_norm(&difference(&unknowns, &predicted), &self.weights);
+            if distance > MOST_DISTANT * length {
+                return None;
+            }
+            // Eigenvalues are computed where they decide, and where the step is to end.
+            let by_eigenvalues = [Test::PeriodDoubling, Test::BranchPoint, Test::Hopf];
+            let decide =
+                by_eigenvalues.contains(&self.events[index].test) && self.wants_stability();
+            let mut place = self.arrive(unknowns, &row, report.matrix_error, decide).ok()?;
+            if dot(&row, &place.tangent) < self.settings.max_angle.cos() {
+                return None;
+            }
+            let test = self.smooth_test(index, &place)?;
             if sign * test < 0.0 {
-                return Some(Step { place, length, next: end - length });
+                if !decide && self.wants_stability() {
+                    place = self.arrive(place.unknowns, &row, f64::INFINITY, true).ok()?;
+                }
+                return Some(Step {
+                    place,
+                    length,
+                    next: end - length,
+                    crossings: 0,
+                    singular: false,
+                });
             }
             // The three that enclose the smallest.
             let [a, b, c] = at;

@@ -99,6 +99,37 @@ pub enum TraceError {
         /// The last label that exists.
         last: usize,
     },
+    /// A special point that has not converged, from which nothing starts unless it is told to.
+    #[error(
+        "the {kind} with label {label} of branch `{branch}` has not converged (its error is {error:.1e}): lower \
+         `max_step`, refine the discretisation, or say that the branch may start there all the same"
+    )]
+    NotConverged {
+        /// The branch.
+        branch: String,
+        /// The label.
+        label: usize,
+        /// The kind of the point.
+        kind: super::Kind,
+        /// Its estimated error.
+        error: f64,
+    },
+    /// A kind of special point that solutions of the problem do not have.
+    #[error("{kind} ({}) cannot be held: {reason}", kind.meaning())]
+    NotOfProblem {
+        /// The kind.
+        kind: super::Kind,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// Two unknowns, parameters or monitors of one name.
+    #[error("two {what} of the problem are called `{name}`: give each a name of its own")]
+    SameName {
+        /// `unknowns`, `parameters` or `monitors`.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
     /// A setting out of its range.
     #[error(transparent)]
     Setting(#[from] SettingError),

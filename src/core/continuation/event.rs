@@ -3,6 +3,7 @@
 use super::Kind;
 use crate::core::bifurcation::{BranchPoint, DegenerateFold, Fold, Hopf};
 use crate::core::condition::{Condition, Level, Quantity};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Makes a fresh condition: one for the branch, one for each refinement.
@@ -36,8 +37,15 @@ pub enum Test {
     PeriodDoubling,
     /// A parameter or monitor less a level.
     Level(Quantity, f64),
-    /// An own unknown of the conditions held along the curve.
-    Own(usize),
+    /// An auxiliary unknown of the conditions held along the curve, less a level.
+    Own {
+        /// Its position among the auxiliary unknowns.
+        unknown: usize,
+        /// The level.
+        level: f64,
+    },
+    /// The oscillation of a cycle about its mean, compared with that of the cycle before.
+    Amplitude,
     /// The first equation of the condition itself.
     Condition,
 }
@@ -70,6 +78,9 @@ pub struct Event {
     /// Makes the condition that stands in place of those held along the curve, where those are singular
     /// at the event.
     pub instead: Option<MakeCondition>,
+    /// Whether the curve is its own mirror image beyond the event: then its values are limits, and the condition is not
+    /// used.
+    pub(super) mirror: bool,
 }
 
 impl Event {
@@ -111,7 +122,32 @@ impl Event {
     pub(super) fn vanishing_frequency() -> Self {
         let point = Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens);
         let fold = Self::new("fold", Fold::default);
-        Event { test: Test::Own(0), instead: Some(fold.condition), ..point }.ending()
+        let test = Test::Own { unknown: 0, level: 0.0 };
+        Event { test, instead: Some(fold.condition), ..point }.ending()
+    }
+
+    /// Ends of curves of periodic orbits, beyond which they go back over themselves: where cycles shrink onto an
+    /// equilibrium, at a Hopf point (a generalised one, on a curve of folds), and where the angle of the multipliers of a
+    /// torus point is 0 or π.
+    pub(super) fn mirrors(held: &[Kind]) -> Vec<Self> {
+        let mirror = |name: &str, kind: Kind, test: Test| {
+            // No condition defines these points: they are limits.
+            let level = move || Level::new(Quantity::Parameter(0), 0.0, kind);
+            Event { mirror: true, ..Self::with_test(name, kind, test, level) }.ending()
+        };
+        let amplitude = |name, kind| vec![mirror(name, kind, Test::Amplitude)];
+        let angle = |level| Test::Own { unknown: 0, level };
+        match held {
+            [] => amplitude("Hopf point: the cycles shrink onto an equilibrium", Kind::HB),
+            [Kind::LP] => {
+                amplitude("generalised Hopf point: the cycles shrink onto an equilibrium", Kind::GH)
+            }
+            [Kind::TR] => vec![
+                mirror("resonance 1:1", Kind::R1, angle(0.0)),
+                mirror("resonance 1:2", Kind::R2, angle(PI)),
+            ],
+            _ => Vec::new(),
+        }
     }
 
     /// A parameter or monitor at a level, marked `UZ`.
@@ -158,6 +194,7 @@ impl Event {
             terminal: false,
             condition: Arc::new(move || Box::new(condition())),
             instead: None,
+            mirror: false,
         }
     }
 

@@ -3,7 +3,7 @@
 use super::event::{Event, MakeCondition, Test};
 use super::run::Bound;
 use super::start::VANISHES;
-use super::{Continuation, Kind, TraceError};
+use super::{Continuation, Kind, Settings, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::zero::Dynamics;
 
@@ -16,6 +16,7 @@ impl Continuation<'_> {
         if self.held.iter().any(|(kind, make)| *kind == Kind::G && make.is_none()) {
             self.grazing = self.vanishing()?;
         }
+        self.check_held()?;
         let grazing = |&m: &usize| self.graze_at(m).condition;
         self.held
             .iter()
@@ -27,6 +28,31 @@ impl Continuation<'_> {
                 make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
             })
             .collect()
+    }
+
+    /// Refuses kinds that solutions of the problem do not have, and those that need another one.
+    fn check_held(&self) -> Result<(), TraceError> {
+        let dynamics = self.system.dynamics();
+        let folds = self.held.iter().any(|(kind, _)| *kind == Kind::LP);
+        for (kind, _) in self.held.iter().filter(|(_, make)| make.is_none()) {
+            let reason = match kind {
+                Kind::PD | Kind::TR if dynamics != Dynamics::Periodic => {
+                    "solutions of the problem are no periodic orbits"
+                }
+                Kind::HB if dynamics != Dynamics::Flow => {
+                    "Hopf points are those of equilibria of a flow; a curve of them is continued on the equilibria"
+                }
+                Kind::CP | Kind::BT if !folds => {
+                    "it is a point of a curve of folds; hold LP as well, and release one more parameter"
+                }
+                Kind::BT if dynamics != Dynamics::Flow => {
+                    "Bogdanov–Takens points are those of equilibria of a flow"
+                }
+                _ => continue,
+            };
+            return Err(TraceError::NotOfProblem { kind: *kind, reason });
+        }
+        Ok(())
     }
 
     /// The monitors that vanish at the start, of those that vanish where a solution grazes: several do where an
@@ -90,7 +116,15 @@ impl Continuation<'_> {
             let test = if held == [Kind::G] { Test::Condition } else { event.test };
             Some(Event { test, ..event })
         };
-        kinds.iter().filter_map(event).collect()
+        let Settings { detect, stability, .. } = &self.settings;
+        let by_eigenvalues = |kind: &Kind| matches!(kind, Kind::HB | Kind::PD | Kind::TR);
+        let wanted = |kind: &&Kind| {
+            (detect.is_empty() || detect.contains(kind)) && (*stability || !by_eigenvalues(kind))
+        };
+        let mirrors = if periodic { Event::mirrors(&held) } else { Vec::new() };
+        let found = kinds.iter().filter(wanted).filter_map(event);
+        // First the ends, of which others may be images.
+        mirrors.into_iter().chain(found).collect()
     }
 
     /// Gathers the events, the bounds first, so that a branch ends before anything beyond, and returns those.
@@ -130,7 +164,7 @@ impl Continuation<'_> {
         let (what, position, count) = match event.test {
             Test::Level(Quantity::Parameter(p), _) => ("parameter", p, names.parameters.len()),
             Test::Level(Quantity::Monitor(m), _) => ("monitor", m, names.monitors.len()),
-            Test::Own(j) => ("own unknown", j, own),
+            Test::Own { unknown, .. } => ("own unknown", unknown, own),
             _ => return Ok(()),
         };
         if position < count {

@@ -1,22 +1,34 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
+use super::SpecialPoint;
 use super::event::{Event, MakeCondition, Test};
 use super::hermite::{Knot, hermite};
 use super::stepper::{MATRIX_ERROR, Place, Stepper};
-use super::{Kind, Point, SpecialPoint};
 use crate::core::extended::{Closing, Extended};
-use crate::core::newton::{Newton, NewtonError, Tolerances};
-use crate::core::vector::{along, difference, dot};
-use crate::core::zero::Profile;
+use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
+use crate::core::vector::{along, difference};
 
 /// A special point found between two points of the branch.
 pub(super) struct Located {
-    /// Which of the stepper's events it is.
-    pub event: usize,
+    /// Which of the stepper's events it is; none of them, if it is unclassified.
+    pub event: Option<usize>,
     /// How far behind the first point it lies, in scaled arclength.
     pub along: f64,
     pub special: SpecialPoint,
 }
+
+/// A special point found between two points of the branch, not described yet.
+pub(super) struct Found {
+    /// How far behind the first point it lies, in scaled arclength.
+    pub along: f64,
+    pub unknowns: Vec<f64>,
+    /// The estimated error of the continued parameter.
+    pub error: f64,
+    pub converged: bool,
+}
+
+/// An event is not farther beside the branch, in units of its bracket's length.
+const MOST_BESIDE: f64 = 0.5;
 
 /// More halvings than this are hopeless.
 const MOST_HALVINGS: usize = 40;
@@ -98,6 +110,11 @@ impl Stepper<'_> {
         length: f64,
     ) -> Option<Located> {
         let event = self.events[index].clone();
+        if event.mirror {
+            let found = self.limit(index, from, to, length);
+            let found = found.unwrap_or_else(|| self.between(from, to, length));
+            return self.describe(index, ([from, to], length), found);
+        }
         let row = self.covector(&from.tangent);
         let mut bracket = Bracket {
             low: 0.0,
@@ -117,8 +134,10 @@ impl Stepper<'_> {
                     let along = along(&row, &unknowns, &from.unknowns);
                     // Signs of test functions are those of a matrix that is not quite that of the point.
                     let slack = 1e-4 * length;
-                    if along >= bracket.low - slack && along <= bracket.high + slack {
-                        return self.describe(index, [from, to], along, &unknowns, error, true);
+                    let inside = along >= bracket.low - slack && along <= bracket.high + slack;
+                    if inside && self.is_near(&bracket, along, &unknowns) {
+                        let at = Found { along, unknowns, error, converged: true };
+                        return self.describe(index, ([from, to], length), at);
                     }
                 }
                 Err(NewtonError::NotApplicable(_)) => applicable = false,
@@ -136,7 +155,26 @@ impl Stepper<'_> {
         let p = self.equations.parameters_at();
         let reach = |end: &Vec<f64>| (end[p] - middle[p]).abs();
         let error = bracket.ends.iter().map(reach).fold(self.parameter_error(), f64::max);
-        self.describe(index, [from, to], along, &middle, error, false)
+        let at = Found { along, unknowns: middle, error, converged: false };
+        self.describe(index, ([from, to], length), at)
+    }
+
+    /// The middle of a step, as a point that has not converged.
+    pub fn between(&self, from: &Place, to: &Place, length: f64) -> Found {
+        let ends = from.unknowns.iter().zip(&to.unknowns);
+        let unknowns: Vec<f64> = ends.map(|(a, b)| 0.5 * (a + b)).collect();
+        let p = self.equations.parameters_at();
+        let error = (to.unknowns[p] - from.unknowns[p]).abs() + self.parameter_error();
+        Found { along: 0.5 * length, unknowns, error, converged: false }
+    }
+
+    /// Whether a solution of a defining system lies near the branch between the ends of a bracket, and not only between
+    /// the hyperplanes through them.
+    fn is_near(&self, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
+        let length = bracket.high - bracket.low;
+        let fraction = ((along - bracket.low) / length).clamp(0.0, 1.0);
+        let distance = difference(unknowns, &bracket.between(fraction));
+        scaled_norm(&distance, &self.weights) <= MOST_BESIDE * length
     }
 
     /// Halves the bracket at a corrected point of the branch; false if that fails.
@@ -212,94 +250,6 @@ impl Stepper<'_> {
     /// How well Newton's tolerance determines the continued parameter of an ordinary point.
     pub fn parameter_error(&self) -> f64 {
         self.settings.tolerance / self.weights[self.equations.parameters_at()].sqrt()
-    }
-
-    /// The special point with everything that is recorded of it.
-    fn describe(
-        &mut self,
-        index: usize,
-        [from, to]: [&Place; 2],
-        along: f64,
-        unknowns: &[f64],
-        error: f64,
-        converged: bool,
-    ) -> Option<Located> {
-        let event = &self.events[index].clone();
-        let tangent = self.tangent_at(unknowns, from)?;
-        // At a bifurcation an eigenvalue is zero but for rounding and would be counted at random: the
-        // smaller number of both sides leaves it out.
-        let ordinary = matches!(event.kind, Kind::UZ | Kind::EP);
-        let (mut point, _) = self.record(ordinary && self.held.is_empty()).ok()?;
-        if !ordinary {
-            point.unstable = from.point.unstable.min(to.point.unstable);
-        }
-        let profiles = self.profiles();
-        let parameter = self.equations.parameters_at();
-        let bracket = [from.unknowns[parameter], to.unknowns[parameter]];
-        let special = self.special(event.kind, &event.name, point, unknowns, &tangent, profiles);
-        let mut special = SpecialPoint { error, bracket, converged, ..special };
-        // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
-        let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
-        let rungs = if end_of_branch { 1 } else { usize::MAX };
-        if converged
-            && self.settings.refinement > 0.0
-            && !self.refine(event, &mut special, &from.point, rungs)
-            && !self.equations.system().exact()
-        {
-            // Nothing is known of the discretisation's share: no digit is promised.
-            special.converged = false;
-            special.error = unknowns[parameter].abs();
-        }
-        Some(Located { event: index, along, special })
-    }
-
-    /// Curves that belong to the solution assembled last.
-    pub fn profiles(&mut self) -> Vec<Profile> {
-        let at = self.equations.at();
-        at.system.profiles(at.x)
-    }
-
-    /// A special point at the place loaded last.
-    pub fn special(
-        &mut self,
-        kind: Kind,
-        event: &str,
-        point: Point,
-        unknowns: &[f64],
-        tangent: &[f64],
-        profiles: Vec<Profile>,
-    ) -> SpecialPoint {
-        let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
-        SpecialPoint {
-            label: 0,
-            kind,
-            event: event.into(),
-            after: 0,
-            parameters: point.parameters,
-            monitors: point.monitors,
-            unstable: point.unstable,
-            error: self.parameter_error(),
-            bracket: [unknowns[first]; 2],
-            converged: true,
-            state: unknowns[..n].to_vec(),
-            tangent: [&tangent[..n], &tangent[first..]].concat(),
-            mesh: self.equations.system().mesh(),
-            profiles,
-        }
-    }
-
-    /// The tangent at a special point, which is left assembled; at a branch point, where there are two,
-    /// that of the place before.
-    fn tangent_at(&mut self, unknowns: &[f64], from: &Place) -> Option<Vec<f64>> {
-        let row = self.covector(&from.tangent);
-        let mut tangent = vec![0.0; unknowns.len()];
-        self.equations.assemble(unknowns).ok()?;
-        self.equations.residual(unknowns, None, &mut tangent).ok()?;
-        let regular = self.equations.factor(Some(&row)).is_ok();
-        if regular {
-            self.tangent(&mut tangent);
-        }
-        Some(if regular && dot(&row, &tangent) > 0.5 { tangent } else { from.tangent.clone() })
     }
 }
 

@@ -1,11 +1,17 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
+mod between;
 mod branch;
 mod checks;
+mod closing;
+mod crossing;
+mod crossings;
+mod describe;
 mod error;
 mod event;
 mod gather;
 mod hermite;
+mod limit;
 mod locate;
 mod metric;
 mod observer;
@@ -17,6 +23,7 @@ mod settings;
 mod start;
 mod stepper;
 mod trace;
+mod unexplained;
 
 pub use crate::core::kind::Kind;
 pub use branch::{Branch, End, Point, SpecialPoint};

@@ -15,6 +15,19 @@ const MOST_TURNED: f64 = 0.02;
 /// A place with a tangent that is this far from the present one is of no use to the predictor.
 const LEAST_SPEED: f64 = 0.5;
 
+/// The two ends of a step, with the coordinate along the first one's tangent;
+/// `length` is that of the step.
+pub(super) fn knots_of<'a>(
+    a: &'a Place,
+    (b, length): (&'a Place, f64),
+    row: &[f64],
+) -> [Knot<'a>; 2] {
+    [
+        Knot { u: 0.0, x: &a.unknowns, tangent: &a.tangent, speed: 1.0 },
+        Knot { u: length, x: &b.unknowns, tangent: &b.tangent, speed: dot(row, &b.tangent) },
+    ]
+}
+
 impl Stepper<'_> {
     /// The polynomial through the last places with their tangents, extrapolated. Its parameter is the
     /// coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane

@@ -9,12 +9,31 @@ use crate::core::solution::{Adopted, Leaving};
 
 impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
+        self.check_names()?;
         let how = self.adopt()?;
         let released = self.resolve_released()?;
         let held = self.resolve_held(released[0])?;
         let bounds = self.gather_events(released[0], &held)?;
         let (scales, settled) = (self.resolve_scales(&released)?, self.resolve_settled()?);
         self.start(Resolved { released, held, bounds, scales, settled }, how)
+    }
+
+    /// Refuses names that two quantities of one sort have.
+    fn check_names(&self) -> Result<(), TraceError> {
+        let names = self.system.names();
+        let unknowns: Vec<&String> = names.unknowns.iter().map(|group| &group.name).collect();
+        let sorts = [
+            ("unknowns", unknowns),
+            ("parameters", names.parameters.iter().collect()),
+            ("monitors", names.monitors.iter().collect()),
+        ];
+        for (what, names) in sorts {
+            let again = |k: &usize| names[..*k].contains(&names[*k]);
+            if let Some(k) = (0..names.len()).find(again) {
+                return Err(TraceError::SameName { what, name: names[k].clone() });
+            }
+        }
+        Ok(())
     }
 
     /// Hands the solution that one restarts from to the system, which may change its mesh for it.

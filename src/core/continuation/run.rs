@@ -1,9 +1,12 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
+use super::closing::Reference;
 use super::event::{Event, Test};
 use super::hermite::MOST_KNOTS;
 use super::locate::Located;
+use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
+use super::unexplained::LEAST_UNEXPLAINED;
 use super::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::solution::Solution;
@@ -22,9 +25,19 @@ pub(super) struct Tracer<'a> {
     /// Whether the start is a branch point that the curve leaves: where it is a pitchfork, the parameter
     /// turns there, which is no fold.
     pub from_branch_point: bool,
+    /// The error of the special point that the start is.
+    pub error: f64,
+    /// The kinds of the special point that the start is, and of the curve that it lies on.
+    pub origin: Vec<Kind>,
     /// How many labels have been given.
     pub labels: usize,
 }
+
+/// A branch ends after so many points in a row whose mesh is too coarse.
+const MOST_COARSE: usize = 3;
+
+/// A step that ends on a special point is made shorter by this factor.
+const BESIDE: f64 = 0.93;
 
 /// A level that bounds a branch.
 pub(super) struct Bound {
@@ -63,8 +76,10 @@ impl Tracer<'_> {
         observer.begin(&self.branch);
         let start = self.start.clone();
         let mesh = self.stepper.equations.system().mesh();
+        let metric = self.stepper.metric.clone();
         let stopped = observer.point(&start.point).is_break();
         let [backward, forward] = self.directions;
+        let marked = self.marked_start(observer);
         // A start that is an end is found, and labelled, first.
         let behind = match (self.leaves_at_once(true), backward) {
             (Some(end), true) => Some(self.no_half(end, observer)),
@@ -80,22 +95,48 @@ impl Tracer<'_> {
             (Some(behind), End::Closed { .. }) => Half { end: ahead.end.clone(), ..behind },
             (Some(behind), _) => behind,
             (None, end @ (End::Closed { .. } | End::Interrupted)) => {
-                self.return_to(&start, mesh);
+                self.return_to(&start, mesh, metric);
                 self.no_half(end.clone(), observer)
             }
             (None, _) => {
-                self.return_to(&start, mesh);
+                self.return_to(&start, mesh, metric);
                 let mut turned = start.clone();
                 self.stepper.turn(&mut turned);
                 self.half(turned, true, observer)
             }
         };
+        let ahead = Half { special: [marked, ahead.special].concat(), ..ahead };
         self.join(behind, start, ahead);
         self.branch
     }
 
-    /// Gives the system the mesh of the start back, which may have followed the branch.
-    fn return_to(&mut self, start: &Place, mesh: Vec<f64>) {
+    /// The marks that the start lies on.
+    fn marked_start(&mut self, observer: &mut dyn Observer) -> Vec<SpecialPoint> {
+        let start = self.start.clone();
+        let events = self.stepper.events.iter().zip(&start.tests).skip(self.bounds.len());
+        let on_mark = |(event, test): &(&Event, &f64)| {
+            event.kind == Kind::UZ && matches!(event.test, Test::Level(..)) && **test == 0.0
+        };
+        let names: Vec<String> =
+            events.filter(on_mark).map(|(event, _)| event.name.clone()).collect();
+        let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
+        for name in names {
+            let mut special = self.end_point(&start, &End::Start, 0);
+            (special.kind, special.event) = (Kind::UZ, name);
+            self.stepper.refine_start(&mut special);
+            self.mark(&mut half, special, observer);
+        }
+        half.special
+    }
+
+    /// Gives the system the mesh of the start back, which may have followed the branch, and forgets all that has been
+    /// learned on the way: each half of a branch is what it would be alone.
+    fn return_to(&mut self, start: &Place, mesh: Vec<f64>, metric: Metric) {
+        self.give_mesh(start, mesh);
+        self.stepper.restore(&start.unknowns, metric);
+    }
+
+    fn give_mesh(&mut self, start: &Place, mesh: Vec<f64>) {
         if mesh.is_empty() {
             return;
         }
@@ -114,7 +155,12 @@ impl Tracer<'_> {
     fn no_half(&mut self, end: End, observer: &mut dyn Observer) -> Half {
         let start = self.start.clone();
         let mut special = self.end_point(&start, &end, 0);
-        self.stepper.refine_start(&mut special);
+        if self.from_branch_point {
+            // The equations are singular there; it was finished where it was found.
+            special.error = self.error.max(special.error);
+        } else {
+            self.stepper.refine_start(&mut special);
+        }
         let mut half = Half { points: Vec::new(), special: Vec::new(), end };
         self.mark(&mut half, special, observer);
         half
@@ -123,9 +169,13 @@ impl Tracer<'_> {
     fn half(&mut self, mut start: Place, backward: bool, observer: &mut dyn Observer) -> Half {
         let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
         let mut place = start.clone();
+        let closing = self.reference(&start, backward);
         half.end = match self.leaves_at_once(backward) {
             Some(end) => end,
-            None => self.walk(&mut half, &mut place, &mut start, backward, observer),
+            None => {
+                let closing = closing.as_ref();
+                self.walk(&mut half, &mut place, (&mut start, closing), backward, observer)
+            }
         };
         let ended =
             half.special.last().is_some_and(|s| s.after == half.points.len() && s.after > 0);
@@ -149,13 +199,14 @@ impl Tracer<'_> {
         &mut self,
         half: &mut Half,
         place: &mut Place,
-        start: &mut Place,
+        (start, closing): (&mut Place, Option<&Reference>),
         backward: bool,
         observer: &mut dyn Observer,
     ) -> End {
         let Settings { max_points, min_step, max_step, initial_step, .. } = self.stepper.settings;
         let mut length = initial_step.min(max_step);
         let mut before: Vec<Before> = Vec::new();
+        let mut coarse = 0;
         loop {
             let points = half.points.len();
             if points >= max_points {
@@ -165,6 +216,12 @@ impl Tracer<'_> {
                 Ok(step) => step,
                 Err((step, cause)) => return End::StepTooSmall { step, cause: cause.to_string() },
             };
+            if step.length > LEAST_UNEXPLAINED
+                && (step.singular || self.stepper.ends_on_special_point(place, &step))
+            {
+                length = BESIDE * step.length;
+                continue;
+            }
             if points == 0
                 && let Some(end) = self.leaves(start, |i| step.place.tests[i])
             {
@@ -175,9 +232,18 @@ impl Tracer<'_> {
             {
                 step = shorter;
             }
-            length = step.next.clamp(min_step, max_step);
             let mut found = self.events_between(place, &step, backward, points == 0);
-            let ending = self.ending(&mut found, place, &step, start, points);
+            let changed = self.unexplained(place, &step, &found, points == 0);
+            if let Some(changed) = changed {
+                if step.length > LEAST_UNEXPLAINED {
+                    length = 0.5 * step.length;
+                    continue;
+                }
+                found.extend(self.stepper.unclassified(place, &step, changed));
+                found.sort_by(|a, b| a.along.total_cmp(&b.along));
+            }
+            length = step.next.clamp(min_step, max_step);
+            let ending = self.ending(&mut found, place, &step, points, closing);
             for Located { mut special, .. } in found {
                 special.after = points;
                 self.mark(half, special, observer);
@@ -185,8 +251,14 @@ impl Tracer<'_> {
             if let Some(ending) = ending {
                 return self.end_half(half, ending, place, start, observer);
             }
+            // The mesh may lag behind the solution for a step; then it follows.
+            let too_coarse = self.stepper.mesh_too_coarse(&step.place);
             self.accept(&mut before, place, step, start);
             half.points.push(place.point.clone());
+            coarse = if too_coarse.is_some() { coarse + 1 } else { 0 };
+            if let Some(end) = too_coarse.filter(|_| coarse >= MOST_COARSE) {
+                return end;
+            }
             if observer.point(&place.point).is_break() {
                 return End::Interrupted;
             }
@@ -260,58 +332,6 @@ impl Tracer<'_> {
         }
     }
 
-    /// All events in a step, in the order in which the branch meets them, but for those of the start.
-    fn events_between(
-        &mut self,
-        from: &Place,
-        step: &Step,
-        backward: bool,
-        at_start: bool,
-    ) -> Vec<Located> {
-        let (to, length) = (&step.place, step.length);
-        let mut found: Vec<Located> = Vec::new();
-        for index in 0..self.stepper.events.len() {
-            let event = &self.stepper.events[index];
-            if !event.passed(from.tests[index], to.tests[index], backward) {
-                continue;
-            }
-            // At a neutral saddle, λ and −λ, the sign changes as at a Hopf point, but nothing is lost or
-            // gained in stability.
-            if event.test == Test::Hopf && from.point.unstable == to.point.unstable {
-                continue;
-            }
-            let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
-            let bound = index < self.bounds.len();
-            let of_the_start = at_start && !bound && located.along <= AT_START;
-            if !(of_the_start || self.is_double(&located, &found, length, at_start)) {
-                found.push(located);
-            }
-        }
-        found.sort_by(|a, b| a.along.total_cmp(&b.along));
-        found
-    }
-
-    /// Whether an event is another one of those found in the step, seen once more.
-    fn is_double(&self, it: &Located, found: &[Located], length: f64, at_start: bool) -> bool {
-        let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
-        let mut others = found.iter();
-        match it.special.kind {
-            // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is one
-            // branch point, and no fold, whose defining system is singular there.
-            Kind::LP => {
-                let at_pitchfork = at_start && self.from_branch_point;
-                let same = |other: &Located| !it.special.converged || near(other);
-                at_pitchfork || others.any(|other| other.special.kind == Kind::BP && same(other))
-            }
-            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
-            // point, which a fold defines.
-            Kind::PD if self.branch.condition == Some(Kind::G) => {
-                others.any(|other| other.special.kind == Kind::LP && near(other))
-            }
-            _ => false,
-        }
-    }
-
     /// Whether the branch ends in this step: at a terminal event, or because the curve has closed.
     /// What was found beyond the end is dropped.
     fn ending(
@@ -319,45 +339,35 @@ impl Tracer<'_> {
         found: &mut Vec<Located>,
         from: &Place,
         step: &Step,
-        start: &Place,
         points: usize,
+        closing: Option<&Reference>,
     ) -> Option<Ending> {
-        if points >= 2
-            && let Some(along) = self.stepper.passes(start, from, step)
+        if let Some(closing) = closing.filter(|_| points >= 2)
+            && let Some(along) = self.stepper.closes(closing, from, step)
         {
             found.retain(|located| located.along <= along + AT_START);
             return Some((End::Closed { points: points + 1 }, None));
         }
+        if let Some(k) = self.returns_to_parent(found, from) {
+            found.truncate(k + 1);
+            let mut at = found.pop()?;
+            let event = "period doubling of the orbit of half the period".to_string();
+            (at.special.kind, at.special.event) = (Kind::PD, event.clone());
+            return Some((End::Event { event }, Some(at)));
+        }
         let events = &self.stepper.events;
-        let index = found.iter().position(|located| events[located.event].terminal)?;
+        let terminal =
+            |located: &Located| located.event.is_some_and(|event| events[event].terminal);
+        let index = found.iter().position(terminal)?;
         found.truncate(index + 1);
         let mut at = found.pop()?;
-        let bound = Some(at.event).filter(|event| *event < self.bounds.len());
+        let bound = at.event.filter(|event| *event < self.bounds.len());
         let end = bound.and_then(|event| self.bound(event));
         if let Some(end) = &end {
             at.special.event = end.to_string();
         }
         let event = at.special.event.clone();
         Some((end.unwrap_or(End::Event { event }), Some(at)))
-    }
-
-    fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
-        let equations = &mut self.stepper.equations;
-        let profiles = match equations.assemble(&place.unknowns) {
-            Ok(()) => self.stepper.profiles(),
-            Err(_) => Vec::new(),
-        };
-        let failed = matches!(end, End::StepTooSmall { .. });
-        let kind = if failed { Kind::MX } else { Kind::EP };
-        let Place { unknowns, tangent, point, .. } = place;
-        let (event, point) = (end.to_string(), point.clone());
-        let mut special = self.stepper.special(kind, &event, point, unknowns, tangent, profiles);
-        special.after = after;
-        // On a bound the continued parameter is what it is.
-        if self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. }) {
-            special.error = 0.0;
-        }
-        special
     }
 
     /// Joins the halves into one list from end to end.

@@ -1,5 +1,6 @@
 //! Settings of a trace, with their ranges.
 
+use crate::core::kind::Kind;
 use crate::core::newton::Tolerances;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +46,17 @@ pub struct Settings {
     /// parameters that vary along their branch.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub settle: Vec<String>,
+    /// The largest error, estimated and relative, that the mesh of a discretised solution may cause before the branch
+    /// ends (more than 0).
+    pub max_mesh_error: f64,
+    /// The kinds of bifurcations that are looked for; all that are known for a curve if it is empty. Bounds, marks and
+    /// events of the user's own are looked for in any case.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detect: Vec<Kind>,
+    /// Whether eigenvalues or multipliers are computed along branches of solutions, which tells stability, Hopf points,
+    /// period doublings and torus points.
+    #[serde(skip_serializing_if = "bool::clone")]
+    pub stability: bool,
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point (at most
     /// 16).
     pub eigenvalues: usize,
@@ -63,6 +75,9 @@ impl Default for Settings {
             max_iterations: 12,
             refinement: 1e-8,
             settle: Vec::new(),
+            max_mesh_error: 0.02,
+            detect: Vec::new(),
+            stability: true,
             eigenvalues: 0,
         }
     }
@@ -100,6 +115,7 @@ impl Settings {
             ("event_tolerance", self.event_tolerance, 1e-15..=1e-3, "between 1e-15 and 1e-3"),
             ("max_iterations", iterations, 2.0..=f64::MAX, "at least 2"),
             ("refinement", self.refinement, 0.0..=1.0_f64.next_down(), "between 0 and 1"),
+            ("max_mesh_error", self.max_mesh_error, least..=f64::MAX, "more than 0"),
             ("eigenvalues", self.eigenvalues as f64, 0.0..=16.0, "at most 16"),
         ];
         match rules.into_iter().find(|(_, value, allowed, _)| !allowed.contains(value)) {

@@ -1,20 +1,23 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
+use super::crossing::Departure;
 use super::event::{MakeCondition, Test};
 use super::metric::{Metric, in_units};
 use super::run::{Bound, Tracer};
 use super::stepper::{AT_START, Place, Stepper};
 use super::trace::Origin;
 use super::{Branch, Continuation, End, Kind, TraceError};
-use crate::core::bifurcation::branches_at;
-use crate::core::condition::{At, Failure};
+use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, scaled_norm};
 use crate::core::solution::Leaving;
-use crate::core::vector::{difference, dot, generic, norm};
+use crate::core::vector::{difference, dot, generic};
 
 /// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
 pub(super) const VANISHES: f64 = 1e-6;
+
+/// Unknowns whose sizes differ by less than this, relatively, are of one size.
+const EQUAL: f64 = 1e-4;
 
 /// What a curve is made of, by the names that the system has.
 pub(super) struct Resolved {
@@ -52,21 +55,24 @@ impl<'a> Continuation<'a> {
     fn begin(mut self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, NewtonError> {
         let Resolved { released, held, bounds, scales, settled } = resolved;
         let branch = self.branch();
-        let leaving = self.leaving(&released, how)?;
-        let from_branch_point = leaving.is_some();
+        self.check_switch(how)?;
+        let at_crossing = how == Leaving::Along || how == Leaving::BranchPoint;
+        let crosses = at_crossing
+            && (self.origin.switched || self.origin.is_branch_point && self.held.is_empty());
         let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
-        let direction = leaving.or(self.origin.tangent.filter(|_| same_curve));
+        let known = self.origin.tangent.take().filter(|_| same_curve || how == Leaving::Direction);
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
-        let mut equations = Extended::new(self.system, &self.x, released);
+        let mut equations = Extended::of(self.system, &self.x, released);
         let mut unknowns = equations.unload(&self.x);
         for make in &held {
             unknowns = equations.hold(make(), &unknowns)?;
         }
-        let direction = direction.map(|t| equations.unload(&t));
+        let known = known.map(|t| equations.unload(&t));
         let scaling = |equations: &Extended, unknowns: &[f64], tangent: &[f64]| {
             metric(equations, unknowns, tangent, &ranges).with_scales(&scales)
         };
-        let rough = scaling(&equations, &unknowns, &vec![0.0; unknowns.len()]);
+        let still = vec![0.0; unknowns.len()];
+        let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
         let tested =
             |event: &super::Event| (event.test == Test::Condition).then(|| (event.condition)());
         let mut stepper = Stepper {
@@ -79,16 +85,33 @@ impl<'a> Continuation<'a> {
             events: self.events,
             held,
             settled,
+            departure: None,
         };
-        let tangent = match direction {
-            Some(direction) if from_branch_point => direction,
-            direction => stepper.first_tangent(&mut unknowns, direction.as_deref())?,
+        let mut parent = None;
+        let leaving = match how {
+            Leaving::Direction => known.clone(),
+            _ if crosses => {
+                let (tangent, from) = stepper.leaving(&unknowns, known.as_deref(), &self.origin)?;
+                parent = from;
+                Some(tangent)
+            }
+            _ => None,
+        };
+        let from_branch_point = leaving.is_some();
+        let tangent = match leaving {
+            Some(direction) => direction,
+            None => stepper.first_tangent(&mut unknowns, known.as_deref())?,
         };
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
         let tangent = stepper.scaled(tangent);
         let mut start = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
         if how != Leaving::Along {
             stepper.forget_stability_at(&mut start);
+        }
+        if let Some(mut parent) = parent {
+            stepper.rescale(&mut parent);
+            let (unknowns, tangent) = (start.unknowns.clone(), start.tangent.clone());
+            stepper.departure = Some(Departure { unknowns, tangent, parent });
         }
         let slopes = stepper.forget_levels_at(&mut start, self.origin.is_birth);
         if !from_branch_point {
@@ -99,35 +122,32 @@ impl<'a> Continuation<'a> {
             Leaving::Along | Leaving::Switched => [self.backward, self.forward],
             Leaving::BranchPoint | Leaving::Direction => [false, true],
         };
-        let labels = 0;
-        Ok(Tracer { stepper, branch, start, bounds, slopes, directions, from_branch_point, labels })
+        let error = self.origin.error;
+        let origin = self.origin.kind.into_iter().chain(self.origin.condition).collect();
+        Ok(Tracer {
+            stepper,
+            branch,
+            start,
+            bounds,
+            slopes,
+            directions,
+            from_branch_point,
+            error,
+            origin,
+            labels: 0,
+        })
     }
 
-    /// The direction in which to leave a branch point: along the branch that one comes from, or along
-    /// the other one. `None` if the start is no branch point.
-    fn leaving(&mut self, released: &[usize], how: Leaving) -> Result<Option<Vec<f64>>, Failure> {
-        let Origin { tangent, kind, switched, is_branch_point, .. } = &self.origin;
-        if how == Leaving::Direction {
-            return Ok(tangent.clone());
+    /// Refuses to switch where no branches are known to cross.
+    fn check_switch(&self, how: Leaving) -> Result<(), Failure> {
+        let Some(kind) = self.origin.kind.filter(|kind| *kind != Kind::BP) else { return Ok(()) };
+        if !(self.origin.switched && how == Leaving::Along) {
+            return Ok(());
         }
-        if *switched
-            && how == Leaving::Along
-            && let Some(kind) = kind.filter(|kind| *kind != Kind::BP)
-        {
-            return Err(Failure::NotApplicable(format!(
-                "the point to switch at is a {}, but branches cross at branch points (BP) only",
-                kind.meaning()
-            )));
-        }
-        if !(*switched || *is_branch_point && self.held.is_empty()) {
-            return Ok(None);
-        }
-        let at = At { system: &mut *self.system, x: &self.x, released };
-        match branches_at(at, released[0]) {
-            Ok(tangents) => Ok(Some(branch_along(tangents, tangent.as_deref(), *switched))),
-            Err(cause) if *switched || tangent.is_none() => Err(cause),
-            Err(_) => Ok(tangent.clone()),
-        }
+        Err(Failure::NotApplicable(format!(
+            "the point to switch at is a {}, but branches cross at branch points (BP) only",
+            kind.meaning()
+        )))
     }
 
     /// The branch without its points.
@@ -149,15 +169,6 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// Of the tangents at a branch point, the one most aligned with the branch that one comes from, or the
-/// other one.
-fn branch_along(tangents: [Vec<f64>; 2], along: Option<&[f64]>, other: bool) -> Vec<f64> {
-    let [first, second] = tangents;
-    let Some(along) = along else { return second };
-    let aligned = |t: &[f64]| dot(t, along).abs() / norm(t);
-    if (aligned(&first) > aligned(&second)) == other { second } else { first }
-}
-
 /// The scales at a place with a tangent.
 fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f64; 2]]) -> Metric {
     let (n, first) = (equations.dimension(), equations.parameters_at());
@@ -169,6 +180,44 @@ fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f6
 }
 
 impl Stepper<'_> {
+    /// The direction in which to leave a branch point, and that of the branch one comes from where another one is to be
+    /// left along: both from the algebraic bifurcation equations.
+    fn leaving(
+        &mut self,
+        unknowns: &[f64],
+        along: Option<&[f64]>,
+        origin: &Origin,
+    ) -> Result<(Vec<f64>, Option<Vec<f64>>), Failure> {
+        let mut tangents = match (self.tangents_at_crossing(unknowns, origin.multiplicity), along) {
+            (Ok(tangents), _) => tangents,
+            (Err(_), Some(along)) if !origin.switched => return Ok((along.to_vec(), None)),
+            (Err(cause), _) => return Err(cause),
+        };
+        let Some(along) = along else {
+            let last = tangents.pop().unwrap_or_default();
+            return Ok((last, None));
+        };
+        let row = self.covector(along);
+        let parent = (0..tangents.len())
+            .max_by(|&a, &b| {
+                let cosine = |k: usize| dot(&row, &tangents[k]).abs();
+                cosine(a).total_cmp(&cosine(b))
+            })
+            .unwrap_or_default();
+        let parent = tangents.remove(parent);
+        if !origin.switched {
+            return Ok((parent, None));
+        }
+        let count = tangents.len();
+        match tangents.into_iter().nth(origin.crossing) {
+            Some(tangent) => Ok((tangent, Some(parent))),
+            None => Err(Failure::NotApplicable(format!(
+                "there is no crossing branch number {}, counted from 0: {count} cross this one",
+                origin.crossing
+            ))),
+        }
+    }
+
     /// Corrects the start on the hyperplane across `direction`, or with a parameter fixed, and returns the
     /// tangent there.
     fn first_tangent(
@@ -222,6 +271,22 @@ impl Stepper<'_> {
         Ok(tangent)
     }
 
+    /// Forgets what has been learned along the curve: scales, the curvature of the equations, the conditions' borders.
+    pub fn restore(&mut self, unknowns: &[f64], metric: Metric) {
+        self.weights = metric.weights(self.equations.names());
+        self.metric = metric;
+        self.newton = Newton::default();
+        let conditions = self.equations.suspend();
+        let (n, own) = (self.equations.dimension(), unknowns.len() - self.equations.length());
+        let mut bare = unknowns.to_vec();
+        bare.drain(n..n + own);
+        let held = self.held.iter().try_fold(bare, |x, make| self.equations.hold(make(), &x));
+        if held.is_err() {
+            // They could be stated there once; the borders that they have now serve as well.
+            self.equations.resume(conditions);
+        }
+    }
+
     /// Takes over the scales at the start, and the tangent there: of scaled length 1, the last released
     /// parameter growing.
     fn scaled(&mut self, mut tangent: Vec<f64>) -> Vec<f64> {
@@ -231,12 +296,14 @@ impl Stepper<'_> {
         let (n, last) = (self.equations.dimension(), tangent.len() - 1);
         let size = scaled_norm(&tangent, &self.weights);
         let sign = match tangent[last] {
-            // A vertical start (a fold, a pitchfork) grows in its largest unknown.
+            // A vertical start (a fold, a pitchfork) grows in its largest unknown, the first of those that are equal
+            // but for rounding, as the two halves of a doubled orbit are.
             p if p.abs() * self.weights[last].sqrt() < 1e-9 * size => {
-                let by_size = |a: &&f64, b: &&f64| a.abs().total_cmp(&b.abs());
                 let units = self.equations.unknown_scales();
                 let z = in_units(self.equations.names(), &units, &tangent[..n]);
-                z.iter().max_by(by_size).map_or(1.0, |z| z.signum())
+                let largest = z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+                let first = z.iter().find(|z| z.abs() >= (1.0 - EQUAL) * largest);
+                first.map_or(1.0, |z| z.signum())
             }
             p => p.signum(),
         };
@@ -255,13 +322,13 @@ impl Stepper<'_> {
         for condition in self.tested.iter_mut().flatten() {
             condition.start(self.equations.at(), &mut [])?;
         }
-        let stability = self.held.is_empty();
+        let stability = self.wants_stability();
         let start = if from_branch_point {
             // The tangent of the matrix is not unique there.
             self.equations.assemble(&unknowns)?;
-            let (point, stability) = self.record(stability)?;
-            let tests = self.tests(&unknowns, &tangent, 0.0, stability, &point)?;
-            Place { unknowns, tangent, tests, point }
+            let (point, spectrum) = self.record(stability)?;
+            let tests = self.tests(&unknowns, &tangent, 0.0, spectrum.as_ref(), &point)?;
+            Place { unknowns, tangent, tests, point, spectrum }
         } else {
             let row = self.covector(&tangent);
             self.arrive(unknowns, &row, f64::INFINITY, stability)?

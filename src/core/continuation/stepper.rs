@@ -1,5 +1,6 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
+use super::crossing::Departure;
 use super::event::{Event, MakeCondition, Test};
 use super::metric::Metric;
 use super::{Point, Settings};
@@ -7,7 +8,8 @@ use crate::core::condition::{At, Condition, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
-use crate::core::vector::{advanced, dot};
+use crate::core::vector::{advanced, difference, dot};
+use crate::core::zero::Spectrum;
 
 /// A point of the curve with everything that the next step, and the events, need of it.
 #[derive(Clone)]
@@ -18,6 +20,8 @@ pub(super) struct Place {
     /// Values of the events' test functions.
     pub tests: Vec<f64>,
     pub point: Point,
+    /// All eigenvalues or multipliers, where they are known.
+    pub spectrum: Option<Spectrum>,
 }
 
 /// The curve, the scales on it, and the events looked for.
@@ -34,7 +38,15 @@ pub(super) struct Stepper<'a> {
     pub tested: Vec<Option<Box<dyn Condition>>>,
     /// The columns of points that settle at special points, beside the released parameters.
     pub settled: Vec<usize>,
+    /// The branch point that the curve leaves, if it starts at one.
+    pub departure: Option<Departure>,
 }
+
+/// Shorter steps than this may be as long as the error with which a solution is carried over to a new mesh.
+const MESH: f64 = 1e-3;
+
+/// A corrected point is not farther from the predicted one, in units of the step.
+pub(super) const MOST_DISTANT: f64 = 0.25;
 
 /// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is rounding.
 const BEYOND: f64 = 1e-9;
@@ -66,6 +78,10 @@ pub(super) struct Step {
     pub length: f64,
     /// The length proposed for the next step.
     pub next: f64,
+    /// How many branch points the step passes, where eigenvalues do not tell.
+    pub crossings: usize,
+    /// Whether it ends on a branch point, but for rounding.
+    pub singular: bool,
 }
 
 impl Stepper<'_> {
@@ -105,32 +121,54 @@ impl Stepper<'_> {
         matrix_error: f64,
         stability: bool,
     ) -> Result<Place, Failure> {
+        let tangent = self.tangent_there(&unknowns, row, matrix_error, stability)?;
+        self.recorded(unknowns, tangent, stability)
+    }
+
+    /// The tangent at a corrected point, and what [`arrive`](Self::arrive) needs beside it.
+    fn tangent_there(
+        &mut self,
+        unknowns: &[f64],
+        row: &[f64],
+        matrix_error: f64,
+        stability: bool,
+    ) -> Result<Vec<f64>, Failure> {
         let mut tangent = vec![0.0; unknowns.len()];
         // Eigenvalues that are only counted need not be known well, but monitors come with the matrix.
         let mut tested = self.tested.iter().flatten();
         let exact = tested.any(|condition| condition.assembles())
             || (stability && self.settings.eigenvalues > 0);
         if matrix_error <= MATRIX_ERROR && !exact {
-            self.equations.load(&unknowns);
+            self.equations.load(unknowns);
             self.tangent(&mut tangent);
             let p = self.equations.parameters_at();
-            if tangent[p].abs() * self.weights[p].sqrt() <= UNCERTAIN {
-                return self.arrive(unknowns, row, f64::INFINITY, stability);
+            if tangent[p].abs() * self.weights[p].sqrt() > UNCERTAIN {
+                return Ok(tangent);
             }
-        } else {
-            self.equations.assemble(&unknowns)?;
-            self.equations.residual(&unknowns, None, &mut tangent)?;
-            self.equations.factor(Some(row))?;
-            self.tangent(&mut tangent);
+            tangent.fill(0.0);
         }
+        self.equations.assemble(unknowns)?;
+        self.equations.residual(unknowns, None, &mut tangent)?;
+        self.equations.factor(Some(row))?;
+        self.tangent(&mut tangent);
+        Ok(tangent)
+    }
+
+    /// A place whose tangent was found last.
+    fn recorded(
+        &mut self,
+        unknowns: Vec<f64>,
+        tangent: Vec<f64>,
+        stability: bool,
+    ) -> Result<Place, Failure> {
         let determinant = self.equations.determinant_sign();
         // Monitors need not be known better than the point.
         self.equations.allow(ROUGHLY * self.settings.tolerance);
         let recorded = self.record(stability);
         self.equations.allow(0.0);
-        let (point, stability) = recorded?;
-        let tests = self.tests(&unknowns, &tangent, determinant, stability, &point)?;
-        Ok(Place { unknowns, tangent, tests, point })
+        let (point, spectrum) = recorded?;
+        let tests = self.tests(&unknowns, &tangent, determinant, spectrum.as_ref(), &point)?;
+        Ok(Place { unknowns, tangent, tests, point, spectrum })
     }
 
     /// The tangent, of scaled length 1, from the matrix factored last with the closing equation last.
@@ -211,7 +249,7 @@ impl Stepper<'_> {
         }
     }
 
-    fn try_step(
+    pub fn try_step(
         &mut self,
         before: &[Before],
         from: &Place,
@@ -221,15 +259,33 @@ impl Stepper<'_> {
         let curved = self.curved(before, from, row, length);
         let order = if curved.is_some() { 4 } else { 2 };
         let line = || advanced(&from.unknowns, length, &from.tangent);
-        let mut unknowns = curved.unwrap_or_else(line);
+        let predicted = curved.unwrap_or_else(line);
+        let mut unknowns = predicted.clone();
         let closing = Closing { row, base: &from.unknowns, length };
         let report = self.correct(&mut unknowns, closing)?;
-        let place = self.arrive(unknowns, row, report.matrix_error, self.held.is_empty())?;
-        let angle = dot(row, &place.tangent).clamp(-1.0, 1.0).acos();
+        let distance = scaled_norm(&difference(&unknowns, &predicted), &self.weights);
+        if distance > MOST_DISTANT * length.max(MESH) {
+            return Err(NewtonError::Far { distance, length });
+        }
+        if before.is_empty() {
+            self.departs(&unknowns, length)?;
+        }
+        let stability = self.wants_stability();
+        let tangent = self.tangent_there(&unknowns, row, report.matrix_error, stability)?;
+        let angle = dot(row, &tangent).clamp(-1.0, 1.0).acos();
         if angle > self.settings.max_angle && length > 2.0 * self.settings.min_step {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
-        Ok(Step { place, length, next: self.next_length(length, report.contraction, angle, order) })
+        let place = self.recorded(unknowns, tangent, stability)?;
+        let looked_for = self.events.iter().any(|event| event.test == Test::BranchPoint);
+        let (crossings, singular) = match place.spectrum {
+            None if looked_for && self.held.is_empty() => self.crossings(from, row),
+            _ => (0, false),
+        };
+        // The derivatives were taken elsewhere.
+        self.equations.load(&place.unknowns);
+        let next = self.next_length(length, report.contraction, angle, order);
+        Ok(Step { place, length, next, crossings, singular })
     }
 
     /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the
@@ -252,25 +308,32 @@ impl Stepper<'_> {
         self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
         self.weights = self.metric.weights(self.equations.names());
         self.equations.adapt();
-        let size = scaled_norm(&place.tangent, &self.weights);
-        place.tangent.iter_mut().for_each(|t| *t /= size);
+        self.rescale(&mut place.tangent);
     }
 
-    /// Parameters, monitors and stability at the point assembled last.
-    pub fn record(&mut self, stability: bool) -> Result<(Point, Option<Stability>), Failure> {
+    /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is switched off, and
+    /// where they are asked for.
+    pub fn wants_stability(&self) -> bool {
+        self.settings.stability && (self.held.is_empty() || self.settings.eigenvalues > 0)
+    }
+
+    /// Parameters, monitors and stability at the point assembled last, and its eigenvalues.
+    pub fn record(&mut self, stability: bool) -> Result<(Point, Option<Spectrum>), Failure> {
         let at = self.equations.at();
         let n = at.system.names().dimension();
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors)?;
-        let spectrum = if stability { at.system.spectrum(at.x) } else { None };
+        let spectrum = if stability { at.system.spectrum(at.x)? } else { None };
         let count = self.settings.eigenvalues;
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), count);
-        let (dynamics, orientation) = (at.system.dynamics(), at.system.orientation());
-        let stability = spectrum.map(|all| Stability::of(dynamics, &all).oriented(orientation));
-        let unstable = stability.map(|stability| stability.unstable);
+        let dynamics = at.system.dynamics();
+        let solutions = self.held.is_empty();
+        let counted = spectrum.as_ref().filter(|_| solutions);
+        let unstable = counted.map(|all| Stability::of(dynamics, all).unstable);
         let parameters = at.x[n..].to_vec();
         let admissible = self.is_admissible(&monitors, &parameters);
-        Ok((Point { parameters, monitors, unstable, eigenvalues, admissible }, stability))
+        let point = Point { parameters, monitors, unstable, eigenvalues, admissible };
+        Ok((point, spectrum))
     }
 
     /// Whether no monitor says that the solution has passed through a surface.
@@ -286,23 +349,37 @@ impl Stepper<'_> {
         unknowns: &[f64],
         tangent: &[f64],
         determinant: f64,
-        stability: Option<Stability>,
+        spectrum: Option<&Spectrum>,
         point: &Point,
     ) -> Result<Vec<f64>, Failure> {
         let parameter = tangent[self.equations.parameters_at()];
         let own = self.equations.dimension();
-        let stability = stability.unwrap_or_default();
+        let system = self.equations.system();
+        let (dynamics, orientation) = (system.dynamics(), system.orientation());
+        // Where nothing is known of eigenvalues, nothing changes its sign.
+        let [oscillation, doubling] = match spectrum {
+            Some(spectrum) => {
+                let stability = Stability::of(dynamics, spectrum).oriented(orientation);
+                [stability.oscillation, stability.doubling]
+            }
+            None => [f64::NAN; 2],
+        };
+        let amplitude = match self.events.iter().any(|event| event.test == Test::Amplitude) {
+            true => self.mirrored(Test::Amplitude, unknowns).unwrap_or(0.0),
+            false => 0.0,
+        };
         let mut value = [0.0];
         let mut tests = Vec::with_capacity(self.events.len());
         for (event, condition) in self.events.iter().zip(&mut self.tested) {
             tests.push(match event.test {
                 Test::Fold => parameter,
                 Test::BranchPoint => determinant,
-                Test::Hopf => stability.oscillation,
-                Test::PeriodDoubling => stability.doubling,
+                Test::Hopf => oscillation,
+                Test::PeriodDoubling => doubling,
                 Test::Level(Quantity::Parameter(p), level) => point.parameters[p] - level,
                 Test::Level(Quantity::Monitor(m), level) => point.monitors[m] - level,
-                Test::Own(j) => unknowns[own + j],
+                Test::Own { unknown, level } => unknowns[own + unknown] - level,
+                Test::Amplitude => amplitude,
                 Test::Condition => {
                     if let Some(condition) = condition {
                         condition.values(self.equations.at(), &[], &mut value)?;

@@ -4,6 +4,7 @@ use super::event::{Event, MakeCondition};
 use super::{Branch, Kind, Observer, Settings, TraceError};
 use crate::core::condition::{Condition, Level};
 use crate::core::solution::Solution;
+use crate::core::system_ref::SystemRef;
 use crate::core::zero::System;
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
@@ -23,7 +24,7 @@ use std::sync::Arc;
 /// # Ok::<(), tangency::core::continuation::TraceError>(())
 /// ```
 pub struct Continuation<'a> {
-    pub(super) system: &'a mut dyn System,
+    pub(super) system: SystemRef<'a>,
     pub(super) name: String,
     pub(super) x: Vec<f64>,
     pub(super) released: Vec<(String, [f64; 2])>,
@@ -45,7 +46,6 @@ pub struct Continuation<'a> {
 }
 
 /// The point that a curve starts from.
-#[derive(Default)]
 pub(super) struct Origin {
     /// The saved solution that the branch starts from, at a restart.
     pub solution: Option<Solution>,
@@ -59,13 +59,40 @@ pub(super) struct Origin {
     pub condition: Option<Kind>,
     /// The kind of the special point one restarts from.
     pub kind: Option<Kind>,
-    /// Whether the branch point is left along the other branch.
+    /// The error of its parameter.
+    pub error: f64,
+    /// How many eigenvalues vanish at the branch point.
+    pub multiplicity: usize,
+    /// Whether the branch point is left along another branch.
     pub switched: bool,
+    /// Which one of those that cross.
+    pub crossing: usize,
+}
+
+impl Default for Origin {
+    fn default() -> Self {
+        Origin {
+            solution: None,
+            tangent: None,
+            is_branch_point: false,
+            is_birth: false,
+            condition: None,
+            kind: None,
+            error: 0.0,
+            multiplicity: 1,
+            switched: false,
+            crossing: 0,
+        }
+    }
 }
 
 impl<'a> Continuation<'a> {
     /// A curve of zeros of this system, from `z = 0` and `p = 0` unless told otherwise.
+    ///
+    /// A system that a branch would change (its mesh, its period, its itinerary) is duplicated: the caller's stays as it
+    /// is.
     pub fn of(system: &'a mut dyn System) -> Self {
+        let system = SystemRef::Borrowed(system).duplicated();
         let x = vec![0.0; system.names().length()];
         Continuation {
             system,
@@ -138,6 +165,15 @@ impl<'a> Continuation<'a> {
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn restart(mut self, branch: &Branch, label: usize) -> Self {
+        if let Some(special) = branch.labelled(label).filter(|special| !special.converged) {
+            let (branch, kind, error) = (branch.name.clone(), special.kind, special.error);
+            self.errors.push(TraceError::NotConverged { branch, label, kind, error });
+        }
+        self.restart_anyway(branch, label)
+    }
+
+    /// As [`restart`](Self::restart), also at a special point that has not converged.
+    pub fn restart_anyway(mut self, branch: &Branch, label: usize) -> Self {
         let Some(special) = branch.labelled(label) else {
             let (branch, last) = (branch.name.clone(), branch.special.len());
             self.errors.push(TraceError::Label { branch, label, last });
@@ -148,6 +184,8 @@ impl<'a> Continuation<'a> {
         }
         self.origin.condition = branch.condition;
         self.origin.kind = Some(special.kind);
+        self.origin.multiplicity = special.multiplicity;
+        self.origin.error = special.error;
         self.origin.is_branch_point = special.kind == Kind::BP && branch.condition.is_none();
         let n = special.state.len();
         let mut slopes = vec![0.0; self.system.names().parameters.len()];
@@ -159,15 +197,8 @@ impl<'a> Continuation<'a> {
                 }
             }
         }
-        self.origin.solution = Some(Solution {
-            kind: special.kind,
-            itinerary: branch.itinerary.clone(),
-            mesh: special.mesh.clone(),
-            state: special.state.clone(),
-            parameters: Vec::new(),
-            tangent: known.then(|| (special.tangent[..n].to_vec(), slopes)),
-            switch: false,
-        });
+        let tangent = known.then(|| (special.tangent[..n].to_vec(), slopes));
+        self.origin.solution = Some(Solution { tangent, ..branch.solution(special) });
         self
     }
 
@@ -297,8 +328,14 @@ impl<'a> Continuation<'a> {
     }
 
     /// Leaves the branch point where the curve starts along the *other* branch.
-    pub fn switch(mut self) -> Self {
-        self.origin.switched = true;
+    pub fn switch(self) -> Self {
+        self.switch_to(0)
+    }
+
+    /// Leaves a branch point where several branches cross (`multiplicity` above 1) along one of them, counted from 0 and
+    /// without the one that leads to it.
+    pub fn switch_to(mut self, crossing: usize) -> Self {
+        (self.origin.switched, self.origin.crossing) = (true, crossing);
         self
     }
 

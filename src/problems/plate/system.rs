@@ -7,7 +7,8 @@ use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum, System,
+    Border, Dynamics, Failure, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum,
+    System,
 };
 use faer::Mat;
 use num_dual::Dual64;
@@ -240,12 +241,12 @@ impl System for Ritz {
         Dynamics::Potential
     }
 
-    fn spectrum(&mut self, x: &[f64]) -> Option<Spectrum> {
-        self.ensure_modes(x).ok()?;
+    fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+        self.ensure_modes(x)?;
         let n = self.model.unknowns();
         let unstable = (0..n).take_while(|mode| self.eigenproblem.square(*mode) < 0.0).count();
         let reported = (unstable + REPORTED).min(n);
-        Some((0..reported).map(|mode| (-self.eigenproblem.square(mode), 0.0)).collect())
+        Ok(Some((0..reported).map(|mode| (-self.eigenproblem.square(mode), 0.0)).collect()))
     }
 
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {

@@ -117,7 +117,7 @@ impl Start {
         let x = solved(self.system.as_mut(), &self.z, &self.p)
             .unwrap_or_else(|error| panic!("{}: {error}", self.method));
         self.system.assemble(&x).unwrap();
-        let multipliers = self.system.spectrum(&x).unwrap();
+        let multipliers = self.system.spectrum(&x).unwrap().unwrap();
         Solved { system: self.system, x, multipliers }
     }
 

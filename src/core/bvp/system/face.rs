@@ -7,6 +7,7 @@ use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
 use crate::core::condition::Failure;
+use crate::core::cycles::Cycles;
 use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
     Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Refinement, Singular, Slot,
@@ -187,8 +188,18 @@ impl System for BoundarySystem {
         if self.is_periodic() { Dynamics::Periodic } else { Dynamics::Static }
     }
 
-    fn spectrum(&mut self, _x: &[f64]) -> Option<Spectrum> {
-        self.is_periodic().then(|| self.deciding_multipliers())?
+    fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
+        if !self.is_periodic() {
+            return Ok(None);
+        }
+        let found = self.deciding_multipliers()?;
+        // Beside a homoclinic orbit nothing is known of them.
+        let known = found.iter().all(|(re, im)| !re.is_nan() && !im.is_nan());
+        Ok(known.then_some(found))
+    }
+
+    fn cycles(&mut self) -> Option<&mut dyn Cycles> {
+        if self.is_periodic() { Some(self) } else { None }
     }
 
     fn check_start(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
@@ -250,6 +261,14 @@ impl System for BoundarySystem {
 
     fn exact(&self) -> bool {
         false
+    }
+
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
+        let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;
+        own.equations.phase.clone_from(&self.equations.phase);
+        own.refinements = self.refinements;
+        Some(Box::new(own))
     }
 
     fn itinerary(&self) -> String {

@@ -14,7 +14,7 @@
 use super::BoundarySystem;
 use super::factorisation::{Bordered, column_of, form_of};
 use crate::core::bvp::{Number, Return};
-use crate::core::linear::multipliers;
+use crate::core::linear::{Chain, multipliers};
 use crate::core::scalar_field::FieldIn;
 use crate::core::vector::dot;
 use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
@@ -44,8 +44,7 @@ impl BoundarySystem {
     /// inside it.
     pub fn multipliers(&mut self) -> Result<Spectrum, Singular> {
         if !self.equations.layout.closes() {
-            let none = Singular { pivot: 0.0, largest: 0.0 };
-            return self.returning_multipliers().ok_or(none);
+            return self.returning_multipliers();
         }
         let n = self.equations.layout.states;
         let (p, q) = self.reduced_pencil()?;
@@ -55,30 +54,93 @@ impl BoundarySystem {
     /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its vector is
     /// known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or a branch point it
     /// could not be told from the one that is about to become 1.
-    pub(super) fn deciding_multipliers(&mut self) -> Option<Spectrum> {
+    pub(super) fn deciding_multipliers(&mut self) -> Result<Spectrum, Singular> {
+        let found = self.nontrivial_multipliers()?;
+        Ok(if self.equations.layout.closes() { orientable(found) } else { found })
+    }
+
+    fn nontrivial_multipliers(&mut self) -> Result<Spectrum, Singular> {
         let n = self.equations.layout.states;
         if !self.equations.layout.closes() {
             return self.returning_multipliers();
         }
         if !self.equations.layout.phase {
-            return self.multipliers().ok();
+            return self.multipliers();
         }
-        let (mut motions, units) = (self.motions(), self.linearisation.units.clone());
+        let at = self.linearisation.at.clone();
+        let mesh_error = if at.is_empty() { 0.0 } else { self.error_estimate(&at) };
+        let least = UNDETERMINED.max(10.0 * mesh_error.min(1e-3));
+        if let Some(found) = self.fast_multipliers(least)? {
+            return Ok(found);
+        }
+        let (mut motions, mut units) = (self.motions(), self.linearisation.units.clone());
+        units.resize(n.max(units.len()), 1.0);
         for motion in &mut motions {
             motion.iter_mut().zip(&units).for_each(|(m, unit)| *m /= unit);
         }
-        let (p, q) = self.reduced_pencil().ok()?;
-        let scaled = (!units.is_empty()).then(|| in_units(p, q, &units[..n]));
-        let (p, q) = scaled.as_ref().map_or((p, q), |(p, q)| (p, q));
-        if let Some((p, q)) = motions.iter().find_map(|motion| deflated(p, q, motion)) {
-            return Some(multipliers(&p, &q, n - 1));
+        let (p, q) = self.reduced_pencil()?;
+        let (p, q) = in_units(p, q, &units[..n]);
+        let reduced = motions.iter().find_map(|motion| deflated(&p, &q, motion, least));
+        if let Some((p, q)) = reduced {
+            return Ok(multipliers(&p, &q, n - 1));
         }
-        let mut found = multipliers(p, q, n);
+        let mut found = multipliers(&p, &q, n);
         let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
-        let nearest = (0..found.len())
-            .min_by(|&a, &b| distance(&found[a]).total_cmp(&distance(&found[b])))?;
-        found.remove(nearest);
-        Some(found)
+        let nearer = |&a: &usize, &b: &usize| distance(&found[a]).total_cmp(&distance(&found[b]));
+        if let Some(nearest) = (0..found.len()).min_by(nearer) {
+            found.remove(nearest);
+        }
+        Ok(found)
+    }
+
+    /// The multipliers but for the trivial one of an autonomous orbit that begins where its motion is slow, seen from where it
+    /// is fastest: beside a saddle the vector of the trivial multiplier, the motion, is known badly, and multipliers
+    /// that are small would drown in its errors. `None` where the motion at the start is fast enough.
+    fn fast_multipliers(&mut self, least: f64) -> Result<Option<Spectrum>, Singular> {
+        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+        let (s, m) = (&layout.segments[0], layout.degree);
+        let at = |state: usize, node: usize| assembled.at[s.values + state * s.nodes + node];
+        if assembled.at.is_empty() {
+            return Ok(None);
+        }
+        let q: Vec<f64> = (0..layout.numbers()).map(|k| assembled.at[layout.number(k)]).collect();
+        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
+        let size = |state: usize| {
+            (0..s.nodes).fold(f64::MIN_POSITIVE, |most, k| most.max(at(state, k).abs()))
+        };
+        let sizes: Vec<f64> = (0..s.states).map(size).collect();
+        let motion_at = |interval: usize| {
+            let x: Vec<f64> = (0..s.states).map(|state| at(state, interval * m)).collect();
+            let mut motion = vec![0.0; s.states];
+            field.slope(0.0, &x, &q, &mut motion);
+            motion
+        };
+        let speed = |motion: &[f64]| {
+            motion.iter().zip(&sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>().sqrt()
+        };
+        let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&motion_at(j))).collect();
+        let by_speed = |a: &usize, b: &usize| speeds[*a].total_cmp(&speeds[*b]);
+        let fastest = (0..s.intervals).max_by(by_speed).unwrap_or(0);
+        if speeds[0] >= SLOW * speeds[fastest] {
+            return Ok(None);
+        }
+        let (n, motion) = (s.states, motion_at(fastest));
+        let length = m * n * (m + 1) * n;
+        let mut blocks = assembled.blocks[0].clone();
+        blocks.rotate_left(fastest * length);
+        let mut chain = Chain::new(s.intervals, m, n);
+        chain.factor(&blocks, &[], 0, &[], 0)?;
+        let halves = |half: usize| -> Vec<f64> {
+            chain
+                .reduced()
+                .chunks_exact(2 * n)
+                .flat_map(|row| &row[half * n..][..n])
+                .copied()
+                .collect()
+        };
+        let (p, q) = in_units(&halves(0), &halves(1), &sizes);
+        let motion: Vec<f64> = motion.iter().zip(&sizes).map(|(f, size)| f / size).collect();
+        Ok(deflated(&p, &q, &motion, least).map(|(p, q)| multipliers(&p, &q, n - 1)))
     }
 
     /// The motion at the start of the orbit assembled last, and that of the phase condition's reference: at a
@@ -118,12 +180,19 @@ impl BoundarySystem {
     /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns' size they
     /// are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros of `Q`, and nothing
     /// in it grows.
-    fn returning_multipliers(&mut self) -> Option<Spectrum> {
+    fn returning_multipliers(&mut self) -> Result<Spectrum, Singular> {
         let k = self.equations.layout.returns.len();
         // The trial multiplier, the sign of its determinant, and the size of Q.
         let (mut trial, mut determinant, mut best) = (0.0, 1.0, f64::INFINITY);
+        let mut singular = None;
         for mu in TRIAL_MULTIPLIERS {
-            let Ok(size) = self.return_matrix(mu) else { continue };
+            let size = match self.return_matrix(mu) {
+                Ok(size) => size,
+                Err(cause) => {
+                    singular = Some(cause);
+                    continue;
+                }
+            };
             if size < best {
                 (trial, determinant, best) = (mu, self.condensed.determinant_sign(), size);
                 let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
@@ -136,15 +205,15 @@ impl BoundarySystem {
                 break;
             }
         }
-        if best.is_infinite() {
-            return None;
+        if let Some(cause) = singular.filter(|_| best.is_infinite()) {
+            return Err(cause);
         }
         let [p, q] = &self.pencil;
         let found = multipliers(p, q, k);
         // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
         let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (trial - re).signum() } else { 1.0 };
         self.orientation = determinant * found.iter().map(factor).product::<f64>();
-        Some(found)
+        Ok(found)
     }
 
     /// Computes `Q` for a trial multiplier, and its size.
@@ -171,6 +240,28 @@ impl BoundarySystem {
     }
 }
 
+/// Multipliers of a smooth flow, whose product is positive: with an odd number of negative ones, the sign of one of them
+/// is rounding. It is that of a very small or large one; if there is none, nothing is known.
+fn orientable(mut found: Spectrum) -> Spectrum {
+    let negative = |mu: &(f64, f64)| mu.1 == 0.0 && mu.0 < 0.0;
+    if found.iter().filter(|mu| negative(mu)).count().is_multiple_of(2) {
+        return found;
+    }
+    let extremity = |mu: &(f64, f64)| mu.0.abs().ln().abs();
+    let all = found.iter_mut().filter(|mu| mu.1 == 0.0);
+    match all.max_by(|a, b| extremity(a).total_cmp(&extremity(b))) {
+        Some(mu) if extremity(mu) > EXTREME => mu.0 = -mu.0,
+        _ => found.iter_mut().for_each(|mu| mu.0 = f64::NAN),
+    }
+    found
+}
+
+/// The logarithm of a multiplier, or of its inverse, beyond which its sign may be rounding.
+const EXTREME: f64 = 9.0;
+
+/// A motion that is slower than this part of the fastest one is not a good vector of the trivial multiplier.
+const SLOW: f64 = 0.1;
+
 /// Trial multipliers: the first one that is far enough from all true ones is taken.
 const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
@@ -180,6 +271,10 @@ const MODERATE: f64 = 1e3;
 /// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
 /// multipliers mean nothing anyhow.
 const TRIVIAL: f64 = 1e-3;
+
+/// Rows of a pencil that are smaller than this, compared with its largest entry, are errors of mesh and integration, and
+/// leave multipliers undetermined.
+const UNDETERMINED: f64 = 1e-7;
 
 /// The pencil `P + μ Q` with unknowns in these units, and rows whose largest entries are 1.
 fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -194,9 +289,10 @@ fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (p, q)
 }
 
-/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases that begin
+/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given (not a number if a row is smaller than
+/// `least_row`, relative to all): in orthonormal bases that begin
 /// with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such vector.
-fn deflated(p: &[f64], q: &[f64], v: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Option<(Vec<f64>, Vec<f64>)> {
     let n = v.len();
     let times =
         |a: &[f64]| -> Vec<f64> { a.chunks_exact(n.max(1)).map(|row| dot(row, v)).collect() };
@@ -219,7 +315,20 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
             .collect();
         (1..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
     };
-    Some((block(p), block(q)))
+    let (reduced_p, reduced_q) = (block(p), block(q));
+    let largest = |a: &[f64]| a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+    // Each row, compared with those it was made of: beside a homoclinic orbit some vanish but for rounding.
+    let rest = n - 1;
+    let least = (0..rest)
+        .map(|i| {
+            let row = |a: &[f64]| largest(&a[i * rest..(i + 1) * rest]);
+            row(&reduced_p).max(row(&reduced_q))
+        })
+        .fold(f64::INFINITY, f64::min);
+    if least <= least_row * largest(p).max(largest(q)) {
+        return Some((vec![f64::NAN; rest * rest], vec![f64::NAN; rest * rest]));
+    }
+    Some((reduced_p, reduced_q))
 }
 
 /// The vector `w` of Householder's reflection `I − 2 w wᵀ/wᵀw` that turns `v` into the first axis.

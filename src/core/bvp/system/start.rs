@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// A mesh is redistributed after this many accepted points.
 const ADAPT_EVERY: usize = 3;
 
+/// It is redistributed at once where its estimated error is larger.
+const ADAPT_ABOVE: f64 = 1e-3;
+
 fn not_applicable(reason: impl Into<String>) -> Failure {
     Failure::NotApplicable(reason.into())
 }
@@ -155,7 +158,7 @@ impl BoundarySystem {
     }
 
     /// How many nodes an interval has, beyond its first, in a saved solution.
-    fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, Failure> {
+    pub(super) fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, Failure> {
         let layout = &self.equations.layout;
         let length = solution.state.len();
         let fits = |degree: &usize| self.values_on(meshes, *degree) + layout.extras == length;
@@ -254,7 +257,8 @@ impl BoundarySystem {
     pub(super) fn follow_to(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
-        if self.followed.is_multiple_of(ADAPT_EVERY) {
+        let late = self.followed.is_multiple_of(ADAPT_EVERY);
+        if late || self.error_estimate(x) > ADAPT_ABOVE {
             let _ = self.adapt(x, directions);
         }
         if self.equations.layout.phase {
@@ -295,7 +299,7 @@ fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
 const MOST_NODES: usize = 7;
 
 /// The meshes of all segments, each of which begins with 0.
-fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
+pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {
         match meshes.last_mut() {

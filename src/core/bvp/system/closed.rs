@@ -1,0 +1,218 @@
+//! Periodic solutions as closed curves.
+
+use super::BoundarySystem;
+use super::equations::Discretised;
+use crate::core::bvp::Mesh;
+use crate::core::bvp::interpolation::node_weights;
+use crate::core::condition::Failure;
+use crate::core::cycles::Cycles;
+use crate::core::solution::Solution;
+
+/// How many phases are tried before the best one is refined.
+const PHASES: usize = 64;
+
+/// A solution repeats itself if its halves differ by less than this, relative to its size.
+const REPEATS: f64 = 1e-6;
+
+/// Oscillations with a smaller correlation have different shapes.
+const ALIKE: f64 = 0.9;
+
+/// States that oscillate less than this, compared with the largest value of any, are at rest.
+const STILL: f64 = 1e-9;
+
+impl Cycles for BoundarySystem {
+    fn images(&mut self, solution: &Solution) -> Result<Vec<Vec<f64>>, Failure> {
+        let meshes = super::start::meshes_of(&solution.mesh)?;
+        let degree = self.degree_of(solution, &meshes)?;
+        if degree != self.equations.layout.degree {
+            return Ok(Vec::new());
+        }
+        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
+        let mut from = BoundarySystem::new(problem, method, meshes)?;
+        let x = [&solution.state[..], &solution.parameters[..]].concat();
+        if self.equations.layout.phase && self.equations.layout.closes() {
+            let shift = self.best_phase(&mut from, &x)?;
+            return Ok(vec![self.shifted(&mut from, &x, 0, shift)?]);
+        }
+        let segments = self.equations.layout.segments.len();
+        if segments == 1 {
+            let periods = self.meshes()[0].end().round() as usize;
+            return (0..periods).map(|k| self.shifted(&mut from, &x, 0, k as f64)).collect();
+        }
+        let rotations = (0..segments).filter(|&turn| self.is_rotation(turn));
+        let rotations: Vec<usize> = rotations.collect();
+        rotations.into_iter().map(|turn| self.shifted(&mut from, &x, turn, 0.0)).collect()
+    }
+
+    fn repeats(&mut self, x: &[f64]) -> bool {
+        let layout = &self.equations.layout;
+        let segments = layout.segments.len();
+        let single = segments == 1;
+        if !(single || segments.is_multiple_of(2) && self.is_rotation(segments / 2)) {
+            return false;
+        }
+        let end = self.meshes()[0].end();
+        let (mut size, mut miss) = (0.0_f64, 0.0_f64);
+        for k in 0..PHASES {
+            let tau = k as f64 / PHASES as f64;
+            let (first, second) = match single {
+                true => ((0, 0.5 * tau * end), (0, 0.5 * (1.0 + tau) * end)),
+                false => {
+                    let segment = k * (segments / 2) / PHASES;
+                    ((segment, tau), (segment + segments / 2, tau))
+                }
+            };
+            let values = [first, second].map(|(segment, tau)| self.states(x, segment, tau));
+            let [Ok(a), Ok(b)] = values else { return false };
+            for (a, b) in a.iter().zip(&b) {
+                size = size.max(a.abs());
+                miss = miss.max((a - b).abs());
+            }
+        }
+        miss <= REPEATS * size
+    }
+
+    fn amplitude(&mut self, x: &[f64]) -> Option<f64> {
+        let layout = &self.equations.layout;
+        if !(layout.phase && layout.closes()) || self.equations.phase.reference.len() != x.len() {
+            return None;
+        }
+        let (weights, reference) = (self.equations.time_weights(), &self.equations.phase.reference);
+        let s = &layout.segments[0];
+        let of_state = |state: usize| {
+            let values = s.values + state * s.nodes..s.values + (state + 1) * s.nodes;
+            let (x, r) = (
+                about_mean(&x[values.clone()], &weights),
+                about_mean(&reference[values], &weights),
+            );
+            let size = r.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
+            let value = reference[s.values + state * s.nodes].abs();
+            let product = |a: &[f64], b: &[f64]| -> f64 {
+                a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * b * w).sum()
+            };
+            (size, value, [product(&x, &r), product(&r, &r), product(&x, &x)])
+        };
+        let states: Vec<(f64, f64, [f64; 3])> = (0..s.states).map(of_state).collect();
+        let largest = states.iter().fold(0.0, |most: f64, state| most.max(state.0).max(state.1));
+        let mut sums = [0.0; 3];
+        for (size, _, products) in states.into_iter().filter(|state| state.0 > STILL * largest) {
+            sums.iter_mut().zip(products).for_each(|(sum, part)| *sum += part / (size * size));
+        }
+        let [product, whole, own] = sums;
+        if whole == 0.0 {
+            return Some(0.0);
+        }
+        // Beyond an equilibrium the oscillation is the same upside down; what is alike neither way is another one.
+        let alike = product.abs() > ALIKE * (own * whole).sqrt();
+        Some(if alike { product / whole } else { (own / whole).sqrt() })
+    }
+
+    fn mesh_error(&mut self, x: &[f64]) -> f64 {
+        self.error_estimate(x)
+    }
+}
+
+impl BoundarySystem {
+    /// Whether the segments that begin with another one are the same.
+    fn is_rotation(&self, turn: usize) -> bool {
+        let (names, extras) = (self.problem().segments(), self.equations.layout.extras);
+        let count = names.len();
+        turn == 0
+            || extras.is_multiple_of(count)
+                && (0..count).all(|s| names[s] == names[(s + turn) % count])
+    }
+
+    /// A solution on other meshes as one on these, which begins with another segment, or later by a shift.
+    fn shifted(
+        &self,
+        from: &mut BoundarySystem,
+        x: &[f64],
+        turn: usize,
+        shift: f64,
+    ) -> Result<Vec<f64>, Failure> {
+        let layout = &from.equations.layout;
+        let count = layout.segments.len();
+        let mut extras = x[layout.values()..layout.dimension].to_vec();
+        if turn > 0 {
+            let by = turn * extras.len() / count;
+            extras.rotate_left(by);
+        }
+        let end = from.meshes()[0].end();
+        let mut outcome = Ok(());
+        let z = self.sampled(&extras, |segment, tau, out| {
+            let tau = if count == 1 { wrapped(tau + shift, end) } else { tau };
+            match from.states(x, (segment + turn) % count, tau) {
+                Ok(states) => out.copy_from_slice(&states),
+                Err(cause) => outcome = Err(cause),
+            }
+        });
+        outcome?;
+        Ok(z)
+    }
+
+    /// By how much later than it does a cycle is to begin to meet the phase condition.
+    fn best_phase(&self, from: &mut BoundarySystem, x: &[f64]) -> Result<f64, Failure> {
+        let layout = &self.equations.layout;
+        let reference = &self.equations.phase.reference;
+        let width = from.meshes()[0].end() / PHASES as f64;
+        let (mut best, mut least) = (0.0, f64::INFINITY);
+        for k in 0..PHASES {
+            let z = self.shifted(from, x, 0, k as f64 * width)?;
+            let distance: f64 =
+                z[..layout.values()].iter().zip(reference).map(|(z, r)| (z - r).powi(2)).sum();
+            if distance < least {
+                (best, least) = (k as f64 * width, distance);
+            }
+        }
+        let (mut a, mut fa) = (best - width, self.phase_at(from, x, best - width)?);
+        let mut b = best + width;
+        for _ in 0..12 {
+            let fb = self.phase_at(from, x, b)?;
+            if fb == fa || fb == 0.0 {
+                break;
+            }
+            let next = (b - fb * (b - a) / (fb - fa)).clamp(best - width, best + width);
+            (a, fa) = (b, fb);
+            let moved = (next - b).abs();
+            b = next;
+            if moved < 1e-13 * width {
+                break;
+            }
+        }
+        Ok(b)
+    }
+
+    /// The left side of the phase condition at a shift.
+    fn phase_at(&self, from: &mut BoundarySystem, x: &[f64], shift: f64) -> Result<f64, Failure> {
+        let z = self.shifted(from, x, 0, shift)?;
+        let nodes: Vec<f64> = self.equations.layout.order.iter().map(|&k| z[k]).collect();
+        Ok(self.equations.phase(&nodes))
+    }
+}
+
+impl Discretised {
+    /// The weights of the values at the nodes of the first segment in an integral over its time.
+    fn time_weights(&self) -> Vec<f64> {
+        let (m, weights) = (self.layout.degree, node_weights(self.method.places()));
+        let mesh: &Mesh = &self.meshes[0];
+        let mut sums = vec![0.0; mesh.intervals() * m + 1];
+        for (j, ends) in mesh.points().windows(2).enumerate() {
+            let nodes = sums[j * m..=(j + 1) * m].iter_mut();
+            nodes.zip(&weights).for_each(|(sum, weight)| *sum += (ends[1] - ends[0]) * weight);
+        }
+        sums
+    }
+}
+
+/// Values less their mean.
+fn about_mean(values: &[f64], weights: &[f64]) -> Vec<f64> {
+    let whole: f64 = weights.iter().sum();
+    let mean = values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / whole;
+    values.iter().map(|x| x - mean).collect()
+}
+
+/// A time within a period.
+fn wrapped(tau: f64, period: f64) -> f64 {
+    let tau = tau.rem_euclid(period);
+    if tau < period { tau } else { 0.0 }
+}

@@ -1,0 +1,93 @@
+//! The events between two points of a branch.
+
+use super::Kind;
+use super::event::Test;
+use super::locate::Located;
+use super::run::Tracer;
+use super::stepper::{AT_START, Place, Step};
+
+/// A slope of the continued parameter, on curves of scaled arclength, that is rounding.
+const VERTICAL: f64 = 1e-7;
+
+/// Multipliers beyond this are known by their size only.
+const HUGE: f64 = 1e7;
+
+impl Tracer<'_> {
+    /// All events in a step, in the order in which the branch meets them, but for those of the start.
+    pub fn events_between(
+        &mut self,
+        from: &Place,
+        step: &Step,
+        backward: bool,
+        at_start: bool,
+    ) -> Vec<Located> {
+        let (to, length) = (&step.place, step.length);
+        let mut found: Vec<Located> = Vec::new();
+        for index in 0..self.stepper.events.len() {
+            let event = &self.stepper.events[index];
+            if !event.passed(from.tests[index], to.tests[index], backward) {
+                continue;
+            }
+            // At a pitchfork the parameter turns as well.
+            let turns = at_start && self.from_branch_point && event.test == Test::Fold;
+            if turns || self.is_noise(index, from, step) {
+                continue;
+            }
+            // At a neutral saddle, λ and −λ, the sign changes as at a Hopf point, but nothing is lost or
+            // gained in stability.
+            if event.test == Test::Hopf && from.point.unstable == to.point.unstable {
+                continue;
+            }
+            let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
+            let bound = index < self.bounds.len();
+            let of_the_start = at_start && !bound && located.along <= AT_START;
+            if !(of_the_start || self.is_double(&located, &found, length)) {
+                found.push(located);
+            }
+        }
+        found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        found
+    }
+
+    /// Whether a change of sign means nothing: that of the parameter's slope on a vertical branch, and, where multipliers
+    /// are so large that their signs are rounding, that of the test function of period doublings.
+    fn is_noise(&self, index: usize, from: &Place, step: &Step) -> bool {
+        let to = &step.place;
+        let slopes = [from, to].map(|place| place.tests[index].abs());
+        match self.stepper.events[index].test {
+            Test::Fold => {
+                let parameter = self.stepper.equations.parameters_at();
+                let scale = self.stepper.weights[parameter].sqrt();
+                slopes[0].max(slopes[1]) * scale < VERTICAL
+            }
+            Test::PeriodDoubling => {
+                let huge =
+                    |place: &Place| place.spectrum.iter().flatten().any(|mu| mu.0.abs() > HUGE);
+                huge(from) && huge(to) && from.point.unstable == to.point.unstable
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether an event is another one of those found in the step, seen once more.
+    fn is_double(&self, it: &Located, found: &[Located], length: f64) -> bool {
+        let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
+        let mut others = found.iter();
+        match it.special.kind {
+            // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is one
+            // branch point, and no fold, whose defining system is singular there.
+            Kind::LP | Kind::CP => {
+                let same = |other: &Located| !it.special.converged || near(other);
+                // So it is where the curve ends as its own mirror image.
+                let turns = [Kind::BP, Kind::HB, Kind::GH, Kind::R1, Kind::R2];
+                others.any(|other| turns.contains(&other.special.kind) && same(other))
+            }
+            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
+            // point, which a fold defines.
+            Kind::PD if self.branch.condition == Some(Kind::G) => {
+                others.any(|other| other.special.kind == Kind::LP && near(other))
+            }
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Curves that come back to their start.
+
+use super::End;
+use super::hermite::hermite;
+use super::locate::Located;
+use super::predictor::knots_of;
+use super::run::Tracer;
+use super::stepper::{Place, Step, Stepper};
+use crate::core::extended::Closing;
+use crate::core::kind::Kind;
+use crate::core::newton::scaled_norm;
+use crate::core::solution::Solution;
+use crate::core::vector::{difference, dot};
+
+/// A place of a curve near its start that it passes again if it is closed.
+pub(super) struct Reference {
+    pub place: Place,
+    /// The solution on its own mesh, where there is one.
+    saved: Option<Solution>,
+    /// Its estimated relative error.
+    mesh_error: f64,
+}
+
+/// A branch point is singular: the curve is looked for so far behind it, in scaled arclength.
+const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
+
+/// A corrected point this near to the reference, in units of the tolerance, is the reference.
+const SAME: f64 = 1e3;
+
+/// Solutions on different meshes may differ by this many times their estimated errors.
+const MESHES: f64 = 5.0;
+
+impl Tracer<'_> {
+    /// The place that a half of the branch passes again if the curve is closed: its start, or where that is a branch point, a
+    /// place behind it, with no event between them. `None` where a branch begins.
+    pub fn reference(&mut self, start: &Place, backward: bool) -> Option<Reference> {
+        if !self.from_branch_point {
+            return Some(self.stepper.reference(start.clone()));
+        }
+        if !self.directions[0] {
+            return None;
+        }
+        let mut turned = start.clone();
+        self.stepper.turn(&mut turned);
+        let row = self.stepper.covector(&turned.tangent);
+        let step = BEHIND.iter().find_map(|&length| {
+            let step = self.stepper.try_step(&[], &turned, &row, length).ok()?;
+            self.events_between(&turned, &step, !backward, true).is_empty().then_some(step)
+        });
+        let mut place = step?.place;
+        self.stepper.turn(&mut place);
+        Some(self.stepper.reference(place))
+    }
+}
+
+impl Tracer<'_> {
+    /// Which of the events found is a branch point at which a branch of doubled orbits comes back to the orbits that they are
+    /// doubles of: beyond it, it is the same branch, half a period later.
+    pub fn returns_to_parent(&mut self, found: &[Located], from: &Place) -> Option<usize> {
+        let is_crossing = |it: &Located| it.special.kind == Kind::BP && it.special.converged;
+        let k = found.iter().position(is_crossing)?;
+        let equations = &mut self.stepper.equations;
+        let before = equations.load(&from.unknowns).to_vec();
+        let n = equations.dimension();
+        let there = [&found[k].special.state[..], &before[n..]].concat();
+        let cycles = equations.system().cycles()?;
+        (cycles.repeats(&there) && !cycles.repeats(&before)).then_some(k)
+    }
+}
+
+impl Stepper<'_> {
+    /// A place that a curve passes again if it is closed.
+    fn reference(&mut self, place: Place) -> Reference {
+        let n = self.equations.dimension();
+        let x = self.equations.load(&place.unknowns);
+        let (state, parameters) = (x[..n].to_vec(), x[n..].to_vec());
+        let system = self.equations.system();
+        let (mesh, itinerary) = (system.mesh(), system.itinerary());
+        let x = [&state[..], &parameters[..]].concat();
+        let mesh_error = system.cycles().map_or(0.0, |cycles| cycles.mesh_error(&x));
+        let saved = (!mesh.is_empty()).then_some(Solution {
+            kind: Kind::EP,
+            itinerary,
+            mesh,
+            state,
+            parameters,
+            tangent: None,
+            switch: false,
+        });
+        Reference { place, saved, mesh_error }
+    }
+
+    /// The end of a branch whose mesh does not resolve the solution at a place, even now that it follows it.
+    pub fn mesh_too_coarse(&mut self, place: &Place) -> Option<End> {
+        let x = self.equations.load(&place.unknowns).to_vec();
+        let error = self.equations.system().cycles()?.mesh_error(&x);
+        let limit = self.settings.max_mesh_error;
+        (error > limit).then_some(End::MeshTooCoarse { error, limit })
+    }
+
+    /// How far along a step it passes through the reference, in its direction: a Newton correction
+    /// at the reference's own distance along the step decides.
+    pub fn closes(&mut self, reference: &Reference, from: &Place, step: &Step) -> Option<f64> {
+        let row = self.covector(&from.tangent);
+        let Some(saved) = &reference.saved else {
+            let Place { unknowns, tangent, .. } = &reference.place;
+            let forward = dot(&row, tangent) >= 0.0;
+            return if forward { self.passes(unknowns, from, step, 0.0) } else { None };
+        };
+        if !self.may_pass(&reference.place, from, step) {
+            return None;
+        }
+        let x = self.equations.load(&from.unknowns).to_vec();
+        let cycles = self.equations.system().cycles()?;
+        let error = MESHES * (reference.mesh_error + cycles.mesh_error(&x));
+        let images = cycles.images(saved).ok()?;
+        let n = self.equations.dimension();
+        images.into_iter().find_map(|z| {
+            let unknowns = [&z[..], &reference.place.unknowns[n..]].concat();
+            self.passes(&unknowns, from, step, error)
+        })
+    }
+
+    /// Whether a step comes near a place as far as can be seen without its phase: by the parameters and the scalar
+    /// unknowns.
+    fn may_pass(&self, place: &Place, from: &Place, step: &Step) -> bool {
+        let names = self.equations.names();
+        let scalars = names.unknowns.iter().rev().take_while(|group| group.length == 1).count();
+        let first = self.equations.dimension() - scalars;
+        let offset = difference(&place.unknowns[first..], &from.unknowns[first..]);
+        scaled_norm(&offset, &self.weights[first..]) <= 1.5 * step.length
+    }
+
+    fn passes(&mut self, target: &[f64], from: &Place, step: &Step, error: f64) -> Option<f64> {
+        let row = self.covector(&from.tangent);
+        let offset = difference(target, &from.unknowns);
+        let along = dot(&row, &offset);
+        let distance = scaled_norm(&offset, &self.weights);
+        let slack = error.min(0.01 * step.length);
+        if !(-slack..=step.length + slack).contains(&along) || distance > 1.5 * step.length {
+            return None;
+        }
+        let mut unknowns = hermite(&knots_of(from, (&step.place, step.length), &row), along);
+        let closing = Closing { row: &row, base: &from.unknowns, length: along };
+        self.correct(&mut unknowns, closing).ok()?;
+        let miss = scaled_norm(&difference(&unknowns, target), &self.weights);
+        let exact = SAME * self.settings.tolerance.max(1e-12);
+        (miss < exact.max(error).min(0.1 * step.length)).then_some(along)
+    }
+}

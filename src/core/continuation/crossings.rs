@@ -1,0 +1,91 @@
+//! How many branch points a step passes, where no eigenvalues are known.
+//!
+//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If it changes linearly, it is singular in between as
+//! often as `M₁⁻¹ M₀` has negative eigenvalues. Those differ from 1, which the eigenvalues of two neighbouring
+//! discretised operators crowd around, so that a few of Arnoldi's vectors find them.
+
+use super::stepper::{Place, Stepper};
+use crate::core::condition::At;
+use crate::core::newton::scaled_norm;
+use crate::core::vector::generic;
+use nalgebra::{Complex, DMatrix};
+
+/// The most vectors spent.
+const VECTORS: usize = 10;
+
+/// Matrices that differ by less than this, applied to a generic vector, have no singular one between them.
+const NEAR: f64 = 0.1;
+
+/// A matrix that makes generic vectors larger than this, compared with a neighbouring one, is singular but for rounding.
+const SINGULAR: f64 = 1e8;
+
+impl Stepper<'_> {
+    /// How many branch points lie between two places, as far as a linear change of the matrix tells. The matrix factored
+    /// last is that of the second place, with this row. And whether that one is a branch point itself, but for rounding.
+    pub fn crossings(&mut self, from: &Place, row: &[f64]) -> (usize, bool) {
+        let length = from.unknowns.len();
+        let roots: Vec<f64> =
+            self.weights.iter().map(|w| if *w > 0.0 { w.sqrt() } else { 1.0 }).collect();
+        let mut basis: Vec<Vec<f64>> = vec![generic(length, 5)];
+        normalise_in(&mut basis[0], &roots);
+        let mut h = DMatrix::<f64>::zeros(VECTORS + 1, VECTORS);
+        let mut used = 0;
+        for k in 0..VECTORS.min(length) {
+            let mut v = self.carried_back(from, row, &basis[k]);
+            if k == 0 {
+                let change: Vec<f64> = v.iter().zip(&basis[0]).map(|(a, b)| a - b).collect();
+                let size = scaled_norm(&change, &self.weights);
+                if !(NEAR..=SINGULAR).contains(&size) {
+                    return (0, size > SINGULAR);
+                }
+            }
+            used = k + 1;
+            for _ in 0..2 {
+                for (j, other) in basis.iter().enumerate() {
+                    let overlap = product_in(other, &v, &roots);
+                    h[(j, k)] += overlap;
+                    v.iter_mut().zip(other).for_each(|(v, o)| *v -= overlap * o);
+                }
+            }
+            let size = normalise_in(&mut v, &roots);
+            h[(k + 1, k)] = size;
+            if size.is_nan() || size <= 1e-8 {
+                break;
+            }
+            basis.push(v);
+        }
+        let square = h.view((0, 0), (used, used)).into_owned();
+        let values = square.complex_eigenvalues();
+        let passes = |l: &&Complex<f64>| l.re < 0.0 && l.im.abs() < 1e-6 * l.re.abs();
+        (values.iter().filter(passes).count(), false)
+    }
+
+    /// `M₁⁻¹ M₀ v`.
+    fn carried_back(&mut self, from: &Place, row: &[f64], v: &[f64]) -> Vec<f64> {
+        let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
+        self.equations.load(&from.unknowns);
+        let At { system, x, released } = self.equations.at();
+        let mut direction = vec![0.0; x.len()];
+        direction[..n].copy_from_slice(&v[..n]);
+        for (&p, part) in released.iter().zip(&v[first..]) {
+            direction[n + p] = *part;
+        }
+        let mut out = vec![0.0; v.len()];
+        system.derivative(x, &direction, &mut out[..n]);
+        out[v.len() - 1] = row.iter().zip(v).map(|(r, v)| r * v).sum();
+        self.equations.solve(&mut out);
+        out
+    }
+}
+
+fn product_in(a: &[f64], b: &[f64], roots: &[f64]) -> f64 {
+    a.iter().zip(b).zip(roots).map(|((a, b), r)| a * b * r * r).sum()
+}
+
+fn normalise_in(v: &mut [f64], roots: &[f64]) -> f64 {
+    let size = product_in(v, v, roots).sqrt();
+    if size > 0.0 {
+        v.iter_mut().for_each(|v| *v /= size);
+    }
+    size
+}

@@ -1,0 +1,182 @@
+//! What is recorded of a special point.
+
+use super::locate::{Found, Located};
+use super::run::Tracer;
+use super::stepper::{Place, Stepper};
+use super::{End, Kind, Point, SpecialPoint};
+use crate::core::motion::{Stability, criticality, deciding, without_critical};
+use crate::core::vector::dot;
+use crate::core::zero::{Profile, Spectrum};
+
+/// A place on the branch to be recorded as a special point.
+pub(super) struct Described<'a> {
+    pub kind: Kind,
+    pub event: &'a str,
+    pub point: Point,
+    pub spectrum: &'a [(f64, f64)],
+    pub unknowns: &'a [f64],
+    pub tangent: &'a [f64],
+    pub profiles: Vec<Profile>,
+}
+
+impl Tracer<'_> {
+    /// An end of the branch.
+    pub fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
+        let equations = &mut self.stepper.equations;
+        let profiles = match equations.assemble(&place.unknowns) {
+            Ok(()) => self.stepper.profiles(),
+            Err(_) => Vec::new(),
+        };
+        let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
+        let kind = if failed { Kind::MX } else { Kind::EP };
+        let Place { unknowns, tangent, point, spectrum, .. } = place;
+        let (event, point) = (&*end.to_string(), point.clone());
+        let spectrum = spectrum.as_deref().unwrap_or_default();
+        let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
+        let mut special = self.stepper.special(described);
+        special.after = after;
+        // On a bound the continued parameter is what it is.
+        if self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. }) {
+            special.error = 0.0;
+        }
+        special
+    }
+}
+
+impl Stepper<'_> {
+    /// The special point with everything that is recorded of it; `between` are the places that enclose it, and how far
+    /// they are apart.
+    pub fn describe(
+        &mut self,
+        index: usize,
+        (between, length): ([&Place; 2], f64),
+        found: Found,
+    ) -> Option<Located> {
+        let Found { along, ref unknowns, error, converged } = found;
+        let [from, to] = between;
+        let event = &self.events[index].clone();
+        let tangent = self.tangent_between(event.kind, unknowns, between, along / length)?;
+        // Where multipliers are infinite, as at a grazing, nothing is known of them.
+        let recorded = self.record(self.settings.stability);
+        let (mut point, spectrum) = recorded.or_else(|_| self.record(false)).ok()?;
+        let known = spectrum.as_ref().filter(|_| self.held.is_empty());
+        point.unstable = known.and_then(|all| self.own_count(event.kind, all, (from, to)));
+        let spectrum = spectrum.unwrap_or_default();
+        if !converged {
+            point.unstable = from.point.unstable.min(to.point.unstable);
+        }
+        let profiles = self.profiles();
+        let parameter = self.equations.parameters_at();
+        let bracket = [from.unknowns[parameter], to.unknowns[parameter]];
+        let special = self.special(Described {
+            kind: event.kind,
+            event: &event.name,
+            point,
+            spectrum: &spectrum,
+            unknowns,
+            tangent: &tangent,
+            profiles,
+        });
+        let mut special = SpecialPoint { error, bracket, converged, ..special };
+        // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
+        let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
+        if event.mirror {
+            self.equations.load(unknowns);
+            let at = self.equations.at();
+            let mesh_error = at.system.cycles().map_or(0.0, |cycles| cycles.mesh_error(at.x));
+            special.error += mesh_error * unknowns[parameter].abs();
+            return Some(Located { event: Some(index), along, special });
+        }
+        let rungs = if end_of_branch { 1 } else { usize::MAX };
+        if converged
+            && self.settings.refinement > 0.0
+            && !self.refine(event, &mut special, &from.point, rungs)
+            && !self.equations.system().exact()
+        {
+            // Nothing is known of the discretisation's share: no digit is promised.
+            special.converged = false;
+            special.error = unknowns[parameter].abs();
+        }
+        Some(Located { event: Some(index), along, special })
+    }
+
+    /// The number of unstable eigenvalues at a special point, without those that are critical there. Where a branch of
+    /// periodic orbits begins, nothing is known of its stability.
+    fn own_count(
+        &mut self,
+        kind: Kind,
+        spectrum: &Spectrum,
+        sides: (&Place, &Place),
+    ) -> Option<usize> {
+        sides.0.point.unstable.or(sides.1.point.unstable)?;
+        let system = self.equations.system();
+        let (dynamics, orientation) = (system.dynamics(), system.orientation());
+        let (count, distance) = criticality(kind, dynamics);
+        let others = without_critical(spectrum, count, distance);
+        Some(Stability::of(dynamics, &others).oriented(orientation).unstable)
+    }
+
+    /// Curves that belong to the solution assembled last.
+    pub fn profiles(&mut self) -> Vec<Profile> {
+        let at = self.equations.at();
+        at.system.profiles(at.x)
+    }
+
+    /// A special point at the place loaded last.
+    pub fn special(&mut self, described: Described) -> SpecialPoint {
+        let Described { kind, event, point, spectrum, unknowns, tangent, profiles } = described;
+        let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
+        SpecialPoint {
+            label: 0,
+            kind,
+            event: event.into(),
+            after: 0,
+            parameters: point.parameters,
+            monitors: point.monitors,
+            unstable: point.unstable,
+            eigenvalues: deciding(spectrum, SpecialPoint::EIGENVALUES),
+            multiplicity: 1,
+            error: self.parameter_error(),
+            bracket: [unknowns[first]; 2],
+            converged: true,
+            state: unknowns[..n].to_vec(),
+            tangent: [&tangent[..n], &tangent[first..]].concat(),
+            mesh: self.equations.system().mesh(),
+            profiles,
+        }
+    }
+
+    /// The tangent at a special point, which is left assembled, a share of the way from one place to another. At a
+    /// branch point, where there are two or more, it is the one that goes on in the direction of the branch.
+    fn tangent_between(
+        &mut self,
+        kind: Kind,
+        unknowns: &[f64],
+        [from, to]: [&Place; 2],
+        share: f64,
+    ) -> Option<Vec<f64>> {
+        let parts = from.tangent.iter().zip(&to.tangent);
+        let mut expected: Vec<f64> = parts.map(|(a, b)| (1.0 - share) * a + share * b).collect();
+        self.rescale(&mut expected);
+        let row = self.covector(&expected);
+        self.equations.assemble(unknowns).ok()?;
+        if kind == Kind::BP && self.held.is_empty() {
+            let crossing = self.tangents_at_crossing(unknowns, 1).unwrap_or_default();
+            self.equations.assemble(unknowns).ok()?;
+            let cosine = |t: &Vec<f64>| dot(&row, t);
+            let nearest =
+                crossing.into_iter().max_by(|a, b| cosine(a).abs().total_cmp(&cosine(b).abs()));
+            let Some(mut tangent) = nearest else { return Some(expected) };
+            let sign = cosine(&tangent).signum();
+            tangent.iter_mut().for_each(|t| *t *= sign);
+            return Some(tangent);
+        }
+        let mut tangent = vec![0.0; unknowns.len()];
+        self.equations.residual(unknowns, None, &mut tangent).ok()?;
+        let regular = self.equations.factor(Some(&row)).is_ok();
+        if regular {
+            self.tangent(&mut tangent);
+        }
+        Some(if regular && dot(&row, &tangent) > 0.5 { tangent } else { expected })
+    }
+}

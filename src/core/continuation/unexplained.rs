@@ -1,0 +1,235 @@
+//! Changes of stability that no event explains: several eigenvalues that pass at one point, as symmetries make them do,
+//! or points of a kind that was not looked for.
+
+use super::describe::Described;
+use super::event::{Event, Test};
+use super::locate::{Found, Located};
+use super::run::Tracer;
+use super::stepper::{Place, Step, Stepper};
+use super::{Kind, SpecialPoint};
+use crate::core::extended::Closing;
+use crate::core::motion::{Stability, criticality, neutral, without_critical};
+use crate::core::zero::Dynamics;
+
+/// Steps in which the number of unstable eigenvalues changes without a reason are halved down to this length, in scaled
+/// arclength.
+pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
+
+impl Tracer<'_> {
+    /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it explain that.
+    pub fn unexplained(
+        &self,
+        from: &Place,
+        step: &Step,
+        found: &[Located],
+        at_start: bool,
+    ) -> Option<isize> {
+        let branch_points = found.iter().filter(|it| it.special.kind == Kind::BP).count();
+        let is_sign = |event: &Event| event.test == Test::BranchPoint;
+        let flips = self.stepper.events.iter().position(is_sign);
+        let flips = flips.is_some_and(|i| from.tests[i] * step.place.tests[i] < 0.0);
+        let odd = !step.crossings.is_multiple_of(2);
+        if step.crossings > branch_points.max(1) || step.crossings > 0 && odd != flips {
+            return Some(step.crossings as isize);
+        }
+        let (before, after) = (from.point.unstable?, step.place.point.unstable?);
+        let change = after as isize - before as isize;
+        let passed = found.iter().map(|located| located.special.kind);
+        let passed = passed.chain(self.origin.iter().copied().filter(|_| at_start));
+        let mut reachable = vec![0_isize];
+        for kind in passed {
+            let changes: &[isize] = match kind {
+                // A multiplier passes through infinity, or the solution is another one beyond.
+                Kind::G | Kind::MX => return None,
+                Kind::LP | Kind::PD | Kind::BP => &[-1, 0, 1],
+                Kind::HB | Kind::TR => &[-2, 0, 2],
+                _ => continue,
+            };
+            let sums = reachable.iter().flat_map(|sum| changes.iter().map(move |c| sum + c));
+            reachable = sums.collect();
+        }
+        (!reachable.contains(&change)).then_some(change)
+    }
+}
+
+impl Stepper<'_> {
+    /// Whether a step ends on a special point itself, but for rounding, where signs say nothing.
+    pub fn ends_on_special_point(&mut self, from: &Place, step: &Step) -> bool {
+        let dynamics = self.equations.system().dynamics();
+        let count = |place: &Place| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
+        matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a)
+    }
+}
+
+/// How far from the middle of a step, in units of it, eigenvalues are looked at.
+const SAMPLES: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+
+/// Zeros of eigenvalues this near to each other, in units of the step, are one.
+const TOGETHER: f64 = 1e-3;
+
+impl Stepper<'_> {
+    /// The point in a small step at which eigenvalues pass unexplained.
+    pub fn unclassified(&mut self, from: &Place, step: &Step, change: isize) -> Option<Located> {
+        self.passing(from, step, change).or_else(|| self.nameless(from, step))
+    }
+
+    /// The middle of a step in which something passes of which no more is known.
+    fn nameless(&mut self, from: &Place, step: &Step) -> Option<Located> {
+        let Found { along, unknowns, error, .. } = self.between(from, &step.place, step.length);
+        self.equations.assemble(&unknowns).ok()?;
+        let (point, _) = self.record(false).ok()?;
+        let profiles = self.profiles();
+        let parameter = self.equations.parameters_at();
+        let bracket = [from, &step.place].map(|place| place.unknowns[parameter]);
+        let special = self.special(Described {
+            kind: Kind::ND,
+            event: "eigenvalues pass, and no event explains it",
+            point,
+            spectrum: &[],
+            unknowns: &unknowns,
+            tangent: &from.tangent,
+            profiles,
+        });
+        let special = SpecialPoint { error, bracket, converged: false, ..special };
+        Some(Located { event: None, along, special })
+    }
+
+    /// The point at which several eigenvalues vanish together: where their mean vanishes on the polynomial
+    /// through several points of the branch.
+    ///
+    /// The equations of the branch are singular there; beside it they are not.
+    fn passing(&mut self, from: &Place, step: &Step, change: isize) -> Option<Located> {
+        let count = change.unsigned_abs();
+        let places = self.samples(from, step)?;
+        let abscissae: Vec<f64> = SAMPLES.iter().map(|s| (0.5 + s) * step.length).collect();
+        let dynamics = self.equations.system().dynamics();
+        let growth: Vec<Vec<f64>> = places
+            .iter()
+            .map(|place| nearest(place.spectrum.as_deref().unwrap_or_default(), count, dynamics))
+            .collect();
+        let mean: Vec<f64> =
+            growth.iter().map(|all| all.iter().sum::<f64>() / count as f64).collect();
+        let along = root(&abscissae, &mean, step.length)?;
+        // Without the first sample, to know how well it is known.
+        let rougher = root(&abscissae[1..], &mean[1..], step.length)?;
+        let each = (0..count).filter_map(|k| {
+            let values: Vec<f64> = growth.iter().map(|all| all[k]).collect();
+            root(&abscissae, &values, step.length)
+        });
+        let spread = each.fold(0.0, |most: f64, zero| most.max((zero - along).abs()));
+        let real = places
+            .iter()
+            .all(|place| is_real(place.spectrum.as_deref().unwrap_or_default(), count, dynamics));
+        let multiple = count > 1 && real && spread <= TOGETHER * step.length;
+        let unknowns: Vec<f64> = (0..from.unknowns.len())
+            .map(|i| {
+                let values: Vec<f64> = places.iter().map(|place| place.unknowns[i]).collect();
+                interpolated(&abscissae, &values, along)
+            })
+            .collect();
+        let parameter = self.equations.parameters_at();
+        let slope = (step.place.unknowns[parameter] - from.unknowns[parameter]).abs() / step.length;
+        let error = 4.0 * slope * (along - rougher).abs() + self.parameter_error();
+        let kind = if multiple { Kind::BP } else { Kind::ND };
+        let (sides, multiplicity) = ([from, &step.place], if multiple { count } else { 1 });
+        let special = self.record_unclassified(kind, &unknowns, sides, count)?;
+        let bracket = sides.map(|place| place.unknowns[parameter]);
+        let special = SpecialPoint { error, bracket, multiplicity, converged: multiple, ..special };
+        Some(Located { event: None, along, special })
+    }
+
+    /// Corrected points of the branch in a step.
+    fn samples(&mut self, from: &Place, step: &Step) -> Option<Vec<Place>> {
+        let row = self.covector(&from.tangent);
+        let mut places = Vec::new();
+        for share in SAMPLES.map(|s| s + 0.5) {
+            let ends = from.unknowns.iter().zip(&step.place.unknowns);
+            let mut unknowns: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+            let length = share * step.length;
+            let closing = Closing { row: &row, base: &from.unknowns, length };
+            self.correct(&mut unknowns, closing).ok()?;
+            places.push(self.arrive(unknowns, &row, f64::INFINITY, true).ok()?);
+        }
+        Some(places)
+    }
+
+    fn record_unclassified(
+        &mut self,
+        kind: Kind,
+        unknowns: &[f64],
+        [from, to]: [&Place; 2],
+        count: usize,
+    ) -> Option<SpecialPoint> {
+        self.equations.assemble(unknowns).ok()?;
+        let (mut point, spectrum) = self.record(true).ok()?;
+        let spectrum = spectrum?;
+        let dynamics = self.equations.system().dynamics();
+        let others = without_critical(&spectrum, count, |l| rate(l, dynamics).abs());
+        point.unstable = Some(Stability::of(dynamics, &others).unstable);
+        let event = match kind {
+            Kind::BP => format!("branch point: {count} eigenvalues vanish"),
+            _ => format!("{count} eigenvalues pass, and no event explains it"),
+        };
+        let tangent: Vec<f64> =
+            from.tangent.iter().zip(&to.tangent).map(|(a, b)| 0.5 * (a + b)).collect();
+        let profiles = self.profiles();
+        Some(self.special(Described {
+            kind,
+            event: &event,
+            point,
+            spectrum: &spectrum,
+            unknowns,
+            tangent: &tangent,
+            profiles,
+        }))
+    }
+}
+
+/// The rate of growth: the real part of an eigenvalue, the logarithm of a multiplier's modulus.
+fn rate(&(re, im): &(f64, f64), dynamics: Dynamics) -> f64 {
+    if dynamics == Dynamics::Periodic { re.hypot(im).ln() } else { re }
+}
+
+/// The `count` rates of growth nearest to zero, in order.
+fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64> {
+    let mut rates: Vec<f64> = spectrum.iter().map(|l| rate(l, dynamics)).collect();
+    rates.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    rates.resize(count, 0.0);
+    rates.sort_by(f64::total_cmp);
+    rates
+}
+
+/// Whether the eigenvalues nearest to the stability boundary are real, and multipliers positive.
+fn is_real(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> bool {
+    let (_, distance) = criticality(Kind::BP, dynamics);
+    let mut order: Vec<&(f64, f64)> = spectrum.iter().collect();
+    order.sort_by(|a, b| rate(a, dynamics).abs().total_cmp(&rate(b, dynamics).abs()));
+    let largest = order.iter().take(count).fold(0.0, |most: f64, l| most.max(distance(l)));
+    order.iter().take(count).all(|l| l.1.abs() <= 1e-3 * largest.max(1e-6))
+}
+
+/// The polynomial through these values (Lagrange), at a place.
+fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
+    let weight = |k: usize| -> f64 {
+        let others = abscissae.iter().enumerate().filter(|(j, _)| *j != k);
+        others.map(|(_, s)| (at - s) / (abscissae[k] - s)).product()
+    };
+    values.iter().enumerate().map(|(k, value)| weight(k) * value).sum()
+}
+
+/// The zero, in a step of this length, of the polynomial through values of which the first and the last one differ in
+/// sign, by the secant method.
+fn root(abscissae: &[f64], values: &[f64], length: f64) -> Option<f64> {
+    let line = |a: f64, fa: f64, b: f64, fb: f64| a - fa * (b - a) / (fb - fa);
+    let last = values.len() - 1;
+    let (mut a, mut fa) = (abscissae[0], values[0]);
+    let mut b = line(a, fa, abscissae[last], values[last]);
+    for _ in 0..30 {
+        let fb = interpolated(abscissae, values, b);
+        if fb == 0.0 || (b - a).abs() <= 1e-15 * length {
+            break;
+        }
+        (a, fa, b) = (b, fb, line(a, fa, b, fb));
+    }
+    (0.0..=length).contains(&b).then_some(b)
+}
