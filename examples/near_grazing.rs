@@ -74,7 +74,12 @@ fn fixed_points<S: System>(
     let run = run.along("voltage", 0.17..=1.01 * voltages[voltages.len() - 1]);
     let branch = voltages.iter().fold(run, |run, v| run.mark("voltage", *v)).trace()?;
     let marks: Vec<_> = branch.of_kind(Kind::UZ).cloned().collect();
-    marks.iter().map(|mark| virtual_of(orbits, &mark.state, &mark.parameters)).collect()
+    // The trace has left the system as it was: it takes over each point.
+    let take = |mark: &tangency::core::continuation::SpecialPoint| {
+        orbits.adopt(&branch.solution(mark))?;
+        virtual_of(orbits, &mark.state, &mark.parameters)
+    };
+    marks.iter().map(take).collect()
 }
 
 /// `y` and phase of the virtual point of an orbit of the flow.
