@@ -18,7 +18,7 @@ mod linearise;
 
 use super::erased::Number;
 use super::interpolation::lagrange;
-use super::interval::{Block, Interval, Watchlist, left_domain};
+use super::interval::{Block, Interval, MonitoredFunctions, left_domain};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};
@@ -223,7 +223,7 @@ impl Collocation {
     pub fn extrema(
         &self,
         interval: Interval<f64>,
-        watched: Watchlist,
+        watched: MonitoredFunctions,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) {
         let (basis, nodes) = (&self.basis, interval.nodes);

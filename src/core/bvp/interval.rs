@@ -71,9 +71,9 @@ pub struct Block<'a> {
     pub numbers: &'a mut [f64],
 }
 
-/// What is watched along an interval, numbered from the first extremum to the last rise.
+/// Functions monitored along an interval, numbered from the first extremum to the last upward crossing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Watchlist<'a> {
+pub struct MonitoredFunctions<'a> {
     /// Scalars whose extrema are wanted.
     pub extrema: &'a [Observable],
     /// Their typical sizes.
@@ -82,8 +82,8 @@ pub struct Watchlist<'a> {
     pub rises: &'a [[Observable; 2]],
 }
 
-impl Watchlist<'_> {
-    /// Whether nothing is watched.
+impl MonitoredFunctions<'_> {
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.extrema.is_empty() && self.rises.is_empty()
     }

@@ -2,7 +2,7 @@
 
 use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
-use super::interval::{Block, Interval, Watchlist};
+use super::interval::{Block, Interval, MonitoredFunctions};
 use super::shooting::Shooting;
 use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
@@ -116,7 +116,7 @@ impl Method {
         interval: Interval<f64>,
         active: &[usize],
         block: Block,
-        watched: Watchlist,
+        watched: MonitoredFunctions,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         match self {
@@ -143,7 +143,7 @@ impl Method {
     pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
-        watched: Watchlist,
+        watched: MonitoredFunctions,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {

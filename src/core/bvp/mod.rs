@@ -22,7 +22,7 @@ pub use collocation::{Collocation, PointsError};
 pub use erased::{Birth, Equations, IntoEquations, Number, Residual};
 pub(in crate::core) use erased::{EndFunctions, WatchNumber, Watches};
 pub use error::BoundaryError;
-pub use interval::{Block, Interval, Span, Watchlist};
+pub use interval::{Block, Interval, MonitoredFunctions, Span};
 pub use mesh::{Mesh, MeshError};
 pub use method::Method;
 pub use problem::BoundaryProblem;

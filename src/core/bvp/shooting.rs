@@ -1,13 +1,13 @@
 //! Shooting: the trajectory of an interval is flowed from its left end.
 
-mod lookout;
+mod extremum_search;
 mod variation;
 
 use super::erased::Number;
-use super::interval::{Block, Interval, Watchlist};
+use super::interval::{Block, Interval, MonitoredFunctions};
 use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
 use crate::core::zero::LeftDomain;
-use lookout::{Lookout, Search};
+use extremum_search::{ExtremumSearch, Observers};
 use std::ops::ControlFlow;
 use variation::Variation;
 
@@ -42,7 +42,7 @@ pub struct Shooting {
     four: Variation<4>,
     eight: Variation<8>,
     plain: Flow<f64>,
-    search: Search,
+    observers: Observers,
     x: Vec<f64>,
 }
 
@@ -175,12 +175,12 @@ impl Shooting {
         interval: Interval<f64>,
         active: &[usize],
         mut block: Block,
-        watched: Watchlist,
+        functions: MonitoredFunctions,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
-        if !(watched.is_empty() || self.settings.scheme.is_explicit()) {
-            self.linearise(interval, active, block, Watchlist::default(), visit)?;
-            return self.extrema(interval, watched, None, visit);
+        if !(functions.is_empty() || self.settings.scheme.is_explicit()) {
+            self.linearise(interval, active, block, MonitoredFunctions::default(), visit)?;
+            return self.extrema(interval, functions, None, visit);
         }
         let n = interval.nodes.len() / 2;
         let (settings, interval, block) = (self.present(), &interval, &mut block);
@@ -188,16 +188,16 @@ impl Shooting {
             row[n..].fill(0.0);
             row[n + i] = -1.0;
         }
-        let (all, search) = ((active, 0), &mut self.search);
-        let lookout = &mut Lookout { watched, search, visit };
+        let (all, observers) = ((active, 0), &mut self.observers);
+        let search = &mut ExtremumSearch { functions, observers, visit };
         let flowed = match n + active.len() {
-            0..=4 => self.four.linearise(settings, interval, all, block, lookout),
+            0..=4 => self.four.linearise(settings, interval, all, block, search),
             directions => (0..directions).step_by(8).try_for_each(|first| {
                 // Trajectories in further directions are the same one.
                 if first > 0 {
-                    lookout.watched = Watchlist::default();
+                    search.functions = MonitoredFunctions::default();
                 }
-                self.eight.linearise(settings, interval, (active, first), block, lookout)
+                self.eight.linearise(settings, interval, (active, first), block, search)
             }),
         };
         flowed.and_then(|()| growth(block.nodes, n))
@@ -209,29 +209,28 @@ impl Shooting {
         error > 0.0
     }
 
-    /// What is watched in an interval, by its number, at places from 0 to 1; and the residual, where that is
-    /// asked for.
+    /// Visits extrema and crossings of monitored functions, by number, at places from 0 to 1; computes the residual
+    /// if it is given.
     pub fn extrema(
         &mut self,
         interval: Interval<f64>,
-        watched: Watchlist,
+        functions: MonitoredFunctions,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), LeftDomain> {
         let settings = self.present();
-        let Shooting { plain, search, x, .. } = self;
+        let Shooting { plain, observers, x, .. } = self;
         plain.settings = settings;
         let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
-        let mut lookout = Lookout { watched, search, visit };
-        lookout.begin();
-        lookout.end(&interval, 0.0, left);
+        let mut search = ExtremumSearch { functions, observers, visit };
+        search.begin();
+        search.end(&interval, 0.0, left);
         x.clear();
         x.extend_from_slice(left);
         let (start, length) = interval.times();
         let field = interval.field();
-        plain
-            .observe(&field, start, length, x, interval.q, |step| lookout.real(&interval, step))?;
-        lookout.end(&interval, 1.0, x);
+        plain.observe(&field, start, length, x, interval.q, |step| search.real(&interval, step))?;
+        search.end(&interval, 1.0, x);
         if let Some(r) = residual {
             r.iter_mut().zip(x.iter().zip(right)).for_each(|(r, (x, right))| *r = x - right);
         }

@@ -1,6 +1,6 @@
 //! Flows with derivatives in a number of directions that the compiler knows.
 
-use super::lookout::Lookout;
+use super::extremum_search::ExtremumSearch;
 use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
 use crate::core::flow::{Flow, Settings};
@@ -39,7 +39,7 @@ where
         interval: &Interval<f64>,
         (active, first): (&[usize], usize),
         block: &mut Block,
-        lookout: &mut Lookout,
+        search: &mut ExtremumSearch,
     ) -> Result<(), LeftDomain> {
         let Interval { problem, span, nodes, q } = *interval;
         let n = nodes.len() / 2;
@@ -54,15 +54,15 @@ where
         self.flow.settings = settings;
         let dual = Interval { problem, span, nodes: &[], q: &self.q };
         let (start, length) = dual.times();
-        lookout.begin();
-        lookout.end(interval, 0.0, &nodes[..n]);
+        search.begin();
+        search.end(interval, 0.0, &nodes[..n]);
         let field = dual.field();
         self.flow.observe(&field, start, length, &mut self.x, &self.q, |step| {
-            lookout.dual(interval, step)
+            search.dual(interval, step)
         })?;
         self.end.clear();
         self.end.extend(self.x.iter().map(|x| x.re));
-        lookout.end(interval, 1.0, &self.end);
+        search.end(interval, 1.0, &self.end);
         for (i, x) in self.x.iter().enumerate() {
             block.residual[i] = x.re - nodes[n + i];
             for (direction, part) in (first..n + active.len()).zip(x.eps) {

@@ -1,7 +1,7 @@
 //! What is seen of watched scalars along the segments, in one pass over the intervals.
 
 use super::layout::Layout;
-use crate::core::bvp::{Equations, Monitor, Watched, Watchlist};
+use crate::core::bvp::{Equations, Monitor, MonitoredFunctions, Watched};
 use crate::core::measure::larger;
 use crate::core::watch::Observable;
 
@@ -184,7 +184,7 @@ impl Extremes {
         &mut self,
         segment: usize,
         interval: usize,
-    ) -> (Watchlist<'_>, impl FnMut(usize, f64, f64)) {
+    ) -> (MonitoredFunctions<'_>, impl FnMut(usize, f64, f64)) {
         let (seen, risen) = (&mut self.seen[segment], &mut self.risen[segment]);
         let visit = move |k: usize, place: f64, value: f64| {
             let (here, extrema) = (Sighting { interval, place, value }, seen.len());
@@ -197,7 +197,7 @@ impl Extremes {
             }
         };
         (
-            Watchlist {
+            MonitoredFunctions {
                 extrema: &self.watched[segment],
                 scales: &self.scales[segment],
                 rises: &self.rises[segment],

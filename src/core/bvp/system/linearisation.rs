@@ -4,7 +4,7 @@
 use super::equations::{Discretised, Work, first_not_finite};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
-use crate::core::bvp::{Block, Interval, Watchlist};
+use crate::core::bvp::{Block, Interval, MonitoredFunctions};
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::zero::LeftDomain;
 
@@ -99,7 +99,7 @@ impl Linearisation {
                 let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
                 let interval = Interval { problem: &**problem, span, nodes, q: &work.q };
                 let (watched, mut visit) = extremes.visitor(s, j);
-                let watched = if watching { watched } else { Watchlist::default() };
+                let watched = if watching { watched } else { MonitoredFunctions::default() };
                 method.linearise(interval, &self.active, block, watched, &mut visit)?;
             }
         }

@@ -1,0 +1,99 @@
+//! Extrema and upward crossings of monitored functions along an interval.
+
+use crate::core::bvp::erased::Watching;
+use crate::core::bvp::{Interval, MonitoredFunctions};
+use crate::core::flow::{Extrema, Extremum, RealStep, Step, UpCrossings};
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::{Observable, WatchIn};
+use std::ops::ControlFlow;
+
+/// The search for extrema of monitored functions along an interval; `visit` gets function, place and value.
+pub(super) struct ExtremumSearch<'a> {
+    pub functions: MonitoredFunctions<'a>,
+    pub observers: &'a mut Observers,
+    pub visit: &'a mut dyn FnMut(usize, f64, f64),
+}
+
+/// One observer for each monitored function.
+#[derive(Default)]
+pub(super) struct Observers {
+    extrema: Vec<Extrema<f64>>,
+    rises: Vec<UpCrossings>,
+    step: RealStep,
+}
+
+impl ExtremumSearch<'_> {
+    /// Begins a new flow.
+    pub fn begin(&mut self) {
+        let Observers { extrema, rises, step } = &mut *self.observers;
+        // Unused observers keep their buffers.
+        extrema.resize_with(extrema.len().max(self.functions.extrema.len()), Extrema::default);
+        rises.resize_with(rises.len().max(self.functions.rises.len()), UpCrossings::default);
+        extrema.iter_mut().for_each(Extrema::restart);
+        step.restart();
+    }
+
+    /// Visits an end of the interval, where the states are `x`.
+    pub fn end(&mut self, interval: &Interval<f64>, place: f64, x: &[f64]) {
+        for (k, &observable) in self.functions.extrema.iter().enumerate() {
+            (self.visit)(k, place, value_at(interval, observable, place, x));
+        }
+    }
+
+    /// Visits extrema and crossings in a step of the flow of real numbers.
+    pub fn real<F: FieldIn<f64>>(
+        &mut self,
+        interval: &Interval<f64>,
+        step: &mut Step<F, f64>,
+    ) -> ControlFlow<()> {
+        let (Observers { extrema, rises, .. }, functions) = (&mut *self.observers, self.functions);
+        for (k, extrema) in extrema.iter_mut().enumerate().take(functions.extrema.len()) {
+            let visit = |found: Extremum<f64>| (self.visit)(k, found.place, found.value);
+            extrema.search(&extremum(functions, interval, k), step, visit);
+        }
+        for (k, (rises, &[through, value])) in rises.iter_mut().zip(functions.rises).enumerate() {
+            rises.search(&interval.watching(through), step, |place, x| {
+                let value = value_at(interval, value, place, x);
+                (self.visit)(functions.extrema.len() + k, place, value);
+            });
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Visits extrema and crossings in a step of dual numbers of an explicit method, unless the ends of the step exclude both.
+    pub fn dual<F: FieldIn<T>, T: Scalar>(
+        &mut self,
+        interval: &Interval<f64>,
+        step: &Step<F, T>,
+    ) -> ControlFlow<()> {
+        let (Observers { extrema, rises, .. }, functions) = (&mut *self.observers, self.functions);
+        let mut all = extrema.iter_mut().enumerate().take(functions.extrema.len());
+        let mut both = rises.iter_mut().zip(functions.rises);
+        if all.any(|(k, extrema)| extrema.may_turn(&extremum(functions, interval, k), step))
+            || both.any(|(rises, pair)| rises.may_rise(&interval.watching(pair[0]), step))
+        {
+            let mut real = std::mem::take(&mut self.observers.step);
+            step.without_derivatives(&mut real, |step| {
+                let _ = self.real(interval, step);
+            });
+            self.observers.step = real;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The value of a monitored function at a place of an interval, where the states are `x`.
+fn value_at(interval: &Interval<f64>, observable: Observable, place: f64, x: &[f64]) -> f64 {
+    let (start, length) = interval.times();
+    interval.watching(observable).value_in(start + place * length, x, interval.q)
+}
+
+/// The `k`-th monitored function whose extrema are wanted.
+fn extremum<'a>(
+    functions: MonitoredFunctions,
+    interval: &Interval<'a, f64>,
+    k: usize,
+) -> Watching<'a> {
+    Watching { scale: functions.scales[k], ..interval.watching(functions.extrema[k]) }
+}
