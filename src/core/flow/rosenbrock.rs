@@ -1,5 +1,8 @@
 //! The Rosenbrock method Rodas5P.
 //!
+//! It is compiled for all scalars of residuals, since work-precision diagrams locate folds of stiff orbits with it: its
+//! scalars of second and third order take 0.9 % of the library's compiled text.
+//!
 //! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves a linear system,
 //!
 //! ```text

