@@ -6,11 +6,12 @@ use super::solution::Solution;
 /// Periodic solutions as closed curves: their phase, how often they repeat themselves, their amplitude.
 pub trait Cycles {
     /// The unknowns, on the present mesh, of solutions that are the same as a saved one but for the point that they begin
-    /// at: in the phase of the solution accepted last, or one for each period of the forcing that it lasts.
+    /// at: in the phase of the solution accepted last, or one for each period of the forcing that it lasts, at times near those
+    /// of the solution `near`.
     ///
     /// # Errors
     /// [`Failure`] if the saved solution is not one of this problem.
-    fn images(&mut self, solution: &Solution) -> Result<Vec<Vec<f64>>, Failure>;
+    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure>;
 
     /// Whether a solution goes through everything twice, so that it has half the period.
     fn repeats(&mut self, x: &[f64]) -> bool;

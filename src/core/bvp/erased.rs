@@ -93,6 +93,11 @@ pub trait Equations:
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
     /// The problem of solutions of two periods, if it is another one.
     fn doubled(&self) -> Option<Arc<dyn Equations>>;
+    /// The extras of a solution that begins with a later segment instead, and at a time near that of others that are given;
+    /// `None` if that is no solution of this problem.
+    fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
     /// The branch that emanates where a solution touches a surface.
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Checks that each segment leads to the next one.

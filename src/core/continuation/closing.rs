@@ -113,7 +113,7 @@ impl Stepper<'_> {
         let x = self.equations.load(&from.unknowns).to_vec();
         let cycles = self.equations.system().cycles()?;
         let error = MESHES * (reference.mesh_error + cycles.mesh_error(&x));
-        let images = cycles.images(saved).ok()?;
+        let images = cycles.images(saved, &x).ok()?;
         let n = self.equations.dimension();
         images.into_iter().find_map(|z| {
             let unknowns = [&z[..], &reference.place.unknowns[n..]].concat();

@@ -1,7 +1,7 @@
 //! The boundary-value problem of hybrid orbits.
 
 use super::hybrid::HybridOrbit;
-use super::itinerary::Itinerary;
+use super::itinerary::{Itinerary, Leg};
 use super::measures::{APPROACH, SHORTEST};
 use crate::core::bvp::{
     Birth, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown, Watched, Watches,
@@ -214,6 +214,22 @@ impl Equations for HybridOrbit {
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
         let doubled = || Arc::new(self.like(self.itinerary.repeated(2)));
         (!self.smooth()).then(|| doubled() as Arc<dyn Equations>)
+    }
+
+    /// Under forcing an orbit may begin any number of periods later.
+    fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
+        let ((p, extras), legs) = (self.split(q), self.legs());
+        let same = |(s, leg): (usize, &Leg)| *leg == legs[(s + segments) % legs.len()];
+        if self.smooth() || !legs.iter().enumerate().all(same) {
+            return None;
+        }
+        let mut durations = self.durations(extras).to_vec();
+        let start = self.forced.then(|| {
+            let (period, start) = (self.system.period(p), self.time(segments, q));
+            start - period * ((start - near[0]) / period).round()
+        });
+        durations.rotate_left(segments);
+        Some(start.into_iter().chain(durations).collect())
     }
 
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {

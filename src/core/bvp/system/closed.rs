@@ -2,6 +2,7 @@
 
 use super::BoundarySystem;
 use super::equations::Discretised;
+use super::layout::Layout;
 use crate::core::bvp::Mesh;
 use crate::core::bvp::interpolation::node_weights;
 use crate::core::condition::Failure;
@@ -21,7 +22,7 @@ const ALIKE: f64 = 0.9;
 const STILL: f64 = 1e-9;
 
 impl Cycles for BoundarySystem {
-    fn images(&mut self, solution: &Solution) -> Result<Vec<Vec<f64>>, Failure> {
+    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
         let meshes = super::start::meshes_of(&solution.mesh)?;
         let degree = self.degree_of(solution, &meshes)?;
         if degree != self.equations.layout.degree {
@@ -32,23 +33,27 @@ impl Cycles for BoundarySystem {
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         if self.equations.layout.phase && self.equations.layout.closes() {
             let shift = self.best_phase(&mut from, &x)?;
-            return Ok(vec![self.shifted(&mut from, &x, 0, shift)?]);
+            return Ok(vec![self.shifted(&mut from, &x, shift)?]);
         }
         let segments = self.equations.layout.segments.len();
-        if segments == 1 {
-            let periods = self.meshes()[0].end().round() as usize;
-            return (0..periods).map(|k| self.shifted(&mut from, &x, 0, k as f64)).collect();
+        let mut images = Vec::new();
+        for turn in 0..segments {
+            if let Some(extras) = self.rotated(&x, turn, near) {
+                images.push(self.taken_over(&mut from, &x, &extras, (turn, 0.0))?);
+            }
         }
-        let rotations = (0..segments).filter(|&turn| self.is_rotation(turn));
-        let rotations: Vec<usize> = rotations.collect();
-        rotations.into_iter().map(|turn| self.shifted(&mut from, &x, turn, 0.0)).collect()
+        if images.is_empty() {
+            let periods = if segments == 1 { self.meshes()[0].end().round() as usize } else { 1 };
+            return (0..periods).map(|k| self.shifted(&mut from, &x, k as f64)).collect();
+        }
+        Ok(images)
     }
 
     fn repeats(&mut self, x: &[f64]) -> bool {
-        let layout = &self.equations.layout;
-        let segments = layout.segments.len();
+        let segments = self.equations.layout.segments.len();
         let single = segments == 1;
-        if !(single || segments.is_multiple_of(2) && self.is_rotation(segments / 2)) {
+        let halves = segments.is_multiple_of(2) && self.rotated(x, segments / 2, x).is_some();
+        if !(single || halves) {
             return false;
         }
         let end = self.meshes()[0].end();
@@ -113,33 +118,38 @@ impl Cycles for BoundarySystem {
 }
 
 impl BoundarySystem {
-    /// Whether the segments that begin with another one are the same.
-    fn is_rotation(&self, turn: usize) -> bool {
-        let (names, extras) = (self.problem().segments(), self.equations.layout.extras);
-        let count = names.len();
-        turn == 0
-            || extras.is_multiple_of(count)
-                && (0..count).all(|s| names[s] == names[(s + turn) % count])
+    /// The extras of a solution that begins with a later segment instead, near those of another one in time.
+    fn rotated(&self, x: &[f64], segments: usize, near: &[f64]) -> Option<Vec<f64>> {
+        let Layout { dimension, .. } = self.equations.layout;
+        let extras = self.equations.layout.values()..dimension;
+        let q = [&x[dimension..], &x[extras.clone()]].concat();
+        self.problem().rotated(segments, &q, &near[extras])
     }
 
-    /// A solution on other meshes as one on these, which begins with another segment, or later by a shift.
+    /// A solution on other meshes as one on these, later by a shift.
     fn shifted(
         &self,
         from: &mut BoundarySystem,
         x: &[f64],
-        turn: usize,
         shift: f64,
     ) -> Result<Vec<f64>, Failure> {
-        let layout = &from.equations.layout;
-        let count = layout.segments.len();
-        let mut extras = x[layout.values()..layout.dimension].to_vec();
-        if turn > 0 {
-            let by = turn * extras.len() / count;
-            extras.rotate_left(by);
-        }
-        let end = from.meshes()[0].end();
+        let Layout { dimension, .. } = from.equations.layout;
+        let extras = x[from.equations.layout.values()..dimension].to_vec();
+        self.taken_over(from, x, &extras, (0, shift))
+    }
+
+    /// A solution on other meshes as one on these, with these extras, that begins with a later segment or by a shift
+    /// later.
+    fn taken_over(
+        &self,
+        from: &mut BoundarySystem,
+        x: &[f64],
+        extras: &[f64],
+        (turn, shift): (usize, f64),
+    ) -> Result<Vec<f64>, Failure> {
+        let (count, end) = (from.meshes().len(), from.meshes()[0].end());
         let mut outcome = Ok(());
-        let z = self.sampled(&extras, |segment, tau, out| {
+        let z = self.sampled(extras, |segment, tau, out| {
             let tau = if count == 1 { wrapped(tau + shift, end) } else { tau };
             match from.states(x, (segment + turn) % count, tau) {
                 Ok(states) => out.copy_from_slice(&states),
@@ -157,7 +167,7 @@ impl BoundarySystem {
         let width = from.meshes()[0].end() / PHASES as f64;
         let (mut best, mut least) = (0.0, f64::INFINITY);
         for k in 0..PHASES {
-            let z = self.shifted(from, x, 0, k as f64 * width)?;
+            let z = self.shifted(from, x, k as f64 * width)?;
             let distance: f64 =
                 z[..layout.values()].iter().zip(reference).map(|(z, r)| (z - r).powi(2)).sum();
             if distance < least {
@@ -184,7 +194,7 @@ impl BoundarySystem {
 
     /// The left side of the phase condition at a shift.
     fn phase_at(&self, from: &mut BoundarySystem, x: &[f64], shift: f64) -> Result<f64, Failure> {
-        let z = self.shifted(from, x, 0, shift)?;
+        let z = self.shifted(from, x, shift)?;
         let nodes: Vec<f64> = self.equations.layout.order.iter().map(|&k| z[k]).collect();
         Ok(self.equations.phase(&nodes))
     }
