@@ -58,6 +58,11 @@ pub trait Condition: Send {
         0
     }
 
+    /// Names of the first of its own unknowns, which are recorded along a curve that the condition is held on.
+    fn names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// Whether its values need the assembled `F_z`, with which the residual then comes.
     fn assembles(&self) -> bool {
         false

@@ -44,8 +44,8 @@ pub struct Extended<'a> {
     released: Vec<usize>,
     /// `x = (z, p)` with all parameters, held ones included.
     x: Vec<f64>,
-    /// The number of conditions' own unknowns.
-    own: usize,
+    /// The conditions' own unknowns, as loaded last.
+    auxiliary: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
     corner: Vec<f64>,
@@ -69,7 +69,7 @@ impl<'a> Extended<'a> {
             system,
             conditions: Vec::new(),
             released,
-            own: 0,
+            auxiliary: Vec::new(),
             columns: Vec::new(),
             rows: Vec::new(),
             corner: Vec::new(),
@@ -95,10 +95,10 @@ impl<'a> Extended<'a> {
             At { system: &mut *self.system, x: &self.x, released: &self.released },
             &mut y,
         )?;
-        let place = self.dimension() + self.own;
+        let place = self.dimension() + self.auxiliary.len();
         let mut unknowns = unknowns.to_vec();
         unknowns.splice(place..place, y.iter().copied());
-        self.own += y.len();
+        self.auxiliary.extend(y);
         self.conditions.push(condition);
         self.resize();
         Ok(unknowns)
@@ -106,7 +106,7 @@ impl<'a> Extended<'a> {
 
     /// Takes all conditions away, to be given back to [`resume`](Extended::resume).
     pub(crate) fn suspend(&mut self) -> Vec<Box<dyn Condition + 'a>> {
-        self.own = 0;
+        self.auxiliary.clear();
         let conditions = std::mem::take(&mut self.conditions);
         self.resize();
         conditions
@@ -114,7 +114,8 @@ impl<'a> Extended<'a> {
 
     /// Holds exactly these conditions, as they are: prepared already.
     pub(crate) fn resume(&mut self, conditions: Vec<Box<dyn Condition + 'a>>) {
-        self.own = conditions.iter().map(|condition| condition.unknowns()).sum();
+        let own = conditions.iter().map(|condition| condition.unknowns()).sum();
+        self.auxiliary.resize(own, 0.0);
         self.conditions = conditions;
         self.resize();
     }
@@ -126,12 +127,12 @@ impl<'a> Extended<'a> {
 
     /// The length of `X`.
     pub(crate) fn length(&self) -> usize {
-        self.dimension() + self.own + self.released.len()
+        self.dimension() + self.auxiliary.len() + self.released.len()
     }
 
     /// The position of the first released parameter in `X`.
     pub(crate) fn parameters_at(&self) -> usize {
-        self.dimension() + self.own
+        self.dimension() + self.auxiliary.len()
     }
 
     /// The released parameters, as positions among all parameters.
@@ -163,16 +164,28 @@ impl<'a> Extended<'a> {
     pub(crate) fn load(&mut self, unknowns: &[f64]) -> &[f64] {
         let n = self.dimension();
         self.x[..n].copy_from_slice(&unknowns[..n]);
-        for (&p, value) in self.released.iter().zip(&unknowns[n + self.own..]) {
+        for (&p, value) in self.released.iter().zip(&unknowns[n + self.auxiliary.len()..]) {
             self.x[n + p] = *value;
         }
+        let own = self.auxiliary.len();
+        self.auxiliary.copy_from_slice(&unknowns[n..n + own]);
         &self.x
+    }
+
+    /// The conditions' own unknowns that have names, as loaded last.
+    pub(crate) fn recorded(&self) -> impl Iterator<Item = f64> {
+        let mut rest = &self.auxiliary[..];
+        self.conditions.iter().flat_map(move |condition| {
+            let (own, others) = rest.split_at(condition.unknowns());
+            rest = others;
+            own[..condition.names().len()].iter().copied()
+        })
     }
 
     /// `X` from `x = (z, p)`, with the conditions' own unknowns zero.
     pub fn unload(&self, x: &[f64]) -> Vec<f64> {
         let n = self.dimension();
-        let own = std::iter::repeat_n(0.0, self.own);
+        let own = std::iter::repeat_n(0.0, self.auxiliary.len());
         let released = self.released.iter().map(|&p| x[n + p]);
         x[..n].iter().copied().chain(own).chain(released).collect()
     }
@@ -254,7 +267,7 @@ impl<'a> Extended<'a> {
     /// [`residual`](Extended::residual) was called last.
     pub(crate) fn factor(&mut self, closing_row: Option<&[f64]>) -> Result<(), Failure> {
         let n = self.dimension();
-        let width = self.own + self.released.len();
+        let width = self.auxiliary.len() + self.released.len();
         self.fill_gradients()?;
         self.fill_columns();
         if let Some(row) = closing_row {
@@ -290,7 +303,7 @@ impl<'a> Extended<'a> {
     /// Rows of the conditions, and their part of the corner.
     fn fill_gradients(&mut self) -> Result<(), Failure> {
         let (n, length) = (self.dimension(), self.x.len());
-        let width = self.own + self.released.len();
+        let width = self.auxiliary.len() + self.released.len();
         self.corner.fill(0.0);
         let (mut row, mut place) = (0, 0);
         for condition in &mut self.conditions {
@@ -304,7 +317,7 @@ impl<'a> Extended<'a> {
                 self.rows[(row + i) * n..(row + i + 1) * n].copy_from_slice(&gradient[..n]);
                 let corner = &mut self.corner[(row + i) * width..(row + i + 1) * width];
                 corner[place..place + k].copy_from_slice(&own[i * k..(i + 1) * k]);
-                for (entry, &p) in corner[self.own..].iter_mut().zip(&self.released) {
+                for (entry, &p) in corner[self.auxiliary.len()..].iter_mut().zip(&self.released) {
                     *entry = gradient[n + p];
                 }
             }
@@ -339,7 +352,7 @@ impl<'a> Extended<'a> {
 
     fn resize(&mut self) {
         let (n, length) = (self.dimension(), self.x.len());
-        let width = self.own + self.released.len();
+        let width = self.auxiliary.len() + self.released.len();
         let most = self.conditions.iter().map(|c| c.unknowns()).max().unwrap_or(0);
         self.columns.resize(n * width, 0.0);
         self.rows.resize(n * width, 0.0);

@@ -12,6 +12,7 @@
 
 use super::condition::Failure;
 use super::extended::{Closing, Extended};
+use super::vector::generic;
 use super::zero::{LeftDomain, Singular};
 
 /// When Newton's iteration stops.
@@ -183,9 +184,12 @@ const NEARLY_LINEAR: f64 = 1e-4;
 const NEGLIGIBLE: f64 = 1e-3;
 /// Where the iteration begins, the equations may err by this part of the tolerance.
 pub(super) const ROUGHLY: f64 = 2e-4;
-/// Scaled corrections this small that shrink no more have met rounding: the point is as good as
-/// arithmetic allows, and its error estimate says how good that is.
-const ROUNDING: f64 = 1e-9;
+/// The ratio of two corrections says nothing of the curvature if the first one is smaller than this.
+const MEASURABLE: f64 = 3e-7;
+/// Corrections that shrink no more are rounding if they are at most this many times a sample of it,
+const NOISE: f64 = 30.0;
+/// and no larger than this: what is known so badly is no solution.
+const MOST_NOISE: f64 = 1e-7;
 
 /// The equations with what closes and measures them.
 struct Problem<'p, 'a> {
@@ -247,7 +251,12 @@ impl Newton {
             problem.equations.solve(&mut self.correction);
             let size = problem.size(&self.correction);
             report.correction = size;
-            if iteration > 1 && self.is_last(size / previous, unknowns, tolerance, &mut report) {
+            let ratio = size / previous;
+            if iteration > 1 && self.is_last(ratio, unknowns, tolerance, &mut report) {
+                return Ok(report);
+            }
+            if iteration > 1 && ratio > GOOD_CONTRACTION && self.is_rounding(&mut problem, unknowns)
+            {
                 return Ok(report);
             }
             previous = size;
@@ -262,7 +271,7 @@ impl Newton {
             if iteration == 1 {
                 // The ratio of two numbers near rounding says nothing.
                 report.contraction = if size > tolerance { contraction } else { 0.0 };
-                if size > ROUNDING.sqrt() * 1e-2 {
+                if size > MEASURABLE {
                     self.curvature = 2.0 * contraction / size;
                 }
             }
@@ -281,7 +290,7 @@ impl Newton {
         report: &mut Convergence,
     ) -> bool {
         let (size, contracts) = (report.correction, ratio <= GOOD_CONTRACTION);
-        if (size <= ROUNDING && !contracts) || size <= NEGLIGIBLE * tolerance {
+        if size <= tolerance && !contracts || size <= NEGLIGIBLE * tolerance {
             return true;
         }
         // ‖Δ̄ₖ₊₁‖ ≈ ω‖Δₖ‖²/2 with the ω of the correction before.
@@ -291,6 +300,43 @@ impl Newton {
             report.matrix_error = 2.0 * ratio * ratio;
         }
         last
+    }
+
+    /// Whether the correction is rounding, so that the point is as good as arithmetic allows.
+    fn is_rounding(&mut self, problem: &mut Problem, unknowns: &[f64]) -> bool {
+        let size = problem.size(&self.correction);
+        let Problem { equations, closing, weights, .. } = problem;
+        size <= MOST_NOISE
+            && self
+                .rounding(equations, *closing, unknowns, 0)
+                .is_ok_and(|noise| size <= NOISE * scaled_norm(noise, weights))
+    }
+
+    /// The error of a solution that rounding causes, a sample of it: the residual changes as each unknown does in its last
+    /// digit, and each equation may keep that error with either sign, so that Newton would make of it what this returns (up
+    /// to signs, a sum over `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM 26:494, 1979). With the matrix factored last; what is
+    /// assembled belongs to the point afterwards.
+    pub(crate) fn rounding(
+        &mut self,
+        equations: &mut Extended,
+        closing: Option<Closing>,
+        unknowns: &[f64],
+        sample: usize,
+    ) -> Result<&[f64], Failure> {
+        self.resize(unknowns.len());
+        let (ups, signs) = (generic(unknowns.len(), sample), generic(unknowns.len(), sample + 7));
+        for ((trial, x), up) in self.trial.iter_mut().zip(unknowns).zip(ups) {
+            *trial = if up > 0.0 { x.next_up() } else { x.next_down() };
+        }
+        equations.assemble(&self.trial)?;
+        equations.residual(&self.trial, closing, &mut self.next)?;
+        equations.assemble(unknowns)?;
+        equations.residual(unknowns, closing, &mut self.residual)?;
+        for ((next, r), sign) in self.next.iter_mut().zip(&self.residual).zip(signs) {
+            *next = (*next - r) * sign.signum();
+        }
+        equations.solve(&mut self.next);
+        Ok(&self.next)
     }
 
     /// What Newton would still change at a solution, which is the error left, rounding included: with the
@@ -361,11 +407,13 @@ impl Newton {
                 self.next.copy_from_slice(&self.residual);
                 problem.equations.solve(&mut self.next);
                 let contraction = problem.size(&self.next) / size.max(f64::MIN_POSITIVE);
-                let settled = size <= problem.tolerance.max(ROUNDING);
-                if settled || contraction <= 1.0 - damping / 4.0 {
+                if size <= problem.tolerance || contraction <= 1.0 - damping / 4.0 {
                     unknowns.copy_from_slice(&self.trial);
                     return Ok(contraction);
                 }
+            }
+            if damping == 1.0 && self.is_rounding(problem, unknowns) {
+                return Ok(0.0);
             }
             damping *= 0.5;
             if damping < LEAST_DAMPING {

@@ -10,6 +10,11 @@ pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
+/// The largest absolute value; 0 for none.
+pub(crate) fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |most: f64, v| most.max(v.abs()))
+}
+
 /// Scales a vector to length 1, unless it is zero.
 pub(crate) fn normalise(v: &mut [f64]) {
     let norm = norm(v);

@@ -22,6 +22,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         refinement: Plain,
         settle: Plain,
         max_mesh_error: Plain,
+        max_period_growth: Plain,
         detect: Plain,
         stability: Plain,
         eigenvalues: Plain,

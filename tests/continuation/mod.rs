@@ -11,5 +11,6 @@ mod linear;
 mod newton;
 mod order_conditions;
 mod prediction;
+mod rounding;
 mod special_points;
 mod strangers;

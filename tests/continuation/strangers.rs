@@ -404,4 +404,10 @@ fn curves_of_torus_points_end_at_resonances() {
     close(resonance.parameters[0], 0.4294, 1e-4);
     close(resonance.parameters[1], 1.0977, 1e-4);
     assert!(curve.of_kind(Kind::R1).count() == 1 && curve.points.len() < 300);
+    // The angle of the multipliers is recorded along the curve, and vanishes there.
+    let angle = curve.column("torus_angle").unwrap();
+    let at = |k: usize| curve.points[k].value(angle).unwrap();
+    assert!(
+        (0..curve.points.len()).all(|k| at(k) > -1e-6) && resonance.value(angle).unwrap() < 1e-3
+    );
 }

@@ -1,6 +1,6 @@
 //! Scenes: the built-in ones, changes by name, and texts that are no scenes.
 
-use crate::program::scenarios::{any_text, built_in, refusal, traced, with};
+use crate::program::scenarios::{any_text, built_in, column, refusal, traced, with};
 use proptest::prelude::*;
 use tangency::core::continuation::{End, Kind};
 use tangency::output::{Document, draw, figures};
@@ -341,5 +341,52 @@ proptest! {
         if let Some(number) = scene.value("gap_ratio") {
             prop_assert!(number.is_finite());
         }
+    }
+}
+
+/// Doubled orbits that come back to the orbit that they are doubles of end there, and do not go round.
+#[test]
+fn doubled_branches_end_at_their_parents() {
+    for frequency in ["0.57", "0.571"] {
+        let scene = with("mita-type-1", &[("frequency", frequency), ("damping", "0.1")]);
+        let document = traced(&scene);
+        let parents = column(&document, "P(1,1)", Kind::PD, "voltage");
+        let ends = column(&document, "P(2,2)", Kind::PD, "voltage");
+        assert_eq!((parents.len(), ends.len()), (2, 1));
+        assert!((parents[1] - ends[0]).abs() < 1e-9, "{parents:?} {ends:?}");
+        assert!(document.branch("P(2,2)").unwrap().of_kind(Kind::BP).next().is_none());
+    }
+}
+
+/// Likewise by collocation, where both halves of the orbit lie on meshes of their own.
+#[test]
+fn doubled_branches_end_at_their_parents_by_collocation() {
+    let changes = [("frequency", "0.57"), ("damping", "0.1"), ("method", "collocation")];
+    let document = traced(&with("mita-type-1", &changes));
+    let [parents, ends] =
+        ["P(1,1)", "P(2,2)"].map(|name| column(&document, name, Kind::PD, "voltage"));
+    assert!((parents[1] - ends[0]).abs() < 1e-9 && ends.len() == 1);
+}
+
+/// A tolerance of flows that leaves no finer one to tell the error is refused; the next one has errors.
+#[test]
+fn tolerances_leave_room_for_an_estimate_of_the_error() {
+    let error = built_in("bratu").set("flow_tolerance", "1e-14").unwrap_err().to_string();
+    assert!(error.contains("1e-13"), "{error}");
+    let document = traced(&with("bratu", &[("method", "shooting"), ("flow_tolerance", "1e-13")]));
+    let special = document.branches.iter().flat_map(|branch| &branch.special);
+    assert!(special.clone().count() > 2 && special.clone().all(|point| point.converged));
+}
+
+/// Near a homoclinic orbit a branch ends with that reason, before its rows are noise.
+#[test]
+fn branches_end_near_homoclinic_orbits() {
+    for beta in ["0.81062", "0.69395"] {
+        let document = traced(&with("lure", &[("beta", beta)]));
+        let doubled = document.branch("doubled").unwrap();
+        let reason = &doubled.ends[1];
+        assert!(matches!(reason, End::LongPeriod { .. }), "{beta}: {reason}");
+        let unsure = doubled.special.iter().filter(|point| !point.converged).count();
+        assert!(unsure == 0, "{beta}: {unsure} of {} rows", doubled.special.len());
     }
 }

@@ -69,6 +69,10 @@ impl Condition for Hopf {
         1
     }
 
+    fn names(&self) -> &'static [&'static str] {
+        if self.periodic { &["torus_angle"] } else { &["hopf_frequency"] }
+    }
+
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         at.system.assemble(at.x)?;

@@ -140,6 +140,17 @@ pub enum End {
         /// The largest allowed.
         limit: f64,
     },
+    /// Cycles come near a homoclinic orbit, or a chain of heteroclinic ones.
+    #[error(
+        "the period grows from {shortest:.6} to {period:.6}, near a homoclinic orbit: more than `max_period_growth` allows, \
+         or the parameters no longer change"
+    )]
+    LongPeriod {
+        /// The period at the end.
+        period: f64,
+        /// The shortest one on this half of the branch.
+        shortest: f64,
+    },
     /// A terminal event happened.
     #[error("the event `{event}` ends the branch")]
     Event {

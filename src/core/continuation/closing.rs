@@ -1,6 +1,5 @@
 //! Curves that come back to their start.
 
-use super::End;
 use super::hermite::hermite;
 use super::locate::Located;
 use super::predictor::knots_of;
@@ -88,14 +87,6 @@ impl Stepper<'_> {
             switch: false,
         });
         Reference { place, saved, mesh_error }
-    }
-
-    /// The end of a branch whose mesh does not resolve the solution at a place, even now that it follows it.
-    pub fn mesh_too_coarse(&mut self, place: &Place) -> Option<End> {
-        let x = self.equations.load(&place.unknowns).to_vec();
-        let error = self.equations.system().cycles()?.mesh_error(&x);
-        let limit = self.settings.max_mesh_error;
-        (error > limit).then_some(End::MeshTooCoarse { error, limit })
     }
 
     /// How far along a step it passes through the reference, in its direction: a Newton correction

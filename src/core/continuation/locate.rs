@@ -275,20 +275,17 @@ pub(super) fn converge(
         // It is not made, so that what is assembled for it belongs to the point.
         equations.assemble(unknowns)?;
         let second = newton.residual_correction(equations, unknowns, false)?;
-        let (before, mut at) = (left, difference(unknowns, second));
         left = second[parameter].abs();
-        // Corrections that do not shrink are rounding, multiplied: one of them may be small by chance.
-        if left > 100.0 * rounding && left > 0.1 * before {
-            for _ in 0..SAMPLES {
-                let sample = newton.residual_correction(equations, &at, false)?;
-                left = left.max(sample[parameter].abs());
-                at = difference(&at, sample);
+        // What is left of a converged point is rounding, multiplied: one correction may be small by chance.
+        if left > 100.0 * rounding {
+            for sample in 0..SAMPLES {
+                let noise = newton.rounding(equations, None, unknowns, sample)?;
+                left = left.max(noise[parameter].abs());
             }
-            newton.residual_correction(equations, unknowns, false)?;
         }
     }
     Ok(4.0 * left + rounding)
 }
 
-/// How many more corrections tell how large rounding is.
-const SAMPLES: usize = 5;
+/// How many samples tell how large rounding is.
+const SAMPLES: usize = 2;

@@ -1,6 +1,6 @@
 //! The scaled norm in which arclength is measured.
 
-use crate::core::vector::norm;
+use crate::core::vector::{largest, norm};
 use crate::core::zero::{Group, Names};
 
 /// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
@@ -55,7 +55,7 @@ impl Metric {
         };
         let mut parameters: Vec<f64> = ranges.iter().zip(p_tangent).map(by_range).collect();
         // What the tangent reaches over the first range that is known, unless it is vertical there.
-        let steep = z_tangent.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+        let steep = largest(z_tangent);
         let known =
             |(scale, slope): &(&f64, &f64)| usable(**scale) && slope.abs() > VERTICAL * steep;
         let reach = parameters.iter().zip(p_tangent).find(known);

@@ -1,16 +1,18 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
+mod arnoldi;
 mod between;
 mod branch;
 mod checks;
 mod closing;
 mod crossing;
-mod crossings;
+
 mod describe;
 mod error;
 mod event;
 mod gather;
 mod hermite;
+mod homoclinic;
 mod limit;
 mod locate;
 mod metric;

@@ -96,6 +96,10 @@ impl Stepper<'_> {
         let n = at.system.names().dimension();
         let mut monitors = vec![0.0; at.system.names().monitors.len()];
         at.system.monitors(at.x, &mut monitors).ok()?;
+        let count = monitors.len() + self.equations.recorded().count();
+        // The event's own unknowns are not recorded; those of a curve that is singular there vanish.
+        monitors.extend(equations.recorded());
+        monitors.resize(count, 0.0);
         Some((Point::of(x[n..].to_vec(), monitors, None), x))
     }
 }

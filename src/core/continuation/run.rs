@@ -3,6 +3,7 @@
 use super::closing::Reference;
 use super::event::{Event, Test};
 use super::hermite::MOST_KNOTS;
+use super::homoclinic::CycleLimits;
 use super::locate::Located;
 use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
@@ -32,9 +33,6 @@ pub(super) struct Tracer<'a> {
     /// How many labels have been given.
     pub labels: usize,
 }
-
-/// A branch ends after so many points in a row whose mesh is too coarse.
-const MOST_COARSE: usize = 3;
 
 /// A step that ends on a special point is made shorter by this factor.
 const BESIDE: f64 = 0.93;
@@ -206,7 +204,7 @@ impl Tracer<'_> {
         let Settings { max_points, min_step, max_step, initial_step, .. } = self.stepper.settings;
         let mut length = initial_step.min(max_step);
         let mut before: Vec<Before> = Vec::new();
-        let mut coarse = 0;
+        let mut limits = CycleLimits::default();
         loop {
             let points = half.points.len();
             if points >= max_points {
@@ -251,12 +249,10 @@ impl Tracer<'_> {
             if let Some(ending) = ending {
                 return self.end_half(half, ending, place, start, observer);
             }
-            // The mesh may lag behind the solution for a step; then it follows.
-            let too_coarse = self.stepper.mesh_too_coarse(&step.place);
+            let end = limits.reached(&mut self.stepper, &step.place, place);
             self.accept(&mut before, place, step, start);
             half.points.push(place.point.clone());
-            coarse = if too_coarse.is_some() { coarse + 1 } else { 0 };
-            if let Some(end) = too_coarse.filter(|_| coarse >= MOST_COARSE) {
+            if let Some(end) = end {
                 return end;
             }
             if observer.point(&place.point).is_break() {
@@ -274,6 +270,10 @@ impl Tracer<'_> {
         start: &mut Place,
     ) {
         let left = std::mem::replace(place, step.place);
+        // A test function that is unknown at a point changes its sign, if it does, with the next point at which it is known.
+        for (test, before) in place.tests.iter_mut().zip(&left.tests) {
+            *test = if test.is_nan() { *before } else { *test };
+        }
         before.insert(0, Before { place: left, length: step.length });
         before.truncate(MOST_KNOTS - 1);
         let places =

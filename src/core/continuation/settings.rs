@@ -49,6 +49,9 @@ pub struct Settings {
     /// The largest error, estimated and relative, that the mesh of a discretised solution may cause before the branch
     /// ends (more than 0).
     pub max_mesh_error: f64,
+    /// A branch of cycles of which the period grows beyond this many times the shortest one ends, near a homoclinic orbit
+    /// (more than 1).
+    pub max_period_growth: f64,
     /// The kinds of bifurcations that are looked for; all that are known for a curve if it is empty. Bounds, marks and
     /// events of the user's own are looked for in any case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -76,6 +79,7 @@ impl Default for Settings {
             refinement: 1e-8,
             settle: Vec::new(),
             max_mesh_error: 0.02,
+            max_period_growth: 1e4,
             detect: Vec::new(),
             stability: true,
             eigenvalues: 0,
@@ -116,6 +120,7 @@ impl Settings {
             ("max_iterations", iterations, 2.0..=f64::MAX, "at least 2"),
             ("refinement", self.refinement, 0.0..=1.0_f64.next_down(), "between 0 and 1"),
             ("max_mesh_error", self.max_mesh_error, least..=f64::MAX, "more than 0"),
+            ("max_period_growth", self.max_period_growth, 1.0..=f64::MAX, "at least 1"),
             ("eigenvalues", self.eigenvalues as f64, 0.0..=16.0, "at most 16"),
         ];
         match rules.into_iter().find(|(_, value, allowed, _)| !allowed.contains(value)) {

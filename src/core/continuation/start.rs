@@ -11,7 +11,7 @@ use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, scaled_norm};
 use crate::core::solution::Leaving;
-use crate::core::vector::{difference, dot, generic};
+use crate::core::vector::{difference, dot, generic, largest};
 
 /// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
 pub(super) const VANISHES: f64 = 1e-6;
@@ -54,7 +54,7 @@ impl<'a> Continuation<'a> {
     /// Corrects the start, finds the tangent and the scales.
     fn begin(mut self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, NewtonError> {
         let Resolved { released, held, bounds, scales, settled } = resolved;
-        let branch = self.branch();
+        let branch = self.branch(&held);
         self.check_switch(how)?;
         let at_crossing = how == Leaving::Along || how == Leaving::BranchPoint;
         let crosses = at_crossing
@@ -151,8 +151,9 @@ impl<'a> Continuation<'a> {
     }
 
     /// The branch without its points.
-    fn branch(&self) -> Branch {
+    fn branch(&self, held: &[MakeCondition]) -> Branch {
         let names = self.system.names();
+        let own = held.iter().flat_map(|make| make().names()).map(ToString::to_string);
         Branch {
             name: self.name.clone(),
             condition: self.held.first().map(|(kind, _)| *kind),
@@ -160,7 +161,7 @@ impl<'a> Continuation<'a> {
             unknowns: names.unknowns.clone(),
             parameters: names.parameters.clone(),
             released: self.released.iter().map(|r| r.0.clone()).collect(),
-            monitors: names.monitors.clone(),
+            monitors: names.monitors.iter().cloned().chain(own).collect(),
             points: Vec::new(),
             special: Vec::new(),
             ends: [End::Start, End::Start],
@@ -301,7 +302,7 @@ impl Stepper<'_> {
             p if p.abs() * self.weights[last].sqrt() < 1e-9 * size => {
                 let units = self.equations.unknown_scales();
                 let z = in_units(self.equations.names(), &units, &tangent[..n]);
-                let largest = z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+                let largest = largest(&z);
                 let first = z.iter().find(|z| z.abs() >= (1.0 - EQUAL) * largest);
                 first.map_or(1.0, |z| z.signum())
             }

@@ -332,6 +332,7 @@ impl Stepper<'_> {
         let unstable = counted.map(|all| Stability::of(dynamics, all).unstable);
         let parameters = at.x[n..].to_vec();
         let admissible = self.is_admissible(&monitors, &parameters);
+        monitors.extend(self.equations.recorded());
         let point = Point { parameters, monitors, unstable, eigenvalues, admissible };
         Ok((point, spectrum))
     }

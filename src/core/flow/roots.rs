@@ -5,6 +5,7 @@ use super::step::Step;
 use super::watch_sampler::{Sample, WatchSampler, crosses_once, keep_clear_of_zero, slopes};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::largest;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
@@ -187,7 +188,7 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         self.begin(ends[0].value);
         let slopes = slopes(ends);
         let least = ends[0].value.min(ends[1].value);
-        let steepest = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let steepest = largest(&slopes);
         let clear = keep_clear_of_zero(&slopes) || least > steepest;
         self.sign == Sign::Positive && least > ZERO * self.scale && clear
     }

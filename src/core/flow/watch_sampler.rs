@@ -7,6 +7,7 @@
 use super::step::Step;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::largest;
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
@@ -285,7 +286,7 @@ pub(super) fn slopes([first, last]: &[Sample; 2]) -> [f64; 3] {
 /// Whether slopes in three places of a step have one sign and sizes that differ by less than five times.
 pub(super) fn keep_clear_of_zero(slopes: &[f64; 3]) -> bool {
     let least = slopes.iter().fold(f64::INFINITY, |least, s| least.min(s.abs()));
-    let most = slopes.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+    let most = largest(slopes);
     slopes.iter().all(|s| s * slopes[2] > 0.0) && 5.0 * least > most
 }
 

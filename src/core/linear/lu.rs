@@ -1,5 +1,6 @@
 //! LU factorisation with partial pivoting of a dense matrix within a border.
 
+use crate::core::vector::largest;
 use crate::core::zero::{Border, Singular};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -254,8 +255,4 @@ impl BorderedLu {
 
 fn inverse_power_of_two(largest: f64) -> f64 {
     if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
-}
-
-fn largest(column: &[f64]) -> f64 {
-    column.iter().fold(0.0, |m, a| a.abs().max(m))
 }

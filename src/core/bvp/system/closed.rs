@@ -8,6 +8,7 @@ use crate::core::bvp::interpolation::node_weights;
 use crate::core::condition::Failure;
 use crate::core::cycles::Cycles;
 use crate::core::solution::Solution;
+use crate::core::vector::largest;
 
 /// How many phases are tried before the best one is refined.
 const PHASES: usize = 64;
@@ -90,7 +91,7 @@ impl Cycles for BoundarySystem {
                 about_mean(&x[values.clone()], &weights),
                 about_mean(&reference[values], &weights),
             );
-            let size = r.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
+            let size = largest(&r);
             let value = reference[s.values + state * s.nodes].abs();
             let product = |a: &[f64], b: &[f64]| -> f64 {
                 a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * b * w).sum()
@@ -110,6 +111,12 @@ impl Cycles for BoundarySystem {
         // Beyond an equilibrium the oscillation is the same upside down; what is alike neither way is another one.
         let alike = product.abs() > ALIKE * (own * whole).sqrt();
         Some(if alike { product / whole } else { (own / whole).sqrt() })
+    }
+
+    fn period(&mut self, x: &[f64]) -> f64 {
+        let layout = &self.equations.layout;
+        let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
+        self.equations.duration(&q, |_| true)
     }
 
     fn mesh_error(&mut self, x: &[f64]) -> f64 {

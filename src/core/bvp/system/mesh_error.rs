@@ -15,6 +15,7 @@ use super::equations::{Discretised, Work};
 use super::local::{Dependence, Passes, plain};
 use crate::core::chunk::Chunk;
 use crate::core::scalar::Scalar;
+use crate::core::vector::largest;
 use crate::core::zero::LeftDomain;
 
 /// Where the estimated error of a state, in units of the state's largest value, is largest.
@@ -25,18 +26,33 @@ pub(super) struct LargestError {
     pub error: f64,
 }
 
+/// Values of a state that are smaller than this, compared with the largest value of any, may be rounding.
+const SMALL: f64 = 1e-9;
+
+/// A polynomial whose highest term is larger than this, compared with its values, is noise.
+const ROUGH: f64 = 0.5;
+
 impl Discretised {
+    /// The largest value of a state on a segment; `None` where it vanishes but for rounding: there its values are small
+    /// and its polynomials, in most intervals, noise. `most` is the largest value of all states.
+    fn size_of(&self, segment: usize, state: usize, nodes: &[f64], most: f64) -> Option<f64> {
+        let s = &self.layout.segments[segment];
+        let value = |k: usize| nodes[s.values + k * s.states + state];
+        let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
+        let is_rough = |&j: &usize| self.highest_sum(j, value).abs() > ROUGH * size;
+        let noise = || 2 * (0..s.intervals).filter(is_rough).count() > s.intervals;
+        (size > SMALL * most || size > 0.0 && !noise()).then_some(size)
+    }
+
     /// The largest estimated error; `None` if the method has none, or all states vanish.
     pub fn largest_error(&self, nodes: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
+        let most = largest(nodes);
         let mut largest: Option<LargestError> = None;
         for (segment, s) in self.layout.segments.iter().enumerate() {
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
-                let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
-                if size == 0.0 {
-                    continue;
-                }
+                let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
                 for interval in 0..s.intervals {
                     let error = self.error(segment, interval, size, value);
                     if largest.as_ref().is_none_or(|largest| error > largest.error) {
@@ -138,12 +154,10 @@ impl Discretised {
         let s = &self.layout.segments[segment];
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
         let mut density = vec![0.0; s.intervals];
+        let most = largest(nodes);
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
-            let size = (0..s.nodes).map(|k| value(k).abs()).fold(0.0, f64::max);
-            if size == 0.0 {
-                continue;
-            }
+            let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
             for (interval, density) in density.iter_mut().enumerate() {
                 let here = self.next_derivative(segment, interval, value) / size;
                 *density = here.powf(exponent).max(*density);

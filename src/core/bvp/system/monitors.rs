@@ -113,7 +113,7 @@ impl Discretised {
     }
 
     /// The duration of some segments together.
-    fn duration<T: Number>(&self, q: &[T], counts: impl Fn(usize) -> bool) -> T {
+    pub fn duration<T: Number>(&self, q: &[T], counts: impl Fn(usize) -> bool) -> T {
         let (each, problem) = (self.meshes.iter().enumerate(), T::residual(&*self.problem));
         each.filter(|(s, _)| counts(*s))
             .fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())

@@ -16,7 +16,7 @@ use super::factorisation::{Bordered, column_of, form_of};
 use crate::core::bvp::{Number, Return};
 use crate::core::linear::{Chain, multipliers};
 use crate::core::scalar_field::FieldIn;
-use crate::core::vector::dot;
+use crate::core::vector::{dot, largest};
 use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
 
 impl BoundarySystem {
@@ -316,7 +316,6 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Option<(Vec<f64>
         (1..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
     };
     let (reduced_p, reduced_q) = (block(p), block(q));
-    let largest = |a: &[f64]| a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
     // Each row, compared with those it was made of: beside a homoclinic orbit some vanish but for rounding.
     let rest = n - 1;
     let least = (0..rest)

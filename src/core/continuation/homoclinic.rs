@@ -1,0 +1,56 @@
+//! Where branches of cycles end though Newton's iteration still succeeds: near homoclinic orbits.
+
+use super::End;
+use super::stepper::{Place, Stepper};
+
+/// A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the solution for some steps, and
+/// then follows.
+const MOST_COARSE: usize = 3;
+
+/// A branch ends after so many steps in a row along which the period grows and the parameters change by no more than the
+/// errors of Newton's iteration and of the mesh, if they have changed before: beyond, what is left is noise.
+const MOST_STILL: usize = 3;
+
+/// The error of parameters is this power of that of the solution, since collocation converges faster at its nodes.
+const SUPERCONVERGENCE: f64 = 1.5;
+
+/// What was met along a half of a branch.
+#[derive(Default)]
+pub(super) struct CycleLimits {
+    /// The points in a row whose mesh is too coarse.
+    coarse: usize,
+    /// The steps in a row along which only the period grows.
+    still: usize,
+    /// Whether parameters have changed.
+    moved: bool,
+    /// The shortest and the last period.
+    periods: Option<[f64; 2]>,
+}
+
+impl CycleLimits {
+    /// The end of the branch at a place that was accepted, after the place before it.
+    pub fn reached(&mut self, stepper: &mut Stepper, place: &Place, before: &Place) -> Option<End> {
+        let x = stepper.equations.load(&place.unknowns).to_vec();
+        let cycles = stepper.equations.system().cycles()?;
+        let (error, period) = (cycles.mesh_error(&x), cycles.period(&x));
+        let (limit, growth) = (stepper.settings.max_mesh_error, stepper.settings.max_period_growth);
+        self.coarse = if error > limit { self.coarse + 1 } else { 0 };
+        if self.coarse >= MOST_COARSE {
+            return Some(End::MeshTooCoarse { error, limit });
+        }
+        let [shortest, last] = self.periods.unwrap_or([period; 2]);
+        let first = stepper.equations.parameters_at();
+        let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);
+        let changes =
+            parameters.zip(&stepper.weights[first..]).map(|((a, b), w)| (a - b).abs() * w.sqrt());
+        let change = changes.fold(0.0, f64::max);
+        let least = stepper.settings.tolerance.max(error.powf(SUPERCONVERGENCE));
+        let still = change <= least && period > last;
+        self.still = if still && self.moved { self.still + 1 } else { 0 };
+        self.moved |= change > 1e3 * least;
+        let shortest = shortest.min(period);
+        self.periods = Some([shortest, period]);
+        let long = period > growth * shortest || self.still >= MOST_STILL;
+        long.then_some(End::LongPeriod { period, shortest })
+    }
+}
