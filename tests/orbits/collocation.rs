@@ -6,8 +6,8 @@ use crate::orbits::boundary::{FOLD, Glued, VanDerPol, collocated, strings};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tangency::core::bvp::{
-    BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, IntoEquations, Mesh, Span,
-    Watchlist,
+    BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, IntoEquations, Mesh,
+    MonitoredFunctions, Span,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
 use tangency::core::linear::Factors;
@@ -439,7 +439,8 @@ fn every_stationary_place_is_found() {
     let nodes: Vec<f64> = collocation.places().iter().map(chebyshev).collect();
     let problem = Power(7).into_equations();
     let interval = Interval { problem: &*problem, span: WHOLE, nodes: &nodes, q: &[1.0] };
-    let watched = Watchlist { extrema: &[Observable::State(0)], scales: &[1.0], rises: &[] };
+    let watched =
+        MonitoredFunctions { extrema: &[Observable::State(0)], scales: &[1.0], rises: &[] };
     let mut found = Vec::new();
     collocation.extrema(interval, watched, &mut |_, place, _| found.push(place));
     found.sort_by(f64::total_cmp);

@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 use tangency::core::bvp::{
-    Block, BoundaryProblem, Ends, Interval, IntoEquations, Shooting, Span, Watchlist,
+    Block, BoundaryProblem, Ends, Interval, IntoEquations, MonitoredFunctions, Shooting, Span,
 };
 use tangency::core::flow::{Flow, FlowError, Scheme};
 use tangency::core::scalar::Scalar;
@@ -51,7 +51,9 @@ fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
             let block = Block { residual: &mut residual, nodes: &mut nodes, numbers: &mut numbers };
             let interval = Interval { problem: &*problem, span: SPAN, nodes: &NODES, q: &q };
             let unwatched = &mut |_, _, _| {};
-            shooting.linearise(interval, &active, block, Watchlist::default(), unwatched).unwrap();
+            shooting
+                .linearise(interval, &active, block, MonitoredFunctions::default(), unwatched)
+                .unwrap();
             for direction in 0..4 + count {
                 let mut dual: Vec<Dual64> = NODES.map(Dual64::from).to_vec();
                 dual.extend(q.iter().map(|q| Dual64::from(*q)));
@@ -95,7 +97,8 @@ fn values_and_extrema_are_those_of_the_trajectory() {
     let mut all = [Vec::new(), Vec::new()];
     let mut visit = |k: usize, place, value| all[k].push((2.0 + 5.0 * place, value));
     let through = [[Observable::State(0), Observable::State(1)]];
-    let watched = Watchlist { extrema: &[Observable::State(0)], scales: &[1.0], rises: &through };
+    let watched =
+        MonitoredFunctions { extrema: &[Observable::State(0)], scales: &[1.0], rises: &through };
     shooting.extrema(interval, watched, None, &mut visit).unwrap();
     let [found, risen] = all;
     let (time, speed) = risen[0];
@@ -134,7 +137,7 @@ fn leaving_the_domain_is_an_error_of_every_evaluation() {
     let (mut nodes_part, mut r) = ([0.0; 8], [0.0; 2]);
     let block = Block { residual: &mut r, nodes: &mut nodes_part, numbers: &mut [] };
     let linear = shooting
-        .linearise(interval, &[], block, Watchlist::default(), &mut |_, _, _| {})
+        .linearise(interval, &[], block, MonitoredFunctions::default(), &mut |_, _, _| {})
         .unwrap_err();
     assert_eq!(error, linear);
 }
