@@ -9,7 +9,8 @@ use cpu_time::ProcessTime;
 use std::error::Error;
 use std::f64::consts::TAU;
 use tangency::core::bvp::Collocation;
-use tangency::core::zero::{Border, Group, Names, Slot, System};
+use tangency::core::linear::Factors;
+use tangency::core::zero::{Border, Form, Group, Names, System};
 use tangency::core::{field::VectorField, orbit::periodic_orbits, scalar::Scalar};
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 
@@ -50,7 +51,7 @@ fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
     let mut direction = vec![0.0; n + 1];
     direction[n] = 1.0;
     let mut column = vec![0.0; n];
-    system.derivative(&x, &direction, &mut column);
+    system.derivative(&x, &[&direction], &mut column).unwrap();
     let row = vec![1.0 / n as f64; n];
     let border = Border { width: 1, columns: &column, rows: &row, corner: &[1.0] };
     let mut right = vec![1.0; n + 1];
@@ -62,10 +63,11 @@ fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
         let start = ProcessTime::now();
         system.assemble(&x)?;
         let assembled = start.elapsed();
-        system.factor(Slot::Curve, border)?;
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, border, &mut factors)?;
         let factored = start.elapsed();
         right.fill(1.0);
-        system.solve(Slot::Curve, &mut right);
+        factors.solve(&mut right);
         let solved = start.elapsed();
         let parts = [assembled, factored - assembled, solved - factored];
         times.iter_mut().zip(parts).for_each(|(times, part)| times.push(part.as_secs_f64() * 1e6));

@@ -8,9 +8,10 @@
 //! ```
 
 use super::condition::{At, Condition, Failure};
+use super::linear::Factors;
 use super::system_ref::SystemRef;
 use super::vector::along;
-use super::zero::{Border, Names, Slot, System};
+use super::zero::{Border, Form, Names, System};
 
 /// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
 #[derive(Clone, Copy)]
@@ -52,6 +53,7 @@ pub struct Extended<'a> {
     gradients: Vec<f64>,
     own_gradients: Vec<f64>,
     direction: Vec<f64>,
+    factors: Factors,
 }
 
 impl<'a> Extended<'a> {
@@ -75,6 +77,7 @@ impl<'a> Extended<'a> {
             corner: Vec::new(),
             gradients: Vec::new(),
             own_gradients: Vec::new(),
+            factors: Factors::default(),
         };
         extended.resize();
         extended
@@ -206,7 +209,9 @@ impl<'a> Extended<'a> {
     pub(crate) fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
-        self.system.follow(&mut self.x, directions);
+        if let Some(system) = self.system.discretised() {
+            system.on_accepted(&mut self.x, directions);
+        }
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
@@ -218,15 +223,17 @@ impl<'a> Extended<'a> {
     /// From now on the problem may err by as much as this, as a solution is only approached; conditions are
     /// not stated for what errs.
     pub(crate) fn allow(&mut self, error: f64) {
-        if error == 0.0 || self.conditions.is_empty() {
-            self.system.allow(error);
+        if (error == 0.0 || self.conditions.is_empty())
+            && let Some(system) = self.system.discretised()
+        {
+            system.set_inexactness(error);
         }
     }
 
     /// Assembles the problem's matrix at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
         self.load(unknowns);
-        Ok(self.system.assemble(&self.x)?)
+        self.system.assemble(&self.x)
     }
 
     /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
@@ -269,7 +276,7 @@ impl<'a> Extended<'a> {
         let n = self.dimension();
         let width = self.auxiliary.len() + self.released.len();
         self.fill_gradients()?;
-        self.fill_columns();
+        self.fill_columns()?;
         if let Some(row) = closing_row {
             self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
             self.corner[(width - 1) * width..].copy_from_slice(&row[n..]);
@@ -277,7 +284,7 @@ impl<'a> Extended<'a> {
         self.system.assemble(&self.x)?;
         let border =
             Border { width, columns: &self.columns, rows: &self.rows, corner: &self.corner };
-        Ok(self.system.factor(Slot::Curve, border)?)
+        self.system.factor(Form::Jacobian, border, &mut self.factors)
     }
 
     /// The tangent of the curve at the point where the matrix was factored with a closing row, on which the
@@ -292,12 +299,12 @@ impl<'a> Extended<'a> {
 
     /// Solves with the factored matrix, in place.
     pub(crate) fn solve(&mut self, right: &mut [f64]) {
-        self.system.solve(Slot::Curve, right);
+        self.factors.solve(right);
     }
 
     /// The sign of the determinant of the factored matrix.
     pub(crate) fn determinant_sign(&self) -> f64 {
-        self.system.determinant_sign(Slot::Curve)
+        self.factors.determinant_sign()
     }
 
     /// Rows of the conditions, and their part of the corner.
@@ -328,7 +335,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
-    fn fill_columns(&mut self) {
+    fn fill_columns(&mut self) -> Result<(), Failure> {
         let n = self.dimension();
         let mut column = 0;
         for condition in &self.conditions {
@@ -344,10 +351,12 @@ impl<'a> Extended<'a> {
         for &p in &self.released {
             self.direction[n + p] = 1.0;
             let target = &mut self.columns[column * n..(column + 1) * n];
-            self.system.derivative(&self.x, &self.direction, target);
+            let outcome = self.system.derivative(&self.x, &[&self.direction], target);
             self.direction[n + p] = 0.0;
+            outcome?;
             column += 1;
         }
+        Ok(())
     }
 
     fn resize(&mut self) {

@@ -12,7 +12,9 @@
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
 use super::cycles::Cycles;
-pub use super::failure::{Failure, LeftDomain, Singular};
+pub use super::domain::OutOfDomain;
+pub use super::failure::Failure;
+use super::linear::Factors;
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
 use super::solution::{Adopted, Leaving, Solution};
@@ -72,9 +74,9 @@ pub trait ZeroProblem: Send + Sync {
     /// Refuses values at which the equations have no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain. A residual that is not finite is
+    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite is
     /// refused in any case.
-    fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 
@@ -112,13 +114,20 @@ impl Border<'_> {
     pub const NONE: Border<'static> = Border { width: 0, columns: &[], rows: &[], corner: &[] };
 }
 
-/// Which factorisation of a bordered `F_z` is meant: two are alive at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slot {
-    /// The matrix of Newton's iteration and of the tangent.
-    Curve = 0,
-    /// The matrix that defines the null vectors of a condition.
-    Condition = 1,
+/// A linearisation that is singular at a bifurcation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Form {
+    /// `F_z`.
+    Jacobian,
+    /// `F_z` of periodic orbits with the multiplier −1: with `x(1) = −x(0)` in place of the boundary conditions
+    /// (and further unknowns, such as the period, zero).
+    Antiperiodic,
+    /// Complex: `F_z − iω` about an equilibrium; of periodic orbits `F_z` with the multiplier `e^{iω}`.
+    ///
+    /// Complex vectors are given as the real parts of their components, then the imaginary parts. The conjugates of
+    /// the border's rows enter, its corner is zero, and its width is 1 unless the system takes any.
+    Oscillation(f64),
 }
 
 /// Eigenvalues of the linearised motion, as (real part, imaginary part). About an equilibrium, the
@@ -139,30 +148,6 @@ pub struct Profile {
     pub points: Vec<[f64; 2]>,
 }
 
-/// The linearised motion `L(ω) v = 0` of oscillations `e^{iωt}` about an equilibrium, `L = F_z − iω`, or
-/// of multipliers `e^{iω}` about a periodic orbit, `L = F_z` with `x(1) = e^{iω} x(0)` in place of the
-/// boundary conditions (and further unknowns, such as the period, zero).
-///
-/// Complex vectors are given as their real parts, one after the other, and then their imaginary parts.
-pub trait Oscillation {
-    /// Factors `L(ω)` at the point assembled last within a complex column `b` and row `c*` (each of
-    /// length `2n`).
-    ///
-    /// # Errors
-    /// [`Singular`] if the bordered matrix is.
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular>;
-
-    /// Solves with the bordered matrix, in place: real parts of the `n + 1` unknowns, then imaginary
-    /// parts.
-    fn solve(&mut self, right: &mut [f64]);
-
-    /// Solves with the conjugate transposed bordered matrix, in place.
-    fn solve_transposed(&mut self, right: &mut [f64]);
-
-    /// `∂L/∂ω v` at the point assembled last.
-    fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]);
-}
-
 /// The same zero problem on a finer discretisation, and a point of it.
 pub struct Refinement {
     /// The finer system; its parameters and monitors have the same names.
@@ -181,77 +166,49 @@ pub trait System: Send {
     /// `F(x)` into `r`.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the equations have no meaning at `x` or a component is not finite.
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain>;
+    /// [`Failure`] where the equations have no meaning at `x` or a component is not finite.
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
-    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor),
-    /// [`spectrum`](System::spectrum) and [`jacobian`](System::jacobian). Conditions, monitors and
+    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and [`spectrum`](System::spectrum). Conditions, monitors and
     /// Newton's iteration each ask for it at the same `x`: a second call there should cost no more
     /// than the comparison with the `x` of the first.
     ///
     /// # Errors
-    /// [`LeftDomain`] as for the residual.
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain>;
+    /// [`Failure`] as for the residual.
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
-    /// From now on residuals and matrices may err by as much as this (in units of the unknowns' sizes), since
-    /// a solution is only approached; 0 asks for all digits again. Monitors that are asked for meanwhile may
-    /// err likewise.
-    fn allow(&mut self, _error: f64) {}
-
-    /// Factors the assembled `F_z` within a border (of width 0 or more) and keeps it in `slot`.
+    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and puts the factors into `into`.
     ///
     /// # Errors
-    /// [`Singular`] if the bordered matrix is, to working accuracy.
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular>;
+    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy, and [`Failure::Unsupported`] for a form that
+    /// the system does not have.
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
-    /// Solves with the bordered matrix of `slot`, in place; `right` has length `n + m`.
-    fn solve(&mut self, slot: Slot, right: &mut [f64]);
-
-    /// Solves with the transposed bordered matrix of `slot`, in place.
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]);
-
-    /// Factors, within a border, the assembled `F_z` with `x(1) = −x(0)` in place of a periodic orbit's
-    /// boundary conditions (and further unknowns, such as the period, zero), and keeps it in `slot`.
+    /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three directions (each as
+    /// long as `x`), into `out`.
     ///
     /// # Errors
-    /// [`Singular`] if the bordered matrix is, or if the unknowns are no periodic orbit.
-    fn factor_antiperiodic(&mut self, _slot: Slot, _border: Border) -> Result<(), Singular> {
-        Err(Singular { pivot: 0.0, largest: 0.0 })
-    }
-
-    /// The linearised motion of oscillations or complex multipliers, if the system has it.
-    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        None
-    }
-
-    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
-    fn jacobian(&mut self, out: &mut [f64]);
-
-    /// The sign of the determinant of the bordered matrix of `slot` (−1 or 1).
-    fn determinant_sign(&self, slot: Slot) -> f64;
-
-    /// `F_x d` at `x` into `out`.
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]);
-
-    /// `F_xx[d, e]` at `x` into `out`.
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]);
-
-    /// `F_xxx[d, e, f]` at `x` into `out`.
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]);
-
-    /// `∇ₓ (wᵀ F_x v)` into `out` (as long as `x`): all components of the unknowns, and those of the
-    /// parameters listed in `released`; other parameters' components are left alone.
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]);
-
-    /// `∇ₓ (wᵀ F_xx[v, v])` into `out`, as [`gradient`](System::gradient).
-    fn second_gradient(
+    /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of directions.
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure>;
+
+    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or `∇ₓ (wᵀ F_xx[v, v])` for 2, into `out` (as long as `x`): all components of
+    /// the unknowns, and those of the parameters listed in `released`; other parameters' components are
+    /// unspecified.
+    ///
+    /// # Errors
+    /// [`Failure`] as for [`derivative`](System::derivative), or for another order.
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        form: (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    );
+    ) -> Result<(), Failure>;
 
     /// What the residual says about motion.
     fn dynamics(&self) -> Dynamics;
@@ -273,41 +230,16 @@ pub trait System: Send {
     /// The values of the monitors at a solution, in the order of their names.
     ///
     /// # Errors
-    /// [`LeftDomain`] if a monitor has no meaning at `x`.
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain>;
+    /// [`Failure`] if a monitor has no meaning at `x`.
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
     /// The value of one monitor. `values` is room for all of them, of which the others come out as they may.
     ///
     /// # Errors
-    /// [`LeftDomain`] if the monitor has no meaning at `x`.
-    fn monitor(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        values: &mut [f64],
-    ) -> Result<f64, LeftDomain> {
+    /// [`Failure`] if the monitor has no meaning at `x`.
+    fn monitor(&mut self, monitor: usize, x: &[f64], values: &mut [f64]) -> Result<f64, Failure> {
         self.monitors(x, values)?;
         Ok(values[monitor])
-    }
-
-    /// Refuses a solution that a branch is to start from, though it solves the equations: what is decided, not
-    /// solved for, comes out otherwise on it. Not asked where a solution grazes, where nothing can be decided.
-    ///
-    /// # Errors
-    /// [`LeftDomain`] with what is decided otherwise.
-    fn check_start(&mut self, _x: &[f64]) -> Result<(), LeftDomain> {
-        Ok(())
-    }
-
-    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
-    /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
-    fn grazings(&self) -> &[usize] {
-        &[]
-    }
-
-    /// The typical size of a monitor of [`grazings`](System::grazings), which tolerances are relative to.
-    fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
-        1.0
     }
 
     /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
@@ -321,32 +253,44 @@ pub trait System: Send {
     }
 
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]);
+    ///
+    /// # Errors
+    /// [`Failure`] as for the monitor, or where it is not differentiable.
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure>;
 
     /// Curves that are kept with special points and drawn for them.
     fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {
         Vec::new()
     }
 
-    /// Whether the equations are exact as they stand: no discretisation of something else that
-    /// [`refined`](System::refined) could improve.
-    fn exact(&self) -> bool {
-        true
-    }
-
-    /// The same problem on a finer discretisation: special points are finished on it, and the
-    /// difference is the discretisation's share of their `error`. `None` where there is none finer.
-    fn refined(&self, _x: &[f64]) -> Option<Refinement> {
+    /// The system as a discretisation; `None` if the equations are exact as they stand.
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
         None
     }
 
-    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
-    fn itinerary(&self) -> String {
-        String::new()
+    /// Which solutions are admissible; `None` if all are.
+    fn admissible(&self) -> Option<&dyn Admissible> {
+        None
     }
+}
 
-    /// The same system, to be changed without changing this one; `None` for systems that no branch changes: neither
-    /// [`adopt`](System::adopt) nor [`follow`](System::follow) does anything to them.
+/// A system that discretises something else: finer ones, and the mesh, which may follow a branch.
+pub trait Discretised {
+    /// The same problem on a finer discretisation: special points are finished on it, and the
+    /// difference is the discretisation's share of their `error`. `None` where there is none finer.
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
+
+    /// The error (in units of the unknowns' sizes) tolerated from now on in residuals and matrices, and in monitors
+    /// evaluated meanwhile, since a solution is only approached; 0 restores full accuracy.
+    fn set_inexactness(&mut self, _error: f64) {}
+
+    /// The same system, to be changed without changing this one; `None` for systems that no branch changes.
     fn duplicate(&self) -> Option<Box<dyn System>> {
         None
     }
@@ -356,15 +300,58 @@ pub trait System: Send {
         Vec::new()
     }
 
-    /// Takes over a solution from which a branch is to start. The system may change its mesh, and with
-    /// it the number of its unknowns.
+    /// Prepares the start of a branch from a saved solution. The system may change its mesh, and with it the number
+    /// of its unknowns. `None` if the solution is that of the present mesh as it is.
     ///
     /// # Errors
     /// [`Failure`] if this system cannot start there.
-    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+    fn resume_from(&mut self, _solution: &Solution) -> Result<Option<Adopted>, Failure> {
+        Ok(None)
+    }
+
+    /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
+    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new mesh
+    /// with the same number of intervals.
+    fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
+}
+
+/// Which solutions are admissible, where events of motions decide that.
+pub trait Admissible {
+    /// Checks what is decided, not solved for, at the start of a branch. Not called where a solution grazes, where
+    /// nothing can be decided.
+    ///
+    /// # Errors
+    /// [`Failure::Mismatch`] with what is decided otherwise.
+    fn check_start(&self, x: &[f64]) -> Result<(), Failure>;
+
+    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
+    /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
+    fn grazings(&self) -> &[usize];
+
+    /// The typical size of a monitor of [`grazings`](Self::grazings), which tolerances are relative to.
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
+
+    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
+    fn itinerary(&self) -> String;
+}
+
+/// What holds of systems without a facet.
+impl dyn System + '_ {
+    /// The mesh; empty without one.
+    pub(crate) fn mesh(&mut self) -> Vec<f64> {
+        self.discretised().map_or_else(Vec::new, |system| system.mesh())
+    }
+
+    /// Prepares the start of a branch from a saved solution.
+    pub(crate) fn resume_from(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+        if let Some(system) = self.discretised()
+            && let Some(adopted) = system.resume_from(solution)?
+        {
+            return Ok(adopted);
+        }
         let n = self.names().dimension();
         if solution.state.len() != n {
-            return Err(Failure::NotApplicable(format!(
+            return Err(Failure::Mismatch(format!(
                 "the start has {} unknowns, the problem {n}: was it made with other settings?",
                 solution.state.len()
             )));
@@ -374,8 +361,18 @@ pub trait System: Send {
         Ok(Adopted { z, tangent, leaving: Leaving::Along })
     }
 
-    /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
-    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new mesh
-    /// with the same number of intervals.
-    fn follow(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
+    /// What solutions go through; empty if that is the same for all.
+    pub(crate) fn itinerary(&self) -> String {
+        self.admissible().map_or_else(String::new, |system| system.itinerary())
+    }
+
+    /// Monitors that are positive on admissible solutions.
+    pub(crate) fn grazings(&self) -> &[usize] {
+        self.admissible().map_or(&[], |system| system.grazings())
+    }
+
+    /// The typical size of a monitor of grazings.
+    pub(crate) fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.admissible().map_or(1.0, |system| system.grazing_scale(monitor, p))
+    }
 }

@@ -44,7 +44,7 @@ impl Local {
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError> {
         let (method, intervals) =
-            discretisation.method().map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
+            discretisation.method().map_err(|cause| Failure::Mismatch(cause.to_string()))?;
         let point = grazing_point(system, method, intervals, branch, special)?;
         touches(&**system, &point)?;
         let point = point.located(&**system, &self.parameters[0])?;
@@ -113,6 +113,7 @@ fn grazing_point(
         tangent: None,
         switch: false,
     };
-    let z = orbits.adopt(&solution)?.z;
+    let system: &mut dyn System = &mut orbits;
+    let z = system.resume_from(&solution)?.z;
     GrazingPoint::at(&mut orbits, &z, &special.parameters)
 }

@@ -11,8 +11,9 @@ use tangency::core::bvp::{
     Return,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Slot, System};
+use tangency::core::zero::{Border, Form, System};
 use tangency::problems::classic::Bratu;
 
 /// Bratu's branch through its fold, finished on the finer discretisation; the error is honest.
@@ -240,7 +241,7 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
     let (d, e, f, w) = (wave(1, x.len()), wave(2, x.len()), wave(3, x.len()), wave(4, n));
     let mut out = vec![0.0; n];
     system.set_reference(x).unwrap();
-    system.derivative(x, &d, &mut out);
+    system.derivative(x, &[&d], &mut out).unwrap();
     let residual = |system: &mut BoundarySystem, x: &[f64]| {
         let mut r = vec![0.0; n];
         system.residual(x, &mut r).unwrap();
@@ -248,26 +249,27 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
     };
     agree(&out, &difference(x, &d, H, |x| residual(system, x)), 1e-7);
     let mut second = vec![0.0; n];
-    system.second_derivative(x, &d, &e, &mut second);
+    system.derivative(x, &[&d, &e], &mut second).unwrap();
     let along = |system: &mut BoundarySystem, x: &[f64]| {
         let mut r = vec![0.0; n];
-        system.derivative(x, &d, &mut r);
+        system.derivative(x, &[&d], &mut r).unwrap();
         r
     };
     agree(&second, &difference(x, &e, H, |x| along(system, x)), 1e-7);
     let mut third = vec![0.0; n];
-    system.third_derivative(x, &d, &e, &f, &mut third);
+    system.derivative(x, &[&d, &e, &f], &mut third).unwrap();
     let expected = difference(x, &f, H, |x| {
         let mut r = vec![0.0; n];
-        system.second_derivative(x, &d, &e, &mut r);
+        system.derivative(x, &[&d, &e], &mut r).unwrap();
         r
     });
     agree(&third, &expected, 1e-7);
     let (mut gradient, mut second_gradient) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    system.gradient(x, &w, &d, &released, &mut gradient);
-    system.second_gradient(x, &w, &d, &released, &mut second_gradient);
+    system.gradient(x, (&w, &d, 1), &released, &mut gradient).unwrap();
+    system.gradient(x, (&w, &d, 2), &released, &mut second_gradient).unwrap();
     let mut monitors = vec![vec![0.0; x.len()]; monitor_count];
-    (0..monitor_count).for_each(|k| system.monitor_gradient(k, x, &released, &mut monitors[k]));
+    (0..monitor_count)
+        .for_each(|k| system.monitor_gradient(k, x, &released, &mut monitors[k]).unwrap());
     system.assemble(x).unwrap();
     let (mut jacobian, mut column) = (vec![0.0; n * n], vec![0.0; n]);
     system.jacobian(&mut jacobian);
@@ -278,14 +280,14 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
             system.monitors(x, &mut values).unwrap();
             values.push(dot(&w, &along(system, x)));
             let mut r = vec![0.0; n];
-            system.second_derivative(x, &d, &d, &mut r);
+            system.derivative(x, &[&d, &d], &mut r).unwrap();
             values.push(dot(&w, &r));
             values
         });
         let mut found: Vec<f64> = monitors.iter().map(|gradient| gradient[i]).collect();
         found.extend([gradient[i], second_gradient[i]]);
         agree(&found, &differences, 1e-7);
-        system.derivative(x, &unit, &mut column);
+        system.derivative(x, &[&unit], &mut column).unwrap();
         if i < n {
             agree(&jacobian[i * n..(i + 1) * n], &column, 1e-12);
         } else {
@@ -317,9 +319,10 @@ fn factors_agree(system: &mut BoundarySystem, x: &[f64], width: usize) {
         (0..size).map(|i| (0..size).map(|j| entry(i, j) * solution[j]).sum()).collect();
     let mut left: Vec<f64> =
         (0..size).map(|j| (0..size).map(|i| entry(i, j) * solution[i]).sum()).collect();
-    system.factor(Slot::Condition, border).unwrap();
-    system.solve(Slot::Condition, &mut right);
-    system.solve_transposed(Slot::Condition, &mut left);
+    let mut factors = Factors::default();
+    system.factor(Form::Jacobian, border, &mut factors).unwrap();
+    factors.solve(&mut right);
+    factors.solve_transposed(&mut left);
     agree(&right, &solution, 1e-9);
     agree(&left, &solution, 1e-9);
 }

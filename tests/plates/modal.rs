@@ -7,8 +7,9 @@ use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
 use tangency::core::dense::Dense;
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Names, Slot, System, ZeroProblem};
+use tangency::core::zero::{Border, Form, Names, System, ZeroProblem};
 use tangency::problems::plate::modal::{MOST_MODES, Modal, ModalSettings};
 use tangency::problems::plate::{
     InPlane, Orders, PlateError, Projection, Ritz, RitzSettings, Theory, Units,
@@ -64,8 +65,9 @@ fn equilibrium(system: &mut Dense<Modal>, deflection: f64, parameters: &[f64]) -
     for _ in 0..50 {
         system.residual(&x, &mut step).expect("inside the domain");
         system.assemble(&x).expect("inside the domain");
-        system.factor(Slot::Curve, Border::NONE).expect("regular");
-        system.solve(Slot::Curve, &mut step);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
+        factors.solve(&mut step);
         x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         if step.iter().all(|step| step.abs() < 1e-14) {
             return x;
@@ -230,13 +232,14 @@ fn the_squared_frequency_falls_at_first_by_twice_the_load() {
         p[GAP_RATIO] = gap_ratio;
         let x = [vec![0.0; 6], p].concat();
         let (mut gradient, mut column) = (vec![0.0; x.len()], vec![0.0; 6]);
-        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient);
+        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient).unwrap();
         let mut load = vec![0.0; x.len()];
         load[6 + LOAD] = 1.0;
-        system.derivative(&x, &load, &mut column);
+        system.derivative(&x, &[&load], &mut column).unwrap();
         system.assemble(&x).expect("inside the domain");
-        system.factor(Slot::Curve, Border::NONE).expect("regular");
-        system.solve(Slot::Curve, &mut column);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
+        factors.solve(&mut column);
         let slope: f64 = gradient.iter().zip(&column).map(|(g, c)| -g * c).sum();
         let omega = system.problem().frequencies()[0];
         assert_relative_eq!(2.0 * omega * (slope + gradient[6]), -2.0, max_relative = 1e-10);
@@ -357,16 +360,18 @@ fn assembled_derivatives_are_those_of_dual_numbers() {
                 let zeros = || vec![0.0; x.len()];
                 let mut out = [vec![0.0; 25], zeros(), zeros(), zeros(), zeros(), zeros(), zeros()];
                 system.assemble(&x).expect("inside the domain");
-                system.jacobian(&mut out[0]);
-                system.gradient(&x, &w, &v, &all, &mut out[1]);
-                system.second_gradient(&x, &w, &v, &all, &mut out[2]);
+                system.gradient(&x, (&w, &v, 1), &all, &mut out[1]).unwrap();
+                system.gradient(&x, (&w, &v, 2), &all, &mut out[2]).unwrap();
                 for monitor in 0..4 {
-                    system.monitor_gradient(monitor, &x, &all, &mut out[3 + monitor]);
+                    system.monitor_gradient(monitor, &x, &all, &mut out[3 + monitor]).unwrap();
                 }
                 out
             };
-            let assembled = evaluate(&mut model(settings).into_system());
-            let by_duals = evaluate(&mut Dense::new(Unknown(model(settings))));
+            let mut tabulated = model(settings).into_system();
+            let mut duals = Dense::new(Unknown(model(settings)));
+            let (mut assembled, mut by_duals) = (evaluate(&mut tabulated), evaluate(&mut duals));
+            tabulated.jacobian(&mut assembled[0]);
+            duals.jacobian(&mut by_duals[0]);
             for (assembled, by_duals) in assembled.iter().zip(&by_duals) {
                 let scale = by_duals.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
                 for (a, b) in assembled.iter().zip(by_duals) {
@@ -391,7 +396,7 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let n = 4;
         for monitor in 0..5 {
             let mut gradient = vec![0.0; x.len()];
-            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient);
+            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient).unwrap();
             // All unknowns, voltage, thickness, gap and density.
             for i in (0..n).chain([n, n + 3, n + 4, n + 7]) {
                 let step = 1e-5 * if i < n { 1.0 } else { x[i] };

@@ -6,8 +6,9 @@ use crate::plates::models::{
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
 use tangency::core::dense::Dense;
+use tangency::core::linear::Factors;
 use tangency::core::quadrature::gauss_legendre;
-use tangency::core::zero::{Border, Dynamics, Slot, System, ZeroProblem};
+use tangency::core::zero::{Border, Dynamics, Form, System, ZeroProblem};
 use tangency::problems::plate::sine::{SinePlate, SineSettings};
 use tangency::problems::plate::{
     InPlane, Model, PlateError, PlateSettings, Projection, Theory, Units,
@@ -365,8 +366,9 @@ fn three_models(p: &[f64]) -> [(Box<dyn System>, Vec<f64>); 3] {
         for _ in 0..20 {
             system.residual(&x, &mut step).expect("inside the domain");
             system.assemble(&x).expect("inside the domain");
-            system.factor(Slot::Curve, Border::NONE).expect("regular");
-            system.solve(Slot::Curve, &mut step);
+            let mut factors = Factors::default();
+            system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
+            factors.solve(&mut step);
             x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         }
         (system, x)
@@ -404,7 +406,7 @@ fn the_slope_of_the_squared_frequency_at_no_load_is_minus_two() {
         let mut system = plate(settings(15));
         let x = [vec![0.0; 15], parameters(&[(GAP_RATIO, gap_ratio)])].concat();
         let mut gradient = vec![0.0; x.len()];
-        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient);
+        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient).unwrap();
         // The diagonal flat stiffness turns the load's column into the slope of the deflection.
         let slope: f64 = system
             .problem()
@@ -432,7 +434,7 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let x = equilibrium(&mut system, &start, &p);
         for monitor in 0..4 {
             let mut gradient = vec![0.0; x.len()];
-            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient);
+            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient).unwrap();
             for i in 0..x.len() {
                 let mut at = |shift: f64| {
                     let mut moved = x.clone();

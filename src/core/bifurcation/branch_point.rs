@@ -2,8 +2,9 @@
 
 use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
+use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise};
-use crate::core::zero::{Border, Slot};
+use crate::core::zero::{Border, Form};
 
 /// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
 ///
@@ -34,6 +35,7 @@ pub struct BranchPoint {
     /// The unit direction of the parameter.
     direction: Vec<f64>,
     work: Vec<f64>,
+    factors: Factors,
 }
 
 impl BranchPoint {
@@ -45,26 +47,25 @@ impl BranchPoint {
     fn solve(&mut self, at: &mut At) -> Result<(), Failure> {
         let n = self.left.len();
         at.system.assemble(at.x)?;
-        at.system.derivative(at.x, &self.direction, &mut self.columns[..n]);
+        at.system.derivative(at.x, &[&self.direction], &mut self.columns[..n])?;
         self.columns[n..].copy_from_slice(&self.unfolding);
         for (target, row) in self.border_rows.chunks_exact_mut(n).zip(&self.rows) {
             target.copy_from_slice(&row[..n]);
         }
         let corner = [self.rows[0][n], 0.0, self.rows[1][n], 0.0];
-        at.system.factor(
-            Slot::Condition,
-            Border { width: 2, columns: &self.columns, rows: &self.border_rows, corner: &corner },
-        )?;
+        let (columns, rows) = (&self.columns, &self.border_rows);
+        let border = Border { width: 2, columns, rows, corner: &corner };
+        at.system.factor(Form::Jacobian, border, &mut self.factors)?;
         for i in 0..2 {
             self.work.fill(0.0);
             self.work[n + i] = 1.0;
-            at.system.solve(Slot::Condition, &mut self.work);
+            self.factors.solve(&mut self.work);
             self.right[i][..n].copy_from_slice(&self.work[..n]);
             self.right[i][n + self.parameter] = self.work[n];
         }
         self.work.fill(0.0);
         self.work[n + 1] = 1.0;
-        at.system.solve_transposed(Slot::Condition, &mut self.work);
+        self.factors.solve_transposed(&mut self.work);
         self.left.copy_from_slice(&self.work[..n]);
         self.g = [self.work[n], self.work[n + 1]];
         Ok(())
@@ -87,7 +88,7 @@ impl Condition for BranchPoint {
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         if n + self.parameter >= at.x.len() {
-            return Err(Failure::NotApplicable(format!(
+            return Err(Failure::Mismatch(format!(
                 "the branch point asks for parameter {}, counted from 0, of {}",
                 self.parameter,
                 at.x.len() - n
@@ -119,7 +120,7 @@ impl Condition for BranchPoint {
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         own.fill(0.0);
         for (row, right) in rows.chunks_exact_mut(at.x.len()).zip(&self.right) {
-            at.system.gradient(at.x, &self.left, right, at.released, row);
+            at.system.gradient(at.x, (&self.left, right, 1), at.released, row)?;
             row.iter_mut().for_each(|entry| *entry = -*entry);
         }
         Ok(())

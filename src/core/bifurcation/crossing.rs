@@ -1,8 +1,9 @@
 //! The directions of the branches that cross at a branch point: the algebraic bifurcation equations.
 
 use crate::core::condition::{At, Failure};
+use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, norm, normalise};
-use crate::core::zero::{Border, Slot};
+use crate::core::zero::{Border, Form};
 use nalgebra::{DMatrix, DVector};
 
 /// The null space of `J = [F_z  F_p]` where its rank is `n − m`, and of `Jᵀ`.
@@ -12,6 +13,7 @@ struct NullSpace {
     right: Vec<Vec<f64>>,
     /// `m` vectors.
     left: Vec<Vec<f64>>,
+    factors: Factors,
 }
 
 /// Makes vectors orthonormal (Gram and Schmidt, twice).
@@ -34,7 +36,8 @@ impl NullSpace {
         let (n, length) = (at.system.names().dimension(), at.x.len());
         let mut rows: Vec<Vec<f64>> = (0..=m).map(|k| generic(n + 1, 2 + k)).collect();
         let mut borders: Vec<Vec<f64>> = (0..m).map(|k| generic(n, 11 + k)).collect();
-        let mut space = NullSpace { parameter, right: Vec::new(), left: Vec::new() };
+        let (right, left, factors) = Default::default();
+        let mut space = NullSpace { parameter, right, left, factors };
         let mut direction = vec![0.0; length];
         direction[n + parameter] = 1.0;
         for _ in 0..4 {
@@ -61,13 +64,13 @@ impl NullSpace {
         let width = m + 1;
         at.system.assemble(at.x)?;
         let mut columns = vec![0.0; n * width];
-        at.system.derivative(at.x, direction, &mut columns[..n]);
+        at.system.derivative(at.x, &[direction], &mut columns[..n])?;
         columns[n..].copy_from_slice(&borders.concat());
         let of_z: Vec<f64> = rows.iter().flat_map(|row| &row[..n]).copied().collect();
         let mut corner = vec![0.0; width * width];
         (0..width).for_each(|k| corner[k * width] = rows[k][n]);
         let border = Border { width, columns: &columns, rows: &of_z, corner: &corner };
-        at.system.factor(Slot::Condition, border)?;
+        at.system.factor(Form::Jacobian, border, &mut self.factors)?;
         let unit = |k: usize| {
             let mut unit = vec![0.0; n + width];
             unit[k] = 1.0;
@@ -76,7 +79,7 @@ impl NullSpace {
         self.right.clear();
         for k in 0..width {
             let mut solved = unit(n + k);
-            at.system.solve(Slot::Condition, &mut solved);
+            self.factors.solve(&mut solved);
             let mut right = vec![0.0; at.x.len()];
             right[..n].copy_from_slice(&solved[..n]);
             right[n + self.parameter] = solved[n];
@@ -85,7 +88,7 @@ impl NullSpace {
         self.left.clear();
         for k in 0..m {
             let mut solved = unit(n + 1 + k);
-            at.system.solve_transposed(Slot::Condition, &mut solved);
+            self.factors.solve_transposed(&mut solved);
             solved.truncate(n);
             self.left.push(solved);
         }
@@ -93,14 +96,15 @@ impl NullSpace {
     }
 
     /// The forms `wⱼᵀ F_xx[ζᵢ, ζₖ]`, and how large `F_xx[ζᵢ, ζₖ]` is.
-    fn forms(&self, at: &mut At) -> (Vec<DMatrix<f64>>, f64) {
+    fn forms(&self, at: &mut At) -> Result<(Vec<DMatrix<f64>>, f64), Failure> {
         let count = self.right.len();
         let mut second = vec![0.0; at.system.names().dimension()];
         let mut forms = vec![DMatrix::zeros(count, count); self.left.len()];
         let mut size = 0.0_f64;
         for i in 0..count {
             for k in 0..=i {
-                at.system.second_derivative(at.x, &self.right[i], &self.right[k], &mut second);
+                let directions = [&self.right[i][..], &self.right[k]];
+                at.system.derivative(at.x, &directions, &mut second)?;
                 size = size.max(norm(&second));
                 for (form, left) in forms.iter_mut().zip(&self.left) {
                     let value = dot(left, &second) / norm(left);
@@ -108,7 +112,7 @@ impl NullSpace {
                 }
             }
         }
-        (forms, size)
+        Ok((forms, size))
     }
 
     /// The direction `Σ aᵢ ζᵢ`, of length 1.
@@ -136,7 +140,7 @@ const VANISHES: f64 = 1e-9;
 /// quadratic equation with two roots.
 ///
 /// # Errors
-/// [`Failure::NotApplicable`] where it has no two real solutions: the point is isolated or
+/// [`Failure::Undetermined`] where it has no two real solutions: the point is isolated or
 /// degenerate.
 pub(crate) fn branches_at(
     mut at: At,
@@ -144,7 +148,7 @@ pub(crate) fn branches_at(
     m: usize,
 ) -> Result<Vec<Vec<f64>>, Failure> {
     let space = NullSpace::of(&mut at, parameter, m)?;
-    let (forms, size) = space.forms(&mut at);
+    let (forms, size) = space.forms(&mut at)?;
     let largest = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
     let roots = match m {
         _ if largest <= VANISHES * size => Vec::new(),
@@ -158,7 +162,7 @@ pub(crate) fn branches_at(
 }
 
 fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {
-    Failure::NotApplicable(if m == 1 {
+    Failure::Undetermined(if m == 1 {
         let [a, b, c] = [(0, 0), (0, 1), (1, 1)].map(|k| forms[0][k]);
         format!(
             "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no two \

@@ -7,6 +7,7 @@ mod equations;
 mod extremes;
 mod face;
 mod factorisation;
+mod factors;
 mod layout;
 mod linearisation;
 mod local;
@@ -19,14 +20,14 @@ mod start;
 
 use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
-use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
+use crate::core::failure::Failure;
+use crate::core::zero::{Border, Group, Names};
 use equations::{Discretised, Work};
 use factorisation::{Bordered, Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
 use local::Passes;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
-use rotating::Rotating;
 use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
@@ -63,12 +64,11 @@ pub struct BoundarySystem {
     equations: Discretised,
     names: Names,
     linearisation: Linearisation,
-    factors: [Factorisation; 2],
-    /// For the pencil, where neither of the others has it.
+    /// For multipliers.
     condensed: Factorisation,
-    /// For complex multipliers.
-    rotating: Rotating,
     pencil: [Vec<f64>; 2],
+    /// The count of the assembly that the pencil was reduced from; 0 for none.
+    pencil_of: usize,
     /// Rows of the boundary conditions for a multiplier.
     twisted: Vec<f64>,
     /// How the returns depend on each other, one row after the other, and the right side of a solution.
@@ -112,10 +112,9 @@ impl BoundarySystem {
         Ok(BoundarySystem {
             names,
             linearisation: Linearisation { active, ..Default::default() },
-            factors: [Factorisation::new(layout), Factorisation::new(layout)],
             condensed: Factorisation::new(layout),
-            rotating: Rotating::new(layout),
             pencil: Default::default(),
+            pencil_of: 0,
             twisted: Vec::new(),
             returned: Vec::new(),
             right: Vec::new(),
@@ -186,12 +185,14 @@ impl BoundarySystem {
     /// The states of a segment at a time in units of the segment's duration.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
-    pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, LeftDomain> {
+    /// [`OutOfDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
+    pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
         let layout = &self.equations.layout;
         let Some(s) = layout.segments.get(segment) else {
-            let remedy = format!("there are {} segments, counted from 0", layout.segments.len());
-            return Err(LeftDomain::new("the segment", segment as f64, remedy));
+            let count = layout.segments.len();
+            return Err(Failure::Mismatch(format!(
+                "there is no segment {segment}, counted from 0, of {count}"
+            )));
         };
         let mut out = vec![0.0; s.states];
         self.plain.load(layout, |i| x[i]);
@@ -204,8 +205,8 @@ impl BoundarySystem {
     /// equations are evaluated.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the field has no meaning at the nodes.
-    pub fn set_reference(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    /// [`OutOfDomain`] where the field has no meaning at the nodes.
+    pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.forget();
         self.equations.set_reference(x, &mut self.plain)
     }
@@ -215,8 +216,8 @@ impl BoundarySystem {
     /// are those of this pencil.
     ///
     /// # Errors
-    /// [`Singular`] if the equations of some interval do not determine what is inside it, or if nothing is
-    /// assembled.
+    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
+    /// [`Failure::Mismatch`] if nothing is assembled.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};
@@ -230,16 +231,18 @@ impl BoundarySystem {
     /// assert!((-p[0] / q[0] - (-1.0_f64).exp()).abs() < 1e-8);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Singular> {
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+    pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Failure> {
+        let (layout, assembled): (&Layout, _) = (&self.equations.layout, &self.linearisation);
         if assembled.at.is_empty() {
-            return Err(Singular { pivot: 0.0, largest: 0.0 });
+            return Err(Failure::Mismatch(
+                "nothing is assembled that multipliers could be of".into(),
+            ));
         }
-        let pencil = &mut self.pencil;
-        if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {
+        if self.pencil_of != assembled.count {
             let (form, border) = (Form::Jacobian, Border::NONE);
             self.condensed.condense(Bordered { layout, assembled, form, border })?;
-            self.condensed.pencil(layout, assembled, pencil);
+            self.condensed.pencil(layout, assembled, &mut self.pencil);
+            self.pencil_of = assembled.count;
         }
         let [p, q] = &self.pencil;
         Ok((p, q))

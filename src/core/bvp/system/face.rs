@@ -1,17 +1,16 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
 use super::equations::{Discretised, Work};
-use super::factorisation::{Bordered, Form};
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
-use crate::core::condition::Failure;
 use crate::core::cycles::Cycles;
+use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
+use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Refinement, Singular, Slot,
-    Spectrum, System,
+    self, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
@@ -20,9 +19,14 @@ use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 const GRADIENT: f64 = 1e-8;
 
 impl BoundarySystem {
+    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    pub fn jacobian(&self, out: &mut [f64]) {
+        self.linearisation.dense(&self.equations.layout, out);
+    }
+
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
-    fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
             self.set_reference(x)?;
         }
@@ -35,7 +39,7 @@ impl BoundarySystem {
     }
 
     /// Whether solutions are periodic.
-    fn is_periodic(&self) -> bool {
+    pub(super) fn is_periodic(&self) -> bool {
         !self.equations.layout.returns.is_empty()
     }
 
@@ -69,7 +73,7 @@ impl System for BoundarySystem {
         &self.names
     }
 
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         self.refer(x)?;
         if self.is_assembled(x) {
             r.copy_from_slice(&self.linearisation.residual);
@@ -88,11 +92,7 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn allow(&mut self, error: f64) {
-        self.equations.rough = self.equations.method.allow(error);
-    }
-
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.is_assembled(x) {
             return Ok(());
         }
@@ -105,83 +105,70 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let of = Bordered { layout, assembled, form: Form::Jacobian, border };
-        self.factors[slot as usize].factor(of, &assembled.boundary)
-    }
-
-    fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
-        self.factor_flipped(slot, border)
-    }
-
-    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        if self.is_periodic() { Some(self) } else { None }
-    }
-
-    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve(&self.equations.layout, right);
-    }
-
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve_transposed(&self.equations.layout, right);
-    }
-
-    fn jacobian(&mut self, out: &mut [f64]) {
-        self.linearisation.dense(&self.equations.layout, out);
-    }
-
-    fn determinant_sign(&self, slot: Slot) -> f64 {
-        self.factors[slot as usize].determinant_sign()
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        self.factor_form(form, border, into)
     }
 
     /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which provides it
     /// from then on.
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        if let Some(parameter) = self.parameter_of(d) {
-            if !self.linearisation.active.contains(&parameter) {
-                self.linearisation.active.push(parameter);
-                self.linearisation.at.clear();
-            }
-            if self.assemble(x).is_ok() {
-                return self.linearisation.column(&self.equations.layout, parameter, out);
-            }
-        }
-        let argument = |i: usize| Dual64::new(x[i], d[i]);
-        self.equations.derivative(&mut self.first, argument, |r| r.eps, out);
-    }
-
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-        self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out);
-    }
-
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        let argument = |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-        self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out);
-    }
-
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        self.release(released, out);
-        let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
-        let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.eps };
-        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, &mut self.nested, out));
-    }
-
-    fn second_gradient(
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match *directions {
+            [d] => {
+                if let Some(parameter) = self.parameter_of(d) {
+                    if !self.linearisation.active.contains(&parameter) {
+                        self.linearisation.active.push(parameter);
+                        self.linearisation.at.clear();
+                    }
+                    self.assemble(x)?;
+                    self.linearisation.column(&self.equations.layout, parameter, out);
+                    return Ok(());
+                }
+                let argument = |i: usize| Dual64::new(x[i], d[i]);
+                self.equations.derivative(&mut self.first, argument, |r| r.eps, out)
+            }
+            [d, e] => {
+                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
+                self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out)
+            }
+            [d, e, f] => {
+                let argument =
+                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+                self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out)
+            }
+            _ => Err(unknown_order(directions.len())),
+        }
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        (w, v, order): (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    ) {
+    ) -> Result<(), Failure> {
         self.release(released, out);
-        let make =
-            |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), Chunk::from(0.0));
-        let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.v2 };
-        let passes = &mut self.nested_twice;
-        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out));
+        let (numbers, zero) = (&self.numbers, Chunk::from(0.0));
+        match order {
+            1 => {
+                let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
+                let weighted = Weighted { x, w, numbers, make: &make, take: |r| r.eps };
+                let passes = &mut self.nested;
+                self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
+            }
+            2 => {
+                let make = |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), zero);
+                let weighted = Weighted { x, w, numbers, make: &make, take: |r| r.v2 };
+                let passes = &mut self.nested_twice;
+                self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
+            }
+            _ => return Err(unknown_order(order)),
+        }
+        finite_gradient(out, self.equations.layout.dimension, released)
     }
 
     fn dynamics(&self) -> Dynamics {
@@ -192,27 +179,15 @@ impl System for BoundarySystem {
         if !self.is_periodic() {
             return Ok(None);
         }
-        let found = self.deciding_multipliers()?;
-        // Beside a homoclinic orbit nothing is known of them.
-        let known = found.iter().all(|(re, im)| !re.is_nan() && !im.is_nan());
-        Ok(known.then_some(found))
+        match self.deciding_multipliers() {
+            // As beside a homoclinic orbit.
+            Err(Failure::Undetermined(_)) => Ok(None),
+            found => found.map(Some),
+        }
     }
 
     fn cycles(&mut self) -> Option<&mut dyn Cycles> {
         if self.is_periodic() { Some(self) } else { None }
-    }
-
-    fn check_start(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.check_ends(&mut self.plain)
-    }
-
-    fn grazings(&self) -> &[usize] {
-        &self.grazings
-    }
-
-    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.equations.problem.grazing_scale(monitor, p)
     }
 
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
@@ -224,7 +199,7 @@ impl System for BoundarySystem {
         self.orientation
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         for (monitor, value) in values.iter_mut().enumerate() {
             *value = self.equations.evaluate_monitor(monitor, &mut self.plain)?;
@@ -232,26 +207,27 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn monitor(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        _values: &mut [f64],
-    ) -> Result<f64, LeftDomain> {
+    fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.evaluate_monitor(monitor, &mut self.plain)
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
         self.release(released, out);
         self.plain.load(&self.equations.layout, |i| x[i]);
         let Self { equations, plain, chunk, numbers, .. } = self;
         // Where extremes are is known as well as can be.
-        let watched = equations.watch_for(monitor, plain);
+        equations.watch_for(monitor, plain)?;
         equations.gradient(out, |equations, out| {
-            watched?;
             equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out)
-        });
+        })?;
+        finite_gradient(out, self.equations.layout.dimension, released)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
@@ -259,35 +235,17 @@ impl System for BoundarySystem {
         self.equations.profiles(&mut self.plain).unwrap_or_default()
     }
 
-    fn exact(&self) -> bool {
-        false
+    fn discretised(&mut self) -> Option<&mut dyn zero::Discretised> {
+        Some(self)
     }
 
-    fn duplicate(&self) -> Option<Box<dyn System>> {
-        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-        let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;
-        own.equations.phase.clone_from(&self.equations.phase);
-        own.refinements = self.refinements;
-        Some(Box::new(own))
+    fn admissible(&self) -> Option<&dyn Admissible> {
+        Some(self)
     }
+}
 
-    fn itinerary(&self) -> String {
-        self.problem().itinerary()
-    }
-
-    fn mesh(&self) -> Vec<f64> {
-        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
-    }
-
-    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
-        self.take_over(solution)
-    }
-
-    fn follow(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
-        self.follow_to(x, directions);
-    }
-
-    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+impl zero::Discretised for BoundarySystem {
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let (method, parts) = self.equations.method.finer()?;
         let meshes: Vec<Mesh> = self.meshes().iter().map(|mesh| mesh.divided(parts)).collect();
         let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
@@ -300,6 +258,50 @@ impl System for BoundarySystem {
         let x = self.equations.carried(&system.equations, x).ok()?;
         Some(Refinement { system: Box::new(system), x })
     }
+
+    fn set_inexactness(&mut self, error: f64) {
+        self.equations.rough = self.equations.method.allow(error);
+    }
+
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
+        let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;
+        own.equations.phase.clone_from(&self.equations.phase);
+        own.refinements = self.refinements;
+        Some(Box::new(own))
+    }
+
+    fn mesh(&self) -> Vec<f64> {
+        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
+    }
+
+    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Adopted>, Failure> {
+        self.take_over(solution).map(Some)
+    }
+
+    fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
+        self.follow_to(x, directions);
+    }
+}
+
+impl Admissible for BoundarySystem {
+    fn check_start(&self, x: &[f64]) -> Result<(), Failure> {
+        let mut work = Work::new(&self.equations.layout);
+        work.load(&self.equations.layout, |i| x[i]);
+        self.equations.check_ends(&mut work)
+    }
+
+    fn grazings(&self) -> &[usize] {
+        &self.grazings
+    }
+
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.equations.problem.grazing_scale(monitor, p)
+    }
+
+    fn itinerary(&self) -> String {
+        self.problem().itinerary()
+    }
 }
 
 impl Discretised {
@@ -310,29 +312,24 @@ impl Discretised {
         argument: impl Fn(usize) -> T,
         part: fn(&T) -> f64,
         out: &mut [f64],
-    ) {
+    ) -> Result<(), Failure> {
         work.load(&self.layout, argument);
-        let outcome = self.residual(work);
+        self.residual(work)?;
         out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = part(r));
-        not_a_number(outcome, out);
+        let Some(row) = not_finite(out) else { return Ok(()) };
+        let q: Vec<f64> = work.q.iter().map(|q| q.real()).collect();
+        Err(self.refusal(row, out[row], &q))
     }
 
     /// Computes a gradient, which may err by a little.
     fn gradient(
         &mut self,
         out: &mut [f64],
-        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), LeftDomain>,
-    ) {
+        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
         self.method.allow(GRADIENT);
         let outcome = add(self, out);
         self.method.allow(0.0);
-        not_a_number(outcome, out);
-    }
-}
-
-/// Derivatives outside the domain are no numbers: whoever uses them refuses the point.
-fn not_a_number(outcome: Result<(), LeftDomain>, out: &mut [f64]) {
-    if outcome.is_err() {
-        out.fill(f64::NAN);
+        outcome
     }
 }
