@@ -33,6 +33,8 @@ pub enum Kind {
     ND,
     /// `G`: a grazing: the solution touches a surface.
     G,
+    /// `RG`: a regular point that was saved on request.
+    RG,
     /// `UZ`: a user's event.
     UZ,
     /// `MX`: the branch ended because a method failed.
@@ -61,6 +63,7 @@ impl Kind {
             Kind::R2 => "resonance 1:2",
             Kind::ND => "unclassified point",
             Kind::G => "grazing",
+            Kind::RG => "regular point",
             Kind::UZ => "user's point",
             Kind::MX => "method failed",
         }

@@ -254,7 +254,7 @@ pub(super) fn style(unstable: Option<usize>) -> Style {
 fn symbol(kind: Kind) -> Symbol {
     match kind {
         Kind::LP => Symbol::Disc,
-        Kind::EP => Symbol::Ring,
+        Kind::EP | Kind::RG => Symbol::Ring,
         Kind::BP => Symbol::Square,
         Kind::HB => Symbol::Diamond,
         Kind::CP | Kind::GH => Symbol::Star,

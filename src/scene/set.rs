@@ -25,6 +25,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         max_period_growth: Plain,
         detect: Plain,
         stability: Plain,
+        save_every: Plain,
         eigenvalues: Plain,
     })
 }

@@ -2,7 +2,9 @@
 
 use crate::common::{Columns, CuspSlice, close};
 use tangency::core::bvp::{Collocation, Shooting};
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
+use tangency::core::continuation::{
+    Branch, Continuation, End, Event, Kind, Settings, TestPoint, TraceError,
+};
 use tangency::core::dense::Dense;
 use tangency::core::field::{Equilibria, Forcing, VectorField};
 use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
@@ -410,4 +412,44 @@ fn curves_of_torus_points_end_at_resonances() {
     assert!(
         (0..curve.points.len()).all(|k| at(k) > -1e-6) && resonance.value(angle).unwrap() < 1e-3
     );
+}
+
+/// Points are saved on request, and branches go on from them.
+#[test]
+fn regular_points_are_saved_and_are_starts() {
+    let mut slice = Dense::new(CuspSlice);
+    let curve = Continuation::of(&mut slice).from(&[0.0]).at("mu", 0.0);
+    let settings = Settings { save_every: 5, ..Settings::default() };
+    let branch = curve.settings(settings).along("mu", -1.0..=1.0).trace().unwrap();
+    let saved: Vec<_> = branch.of_kind(Kind::RG).collect();
+    assert!(saved.len() >= 4);
+    for point in saved {
+        assert_eq!(branch.points[point.after].parameters, point.parameters);
+        let again = Continuation::of(&mut slice).restart(&branch, point.label);
+        again.along("mu", -1.0..=1.0).trace().unwrap();
+    }
+}
+
+/// Test functions without a gradient find the points that defining systems find, and end branches.
+#[test]
+fn events_of_closures_are_located_on_the_branch() {
+    let mut slice = Dense::new(CuspSlice);
+    let curve = Continuation::of(&mut slice).from(&[-2.5]).along("mu", -3.0..=3.0);
+    let curve = curve.at("mu", -2.5 * 2.5 * 2.5 / 3.0 + 2.5);
+    let steep = |at: &TestPoint| (at.state[0] - 1.5).powi(3) + at.monitors[0] - 2.25;
+    let branch = curve
+        .mark("square", 2.25)
+        .event(Event::when("x = 3/2, steeply", steep))
+        .event(Event::when("the end", |at| at.parameters[0] - at.state[0]).ending())
+        .trace()
+        .unwrap();
+    let marks: Vec<_> = branch.of_kind(Kind::UZ).filter(|p| p.state[0] > 1.0).collect();
+    assert_eq!(marks.len(), 2, "{:?}", branch.ends);
+    for mark in marks {
+        assert!(mark.converged && (mark.state[0] - 1.5).abs() < 1e-9 && mark.error < 1e-8);
+    }
+    // μ = x where x³/3 = 2x.
+    let end = branch.special.last().unwrap();
+    close(end.parameters[0], 6.0_f64.sqrt(), 1e-9);
+    assert!(end.converged && end.event == "the end");
 }

@@ -22,24 +22,33 @@ pub(super) struct Described<'a> {
 impl Tracer<'_> {
     /// An end of the branch.
     pub fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
-        let equations = &mut self.stepper.equations;
-        let profiles = match equations.assemble(&place.unknowns) {
-            Ok(()) => self.stepper.profiles(),
-            Err(_) => Vec::new(),
-        };
         let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
         let kind = if failed { Kind::MX } else { Kind::EP };
-        let Place { unknowns, tangent, point, spectrum, .. } = place;
-        let (event, point) = (&*end.to_string(), point.clone());
-        let spectrum = spectrum.as_deref().unwrap_or_default();
-        let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
-        let mut special = self.stepper.special(described);
-        special.after = after;
+        let mut special = self.saved_point(place, kind, &end.to_string(), after);
         // On a bound the continued parameter is what it is.
         if self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. }) {
             special.error = 0.0;
         }
         special
+    }
+
+    /// A point of the branch with everything that a branch can start from.
+    pub fn saved_point(
+        &mut self,
+        place: &Place,
+        kind: Kind,
+        event: &str,
+        after: usize,
+    ) -> SpecialPoint {
+        let profiles = match self.stepper.equations.assemble(&place.unknowns) {
+            Ok(()) => self.stepper.profiles(),
+            Err(_) => Vec::new(),
+        };
+        let Place { unknowns, tangent, point, spectrum, .. } = place;
+        let spectrum = spectrum.as_deref().unwrap_or_default();
+        let point = point.clone();
+        let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
+        SpecialPoint { after, ..self.stepper.special(described) }
     }
 }
 
@@ -80,7 +89,7 @@ impl Stepper<'_> {
         let mut special = SpecialPoint { error, bracket, converged, ..special };
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
-        if event.mirror {
+        if event.condition.is_none() {
             self.equations.load(unknowns);
             let at = self.equations.at();
             let mesh_error = at.system.cycles().map_or(0.0, |cycles| cycles.mesh_error(at.x));

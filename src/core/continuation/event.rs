@@ -22,6 +22,23 @@ pub enum Direction {
     Falling,
 }
 
+/// What a test function of the user's own is given of a point on a branch.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct TestPoint<'a> {
+    /// The unknowns.
+    pub state: &'a [f64],
+    /// All parameters.
+    pub parameters: &'a [f64],
+    /// All monitors.
+    pub monitors: &'a [f64],
+    /// The eigenvalues or multipliers as (real part, imaginary part); empty where they are not computed.
+    pub eigenvalues: &'a [(f64, f64)],
+}
+
+/// A test function of the user's own.
+pub type TestFunction = Arc<dyn Fn(&TestPoint) -> f64 + Send + Sync>;
+
 /// The function whose change of sign says that an event lies between two points of a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -48,6 +65,20 @@ pub enum Test {
     Amplitude,
     /// The first equation of the condition itself.
     Condition,
+    /// The event's own [`function`](Event::function).
+    Function,
+}
+
+impl Test {
+    /// Whether the sign changes where a curve is seen in the other direction.
+    pub(super) fn is_odd(self) -> bool {
+        matches!(self, Test::Fold | Test::BranchPoint)
+    }
+
+    /// Whether only eigenvalues or multipliers tell it.
+    pub(super) fn needs_eigenvalues(self) -> bool {
+        matches!(self, Test::Hopf | Test::PeriodDoubling)
+    }
 }
 
 /// Something to be found on a branch: a test function that changes sign, and the condition that
@@ -73,13 +104,14 @@ pub struct Event {
     pub direction: Direction,
     /// Whether the branch ends there.
     pub terminal: bool,
-    /// Makes the condition.
-    pub condition: MakeCondition,
+    /// Makes the condition; without one, the event is located by bracketing on the branch.
+    pub condition: Option<MakeCondition>,
+    /// The test function, where it is the user's own.
+    pub function: Option<TestFunction>,
     /// Makes the condition that stands in place of those held along the curve, where those are singular
     /// at the event.
     pub instead: Option<MakeCondition>,
-    /// Whether the curve is its own mirror image beyond the event: then its values are limits, and the condition is not
-    /// used.
+    /// Whether the curve is its own mirror image beyond the event: then its values are limits.
     pub(super) mirror: bool,
 }
 
@@ -123,7 +155,7 @@ impl Event {
         let point = Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens);
         let fold = Self::new("fold", Fold::default);
         let test = Test::Own { unknown: 0, level: 0.0 };
-        Event { test, instead: Some(fold.condition), ..point }.ending()
+        Event { test, instead: fold.condition, ..point }.ending()
     }
 
     /// Ends of curves of periodic orbits, beyond which they go back over themselves: where cycles shrink onto an
@@ -131,9 +163,7 @@ impl Event {
     /// torus point is 0 or π.
     pub(super) fn mirrors(held: &[Kind]) -> Vec<Self> {
         let mirror = |name: &str, kind: Kind, test: Test| {
-            // No condition defines these points: they are limits.
-            let level = move || Level::new(Quantity::Parameter(0), 0.0, kind);
-            Event { mirror: true, ..Self::with_test(name, kind, test, level) }.ending()
+            Event { mirror: true, ..Self::without_condition(name, kind, test) }.ending()
         };
         let amplitude = |name, kind| vec![mirror(name, kind, Test::Amplitude)];
         let angle = |level| Test::Own { unknown: 0, level };
@@ -186,13 +216,44 @@ impl Event {
         test: Test,
         condition: impl Fn() -> C + Send + Sync + 'static,
     ) -> Self {
+        let condition: MakeCondition = Arc::new(move || Box::new(condition()));
+        Event { condition: Some(condition), ..Self::without_condition(name, kind, test) }
+    }
+
+    /// A change of sign of any function of points, marked `UZ`. It needs no gradient: it is located by bracketing on the
+    /// corrected branch. The function should be continuous where it vanishes.
+    ///
+    /// ```
+    /// use tangency::core::continuation::{Continuation, Event, Kind};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::Hyperbola;
+    /// // x² = μ² + 9, and where it meets x μ = 20: x = 5, μ = 4.
+    /// let mut hyperbola = Dense::new(Hyperbola);
+    /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+    /// let product = Event::when("x μ = 20", |at| at.state[0] * at.parameters[0] - 20.0);
+    /// let branch = curve.along("mu", 0.0..=9.0).event(product).trace()?;
+    /// let found = branch.of_kind(Kind::UZ).next().unwrap();
+    /// assert!((found.parameters[0] - 4.0).abs() < found.error && found.error < 1e-9);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn when(
+        name: impl Into<String>,
+        function: impl Fn(&TestPoint) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        let function: TestFunction = Arc::new(function);
+        let event = Self::without_condition(name, Kind::UZ, Test::Function);
+        Event { function: Some(function), ..event }
+    }
+
+    fn without_condition(name: impl Into<String>, kind: Kind, test: Test) -> Self {
         Event {
             name: name.into(),
             kind,
             test,
             direction: Direction::Either,
             terminal: false,
-            condition: Arc::new(move || Box::new(condition())),
+            condition: None,
+            function: None,
             instead: None,
             mirror: false,
         }

@@ -22,8 +22,8 @@ impl Continuation<'_> {
             .iter()
             .map(|(kind, make)| {
                 let known = || match kind {
-                    Kind::G => self.grazing.first().map(grazing),
-                    _ => Event::bifurcation(*kind, parameter).map(|event| event.condition),
+                    Kind::G => self.grazing.first().and_then(grazing),
+                    _ => Event::bifurcation(*kind, parameter).and_then(|event| event.condition),
                 };
                 make.clone().or_else(known).ok_or(TraceError::NotHeld(*kind))
             })
@@ -157,7 +157,8 @@ impl Continuation<'_> {
 
     /// Refuses an event without a test function, and one at a position that does not exist.
     fn check(&self, event: &Event, own: usize) -> Result<(), TraceError> {
-        if event.test == Test::Condition && (event.condition)().unknowns() > 0 {
+        let untested = event.condition.as_ref().is_none_or(|make| make().unknowns() > 0);
+        if event.test == Test::Condition && untested {
             return Err(TraceError::NoTest(event.name.clone()));
         }
         let names = self.system.names();

@@ -1,11 +1,11 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
 use super::SpecialPoint;
+use super::bracket::Bracket;
 use super::event::{Event, MakeCondition, Test};
-use super::hermite::{Knot, hermite};
 use super::stepper::{MATRIX_ERROR, Place, Stepper};
 use crate::core::condition::Failure;
-use crate::core::extended::{Closing, Extended};
+use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
 use crate::core::vector::{along, difference};
 
@@ -33,72 +33,6 @@ const MOST_BESIDE: f64 = 0.5;
 
 /// More halvings than this are hopeless.
 const MOST_HALVINGS: usize = 40;
-
-/// A part of the step from one place that holds the event.
-struct Bracket {
-    low: f64,
-    high: f64,
-    ends: [Vec<f64>; 2],
-    tangents: [Vec<f64>; 2],
-    tests: [f64; 2],
-    /// How fast the test function grows at the second end, if that is known.
-    slope: Option<f64>,
-}
-
-impl Bracket {
-    /// Where the test function would vanish if it were linear; the middle if only its sign counts. At a fold
-    /// it is the slope of the parameter (at this position in `X`), which a cubic knows better.
-    fn guess(&self, test: Test, parameter: usize) -> Vec<f64> {
-        let [low, high] = self.tests;
-        let fraction = match test {
-            Test::BranchPoint | Test::Hopf => 0.5,
-            Test::Level(..) => match self.slope {
-                Some(slope) => zero_of_parabola(low, high, slope * (self.high - self.low)),
-                None => low / (low - high),
-            },
-            Test::Fold => {
-                let rise = self.ends[1][parameter] - self.ends[0][parameter];
-                turn_of_cubic(low, high, rise / (self.high - self.low))
-            }
-            _ => low / (low - high),
-        };
-        self.between(fraction.clamp(0.02, 0.98))
-    }
-
-    /// A place between the ends, on the cubic that has their tangents.
-    fn between(&self, fraction: f64) -> Vec<f64> {
-        let [a, b] = &self.ends;
-        let [s, t] = &self.tangents;
-        let length = self.high - self.low;
-        // The tangents' lengths are those of scaled arclength, of which the bracket is a part.
-        let knots = [
-            Knot { u: 0.0, x: a, tangent: s, speed: 1.0 },
-            Knot { u: length, x: b, tangent: t, speed: 1.0 },
-        ];
-        hermite(&knots, fraction * length)
-    }
-}
-
-/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval from 0 to 1, and
-/// ends with this `slope`.
-fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
-    // high + slope (s − 1) + c (s − 1)²
-    let c = low - high + slope;
-    let root = (slope * slope - 4.0 * c * high).max(0.0).sqrt();
-    // Of both roots the one without cancellation: the parabola passes zero once between the ends.
-    1.0 - 2.0 * high / (slope + root.copysign(high - low))
-}
-
-/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the interval
-/// from 0 to 1, with this `mean`.
-fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
-    // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
-    let c = mean - 0.5 * (low + high);
-    let (a, b) = (-6.0 * c, high - low + 6.0 * c);
-    let root = (b * b - 4.0 * a * low).sqrt();
-    // Of both roots the one without cancellation, which is the one inside.
-    -2.0 * low / (b + root.copysign(high - low))
-}
 
 impl Stepper<'_> {
     /// Finds event `index` between two places, `length` apart. `None` if what changed sign was not
@@ -128,6 +62,10 @@ impl Stepper<'_> {
                 _ => None,
             },
         };
+        if event.condition.is_none() {
+            let found = self.bracketed(index, from, &row, &mut bracket);
+            return self.describe(index, ([from, to], length), found);
+        }
         let mut applicable = true;
         for _ in 0..MOST_HALVINGS {
             match self.finish(&event, bracket.guess(event.test, self.equations.parameters_at())) {
@@ -147,20 +85,24 @@ impl Stepper<'_> {
                 }) => applicable = false,
                 Err(_) => {}
             }
-            if !self.halve(index, from, &row, &mut bracket) {
+            let middle = 0.5 * (bracket.low + bracket.high);
+            if !self.narrow(index, from, &row, &mut bracket, middle) {
                 break;
             }
         }
         if !applicable {
             return None;
         }
-        let middle = bracket.between(0.5);
-        let along = 0.5 * (bracket.low + bracket.high);
+        self.describe(index, ([from, to], length), self.unfinished(&bracket))
+    }
+
+    /// The middle of a bracket, as a point that has not converged.
+    fn unfinished(&self, bracket: &Bracket) -> Found {
+        let unknowns = bracket.between(0.5);
         let p = self.equations.parameters_at();
-        let reach = |end: &Vec<f64>| (end[p] - middle[p]).abs();
+        let reach = |end: &Vec<f64>| (end[p] - unknowns[p]).abs();
         let error = bracket.ends.iter().map(reach).fold(self.parameter_error(), f64::max);
-        let at = Found { along, unknowns: middle, error, converged: false };
-        self.describe(index, ([from, to], length), at)
+        Found { along: 0.5 * (bracket.low + bracket.high), unknowns, error, converged: false }
     }
 
     /// The middle of a step, as a point that has not converged.
@@ -181,25 +123,6 @@ impl Stepper<'_> {
         scaled_norm(&distance, &self.weights) <= MOST_BESIDE * length
     }
 
-    /// Halves the bracket at a corrected point of the branch; false if that fails.
-    fn halve(&mut self, index: usize, from: &Place, row: &[f64], bracket: &mut Bracket) -> bool {
-        let length = 0.5 * (bracket.low + bracket.high);
-        let mut unknowns = bracket.between(0.5);
-        let closing = Closing { row, base: &from.unknowns, length };
-        let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
-        let stability = matches!(self.events[index].test, Test::Hopf | Test::PeriodDoubling);
-        let arrived = self.arrive(unknowns, row, report.matrix_error, stability);
-        let Ok(place) = arrived else { return false };
-        let test = place.tests[index];
-        let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
-        bracket.ends[side] = place.unknowns;
-        bracket.tangents[side] = place.tangent;
-        bracket.tests[side] = test;
-        bracket.slope = bracket.slope.filter(|_| side == 0);
-        *(if side == 0 { &mut bracket.low } else { &mut bracket.high }) = length;
-        bracket.high - bracket.low > 1e-12 * bracket.high
-    }
-
     /// Newton on the defining system from a guess: the point, and the estimated error of the
     /// continued parameter.
     pub fn finish(
@@ -213,10 +136,10 @@ impl Stepper<'_> {
         let (outcome, mut conditions) = if let Some(instead) = &event.instead {
             let mut bare = guess;
             bare.drain(n..n + own);
-            (self.finish_with(&[instead.clone(), event.condition.clone()], &bare), curve)
+            (self.finish_with([instead].into_iter().chain(&event.condition), &bare), curve)
         } else {
             self.equations.resume(curve);
-            let outcome = self.finish_with(std::slice::from_ref(&event.condition), &guess);
+            let outcome = self.finish_with(event.condition.iter(), &guess);
             (outcome, self.equations.suspend())
         };
         // Whatever was added for the event goes again; the curve's own unknowns are in their place.
@@ -231,9 +154,9 @@ impl Stepper<'_> {
     }
 
     /// Newton with further conditions held.
-    fn finish_with(
+    fn finish_with<'m>(
         &mut self,
-        makes: &[MakeCondition],
+        makes: impl Iterator<Item = &'m MakeCondition>,
         guess: &[f64],
     ) -> Result<(Vec<f64>, f64), NewtonError> {
         let n = self.equations.dimension();

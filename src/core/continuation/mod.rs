@@ -2,6 +2,7 @@
 
 mod arnoldi;
 mod between;
+mod bracket;
 mod branch;
 mod checks;
 mod closing;
@@ -30,7 +31,7 @@ mod unexplained;
 pub use crate::core::kind::Kind;
 pub use branch::{Branch, End, Point, SpecialPoint};
 pub use error::TraceError;
-pub use event::{Direction, Event, MakeCondition, Test};
+pub use event::{Direction, Event, MakeCondition, Test, TestFunction, TestPoint};
 pub use metric::Metric;
 pub use observer::Observer;
 pub use settings::{SettingError, Settings};

@@ -76,7 +76,7 @@ impl Stepper<'_> {
         event: &Event,
     ) -> Option<(Point, Vec<f64>)> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
-        let made = curve.iter().chain([&event.condition]).map(|make| make());
+        let made = curve.iter().chain(&event.condition).map(|make| make());
         let conditions: Vec<Box<dyn Condition>> = made.collect();
         let released = self.equations.released();
         let mut weights = self.metric.weights(system.names());

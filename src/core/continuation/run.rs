@@ -252,6 +252,11 @@ impl Tracer<'_> {
             let end = limits.reached(&mut self.stepper, &step.place, place);
             self.accept(&mut before, place, step, start);
             half.points.push(place.point.clone());
+            let (points, every) = (half.points.len(), self.stepper.settings.save_every);
+            if every > 0 && points.is_multiple_of(every) {
+                let special = self.saved_point(place, Kind::RG, Kind::RG.meaning(), points);
+                self.mark(half, special, observer);
+            }
             if let Some(end) = end {
                 return end;
             }
@@ -377,7 +382,7 @@ impl Tracer<'_> {
         behind.special.reverse();
         for special in &mut behind.special {
             // Behind point k from the start means before it from the end; an end stays on its point.
-            let on_point = special.after == before;
+            let on_point = special.after == before || special.kind == Kind::RG;
             special.after = before - special.after - usize::from(!on_point);
             special.bracket.reverse();
             special.tangent.iter_mut().for_each(|t| *t = -*t);

@@ -60,6 +60,8 @@ pub struct Settings {
     /// period doublings and torus points.
     #[serde(skip_serializing_if = "bool::clone")]
     pub stability: bool,
+    /// Every so many points one is saved with its state, as a regular point (`RG`) that a branch can start from; none if 0.
+    pub save_every: usize,
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point (at most
     /// 16).
     pub eigenvalues: usize,
@@ -82,6 +84,7 @@ impl Default for Settings {
             max_period_growth: 1e4,
             detect: Vec::new(),
             stability: true,
+            save_every: 0,
             eigenvalues: 0,
         }
     }

@@ -73,8 +73,10 @@ impl<'a> Continuation<'a> {
         };
         let still = vec![0.0; unknowns.len()];
         let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
-        let tested =
-            |event: &super::Event| (event.test == Test::Condition).then(|| (event.condition)());
+        let tested = |event: &super::Event| {
+            let condition = event.condition.as_ref().filter(|_| event.test == Test::Condition);
+            condition.map(|make| make())
+        };
         let mut stepper = Stepper {
             weights: rough.weights(equations.names()),
             equations,

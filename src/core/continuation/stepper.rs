@@ -1,7 +1,7 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
 use super::crossing::Departure;
-use super::event::{Event, MakeCondition, Test};
+use super::event::{Event, MakeCondition, Test, TestPoint};
 use super::metric::Metric;
 use super::{Point, Settings};
 use crate::core::condition::{At, Condition, Failure, Quantity};
@@ -94,7 +94,7 @@ impl Stepper<'_> {
     pub fn turn(&self, place: &mut Place) {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
         for (test, event) in place.tests.iter_mut().zip(&self.events) {
-            if matches!(event.test, Test::Fold | Test::BranchPoint) {
+            if event.test.is_odd() {
                 *test = -*test;
             }
         }
@@ -183,7 +183,7 @@ impl Stepper<'_> {
     pub fn forget_stability_at(&self, start: &mut Place) {
         start.point.unstable = None;
         for (test, event) in start.tests.iter_mut().zip(&self.events) {
-            if matches!(event.test, Test::Hopf | Test::PeriodDoubling) {
+            if event.test.needs_eigenvalues() {
                 *test = 0.0;
             }
         }
@@ -387,6 +387,13 @@ impl Stepper<'_> {
                         condition.adapt();
                     }
                     value[0]
+                }
+                Test::Function => {
+                    let state = &self.equations.at().x[..own];
+                    let Point { parameters, monitors, .. } = point;
+                    let eigenvalues = spectrum.map_or(&[][..], |all| all);
+                    let at = TestPoint { state, parameters, monitors, eigenvalues };
+                    event.function.as_ref().map_or(f64::NAN, |function| function(&at))
                 }
             });
         }
