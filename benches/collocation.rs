@@ -44,7 +44,7 @@ fn interval(c: &mut Criterion) {
         let mut direction = vec![0.0; n + 1];
         direction[n] = 1.0;
         let mut column = vec![0.0; n];
-        system.derivative(&x, &direction, &mut column);
+        system.derivative(&x, &[&direction], &mut column).unwrap();
         let mut group = c.benchmark_group("collocation");
         group.throughput(Throughput::Elements(intervals as u64));
         let mut next = 28.0;
@@ -62,7 +62,7 @@ fn interval(c: &mut Criterion) {
                 system.assemble(&x)
             });
         });
-        system.derivative(&x, &direction, &mut column);
+        system.derivative(&x, &[&direction], &mut column).unwrap();
         let rows = vec![1.0 / n as f64; n];
         let border = Border { width: 1, columns: &column, rows: &rows, corner: &[1.0] };
         group.bench_function(BenchmarkId::new("factor", intervals), |b| {
@@ -78,7 +78,7 @@ fn interval(c: &mut Criterion) {
         let (w, v) = (vec![1.0; n], vec![1.0; n + 1]);
         let mut out = vec![0.0; n + 1];
         group.bench_function(BenchmarkId::new("gradient", intervals), |b| {
-            b.iter(|| system.gradient(&x, &w, &v, &[0], &mut out));
+            b.iter(|| system.gradient(&x, (&w, &v, 1), &[0], &mut out).unwrap());
         });
     }
 }

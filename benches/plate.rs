@@ -45,7 +45,9 @@ fn pieces(criterion: &mut Criterion) {
         v[..n].fill(1.0);
         let mut gradient = vec![0.0; x.len()];
         group.bench_function(BenchmarkId::new("gradient", count), |bencher| {
-            bencher.iter(|| plate.gradient(black_box(&x), &v[..n], &v, &[0], &mut gradient));
+            bencher.iter(|| {
+                plate.gradient(black_box(&x), (&v[..n], &v, 1), &[0], &mut gradient).unwrap()
+            });
         });
     }
     group.finish();

@@ -50,7 +50,7 @@ fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
     let mut direction = vec![0.0; n + 1];
     direction[n] = 1.0;
     let mut column = vec![0.0; n];
-    system.derivative(&x, &direction, &mut column);
+    system.derivative(&x, &[&direction], &mut column).unwrap();
     let row = vec![1.0 / n as f64; n];
     let border = Border { width: 1, columns: &column, rows: &row, corner: &[1.0] };
     let mut right = vec![1.0; n + 1];

@@ -14,6 +14,6 @@ pub use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
 pub use crate::core::measure::{Integral, Measure};
 pub use crate::core::orbit::{HybridOrbit, Itinerary};
 pub use crate::core::scalar::Scalar;
-pub use crate::core::zero::{LeftDomain, Names, System, ZeroProblem};
+pub use crate::core::zero::{Names, OutOfDomain, System, ZeroProblem};
 #[cfg(feature = "scene")]
 pub use crate::scene::Catalogue;

@@ -152,7 +152,7 @@ impl Condition for Level {
             Quantity::Monitor(m) => (m, names.monitors.len()),
         };
         if position >= count {
-            return Err(Failure::NotApplicable(format!(
+            return Err(Failure::Mismatch(format!(
                 "the level is that of quantity {position}, counted from 0, of {count}"
             )));
         }
@@ -174,7 +174,7 @@ impl Condition for Level {
                 rows.fill(0.0);
                 rows[at.system.names().dimension() + p] = 1.0;
             }
-            Quantity::Monitor(m) => at.system.monitor_gradient(m, at.x, at.released, rows),
+            Quantity::Monitor(m) => at.system.monitor_gradient(m, at.x, at.released, rows)?,
         }
         Ok(())
     }

@@ -1,12 +1,13 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
 use super::chunk::{CHUNK, Chunk, seeded};
+use super::domain::OutOfDomain;
+use super::failure::{DIFFERENTIABLE, finite, finite_gradient, unknown_order};
 use super::linear::{BorderedLu, DenseOscillation};
 use super::potential::PotentialGradient;
 use super::scalar::Scalar;
 use super::zero::{
-    Border, Dynamics, Failure, LeftDomain, Names, Oscillation, Profile, Singular, Slot, Spectrum,
-    System, ZeroProblem,
+    Border, Dynamics, Failure, Names, Oscillation, Profile, Slot, Spectrum, System, ZeroProblem,
 };
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
@@ -49,8 +50,9 @@ impl<T: Scalar> Work<T> {
 /// use tangency::problems::classic::Hyperbola;
 /// // x² − μ² − ε², along x.
 /// let mut slope = [0.0];
-/// Dense::new(Hyperbola).derivative(&[5.0, 3.0, 4.0], &[1.0, 0.0, 0.0], &mut slope);
+/// Dense::new(Hyperbola).derivative(&[5.0, 3.0, 4.0], &[&[1.0, 0.0, 0.0]], &mut slope)?;
 /// assert_eq!(slope, [10.0]);
+/// # Ok::<(), tangency::core::zero::Failure>(())
 /// ```
 pub struct Dense<P> {
     problem: Arc<P>,
@@ -131,17 +133,9 @@ impl<P: ZeroProblem> Dense<P> {
         }
     }
 
-    fn check_domain(&self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn check_domain(&self, x: &[f64]) -> Result<(), OutOfDomain> {
         let (z, p) = x.split_at(self.names.dimension());
         self.problem.domain(z, p)
-    }
-}
-
-/// Refuses values of which one is not finite.
-fn finite(values: &[f64], name: impl Fn(usize) -> String, remedy: &str) -> Result<(), LeftDomain> {
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(i) => Err(LeftDomain::new(name(i), values[i], remedy)),
-        None => Ok(()),
     }
 }
 
@@ -165,7 +159,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         &self.names
     }
 
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         self.check_domain(x)?;
         r.copy_from_slice(self.plain.evaluate(&*self.problem, |i| x[i]));
         finite(
@@ -176,7 +170,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         )
     }
 
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.assembled == x {
             return Ok(());
         }
@@ -190,13 +184,13 @@ impl<P: ZeroProblem> System for Dense<P> {
         finite(
             &self.jacobian,
             |k| format!("derivative of component {} by unknown {}", k % n, k / n),
-            "the residual must be differentiable here (√ at 0 is not)",
+            DIFFERENTIABLE,
         )?;
         self.assembled.extend_from_slice(x);
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         self.factors[slot as usize].factor(&self.jacobian, border)
     }
 
@@ -216,58 +210,69 @@ impl<P: ZeroProblem> System for Dense<P> {
         self.factors[slot as usize].determinant_sign()
     }
 
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        let r = self.first.evaluate(&*self.problem, |i| Dual64::new(x[i], d[i]));
-        out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
-    }
-
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        let r = self.second.evaluate(&*self.problem, |i| HyperDual64::new(x[i], d[i], e[i], 0.0));
-        out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2);
-    }
-
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        let r = self.third.evaluate(&*self.problem, |i| {
-            HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0)
-        });
-        out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
-    }
-
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        if self.dynamics() == Dynamics::Potential {
-            let mut memory = take(&mut self.potential);
-            memory.gradient(w, released, |d, out| self.second_derivative(x, d, v, out), out);
-            self.potential = memory;
-            return;
-        }
-        for start in (0..x.len()).step_by(CHUNK) {
-            let r = self
-                .nested
-                .evaluate(&*self.problem, |i| Dual::new(seeded(x[i], i, start), Chunk::from(v[i])));
-            weighted(r.iter().map(|r| &r.eps), w, &mut out[start..]);
-        }
-    }
-
-    fn second_gradient(
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match *directions {
+            [d] => {
+                let r = self.first.evaluate(&*self.problem, |i| Dual64::new(x[i], d[i]));
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps);
+            }
+            [d, e] => {
+                let argument = |i| HyperDual64::new(x[i], d[i], e[i], 0.0);
+                let r = self.second.evaluate(&*self.problem, argument);
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2);
+            }
+            [d, e, f] => {
+                let argument =
+                    |i| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+                let r = self.third.evaluate(&*self.problem, argument);
+                out.iter_mut().zip(r).for_each(|(out, r)| *out = r.eps1eps2eps3);
+            }
+            _ => return Err(unknown_order(directions.len())),
+        }
+        finite(out, |i| format!("a derivative of component {i} of the residual"), DIFFERENTIABLE)
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        (w, v, order): (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    ) {
+    ) -> Result<(), Failure> {
         if self.dynamics() == Dynamics::Potential {
             let mut memory = take(&mut self.potential);
-            memory.gradient(w, released, |d, out| self.third_derivative(x, d, v, v, out), out);
+            let along = |d: &[f64], out: &mut [f64]| match order {
+                1 => self.derivative(x, &[d, v], out),
+                2 => self.derivative(x, &[d, v, v], out),
+                _ => Err(unknown_order(order)),
+            };
+            let outcome = memory.gradient(w, released, along, out);
             self.potential = memory;
-            return;
+            return outcome;
         }
+        let (problem, zero) = (&*self.problem, Chunk::from(0.0));
         for start in (0..x.len()).step_by(CHUNK) {
-            let r = self.nested_twice.evaluate(&*self.problem, |i| {
-                Dual2::new(seeded(x[i], i, start), Chunk::from(v[i]), Chunk::from(0.0))
-            });
-            weighted(r.iter().map(|r| &r.v2), w, &mut out[start..]);
+            let (seed, out) = (|i: usize| seeded(x[i], i, start), &mut out[start..]);
+            match order {
+                1 => {
+                    let argument = |i| Dual::new(seed(i), Chunk::from(v[i]));
+                    let r = self.nested.evaluate(problem, argument);
+                    weighted(r.iter().map(|r| &r.eps), w, out);
+                }
+                2 => {
+                    let argument = |i| Dual2::new(seed(i), Chunk::from(v[i]), zero);
+                    let r = self.nested_twice.evaluate(problem, argument);
+                    weighted(r.iter().map(|r| &r.v2), w, out);
+                }
+                _ => return Err(unknown_order(order)),
+            }
         }
+        finite_gradient(out, self.names.dimension(), released)
     }
 
     fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
@@ -285,7 +290,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         let self_adjoint = match dynamics {
             Dynamics::Static => return Ok(None),
             Dynamics::Periodic => {
-                return Err(Failure::NotApplicable(
+                return Err(Failure::Unsupported(
                     "the unknowns of a `ZeroProblem` are no periodic orbit of which multipliers are known: state a \
                      vector field and its `periodic_orbits`, or the dynamics `Static`"
                         .into(),
@@ -309,7 +314,7 @@ impl<P: ZeroProblem> System for Dense<P> {
         Ok(Some(eigenvalues))
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         let (z, p) = x.split_at(self.names.dimension());
         self.problem.monitors(z, p, values);
         let name = |k: usize| format!("monitor {}", self.names.monitors[k]);
@@ -320,15 +325,16 @@ impl<P: ZeroProblem> System for Dense<P> {
         &mut self,
         monitor: usize,
         x: &[f64],
-        _released: &[usize],
+        released: &[usize],
         out: &mut [f64],
-    ) {
+    ) -> Result<(), Failure> {
         for start in (0..x.len()).step_by(CHUNK) {
             let (z, p, _) = self.chunk.arguments(|i| seeded(x[i], i, start));
             self.problem.monitors(z, p, &mut self.monitors);
             let slopes = self.monitors[monitor].eps;
             out[start..].iter_mut().zip(slopes).for_each(|(out, slope)| *out = slope);
         }
+        finite_gradient(out, self.names.dimension(), released)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {

@@ -226,7 +226,7 @@ impl<'a> Extended<'a> {
     /// Assembles the problem's matrix at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
         self.load(unknowns);
-        Ok(self.system.assemble(&self.x)?)
+        self.system.assemble(&self.x)
     }
 
     /// The left sides of all equations into `out` (as long as `X`; one shorter without a closing
@@ -269,7 +269,7 @@ impl<'a> Extended<'a> {
         let n = self.dimension();
         let width = self.auxiliary.len() + self.released.len();
         self.fill_gradients()?;
-        self.fill_columns();
+        self.fill_columns()?;
         if let Some(row) = closing_row {
             self.rows[(width - 1) * n..].copy_from_slice(&row[..n]);
             self.corner[(width - 1) * width..].copy_from_slice(&row[n..]);
@@ -277,7 +277,7 @@ impl<'a> Extended<'a> {
         self.system.assemble(&self.x)?;
         let border =
             Border { width, columns: &self.columns, rows: &self.rows, corner: &self.corner };
-        Ok(self.system.factor(Slot::Curve, border)?)
+        self.system.factor(Slot::Curve, border)
     }
 
     /// The tangent of the curve at the point where the matrix was factored with a closing row, on which the
@@ -328,7 +328,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Columns of the problem's equations by the conditions' unknowns and the released parameters.
-    fn fill_columns(&mut self) {
+    fn fill_columns(&mut self) -> Result<(), Failure> {
         let n = self.dimension();
         let mut column = 0;
         for condition in &self.conditions {
@@ -344,10 +344,12 @@ impl<'a> Extended<'a> {
         for &p in &self.released {
             self.direction[n + p] = 1.0;
             let target = &mut self.columns[column * n..(column + 1) * n];
-            self.system.derivative(&self.x, &self.direction, target);
+            let outcome = self.system.derivative(&self.x, &[&self.direction], target);
             self.direction[n + p] = 0.0;
+            outcome?;
             column += 1;
         }
+        Ok(())
     }
 
     fn resize(&mut self) {

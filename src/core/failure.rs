@@ -1,69 +1,138 @@
-//! Why equations cannot be evaluated.
+//! Why equations cannot be evaluated or solved.
 
-/// A value at which the equations have no meaning: outside the domain, or not finite.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} = {value:.6e} {verdict}: {remedy}")]
-pub struct LeftDomain {
-    /// What has the offending value, by name.
-    pub quantity: String,
-    /// The offending value.
-    pub value: f64,
-    /// What is wrong with it: that it is outside the domain of the equations, or that a step is too small.
-    pub verdict: &'static str,
-    /// What the domain is, or what to change.
-    pub remedy: String,
-}
+use super::domain::OutOfDomain;
+use super::flow::FlowError;
 
-impl LeftDomain {
-    /// A value out of its domain.
-    pub fn new(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
-        let verdict = "is outside the domain of the equations";
-        LeftDomain { quantity: quantity.into(), value, verdict, remedy: remedy.into() }
-    }
-}
+/// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
+/// equilibrated matrix, or the largest entry of its row.
+pub(super) const SINGULAR: f64 = 1e-15;
 
-/// A matrix without an inverse, in arithmetic of 16 digits.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{}", self.words())]
-pub struct Singular {
-    /// The smallest pivot.
-    pub pivot: f64,
-    /// The largest pivot.
-    pub largest: f64,
-}
-
-impl Singular {
-    /// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
-    /// equilibrated matrix, or the largest entry of its row.
-    pub(crate) const THRESHOLD: f64 = 1e-15;
-
-    fn words(&self) -> String {
-        let Singular { pivot, largest } = self;
-        if pivot.is_nan() {
-            return "the matrix has an empty row or column, or an entry that is not a number: is every equation written, \
-                    and does every unknown occur in one?"
-                .into();
-        }
-        format!("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}")
-    }
-}
-
-/// Why equations could not be evaluated.
+/// Why equations cannot be evaluated or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// The point lies outside the domain of the equations.
     #[error(transparent)]
-    LeftDomain(#[from] LeftDomain),
-    /// A matrix that defines a condition is singular.
+    OutOfDomain(#[from] OutOfDomain),
+    /// A number is not finite where it must be.
+    #[error("{quantity} = {value:.6e} is not finite: {remedy}")]
+    NotFinite {
+        /// What the number is.
+        quantity: String,
+        /// The number.
+        value: f64,
+        /// What to change.
+        remedy: String,
+    },
+    /// A matrix has no inverse, in arithmetic of 16 digits.
+    #[error("{}", singular(*pivot, *largest))]
+    Singular {
+        /// The smallest pivot.
+        pivot: f64,
+        /// The largest pivot.
+        largest: f64,
+    },
+    /// A trajectory ends before its time.
     #[error(transparent)]
-    Singular(#[from] Singular),
-    /// Eigenvalues or multipliers that an iterative method did not find.
+    Flow(#[from] FlowError),
+    /// Deviations grow by so much over a segment that no digit of its end is left.
+    #[error(
+        "deviations grow by {0:.1e} over a segment, which leaves no digit of its end: take more segments, or \
+         collocation"
+    )]
+    Growth(f64),
+    /// An iterative method did not find these eigenvalues or multipliers.
     #[error(
         "the {0} do not converge: the matrix may have entries that are not finite, or of very different sizes"
     )]
     Eigenvalues(&'static str),
-    /// The condition does not apply at this point.
+    /// No complex pair of eigenvalues or multipliers can become critical.
+    #[error(
+        "no complex pair is near the imaginary axis (or of multipliers near the unit circle): not a Hopf or \
+         torus point (a neutral saddle, perhaps)"
+    )]
+    NoComplexPair,
+    /// The equations at this point do not determine what is asked for, and why.
     #[error("{0}")]
-    NotApplicable(String),
+    Undetermined(String),
+    /// The system or problem does not provide what is asked for.
+    #[error("{0}")]
+    Unsupported(String),
+    /// A solution, position or setting does not fit the problem.
+    #[error("{0}")]
+    Mismatch(String),
+}
+
+impl Failure {
+    /// A number that is not finite.
+    pub fn not_finite(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
+        Failure::NotFinite { quantity: quantity.into(), value, remedy: remedy.into() }
+    }
+
+    /// The failure, with the place at which a quantity has its value.
+    pub(super) fn at(mut self, place: std::fmt::Arguments) -> Self {
+        if let Failure::OutOfDomain(OutOfDomain { quantity, .. })
+        | Failure::NotFinite { quantity, .. } = &mut self
+        {
+            *quantity = format!("{quantity} {place}");
+        }
+        self
+    }
+}
+
+fn singular(pivot: f64, largest: f64) -> String {
+    let hint = match pivot == 0.0 {
+        true => " (is every equation written, and does every unknown occur in one?)",
+        false => "",
+    };
+    format!("the matrix is singular: pivot {pivot:.1e} where the largest is {largest:.1e}{hint}")
+}
+
+/// The refusal of a pivot that vanishes, compared with the largest one, or is not a number.
+pub(super) fn unusable(pivot: f64, largest: f64) -> Failure {
+    match pivot.is_nan() {
+        true => Failure::not_finite("a pivot", pivot, "all entries of the matrix must be finite"),
+        false => Failure::Singular { pivot, largest },
+    }
+}
+
+/// Refuses numbers of which one is not finite; `name` says what the number at a position is.
+pub(crate) fn finite(
+    numbers: &[f64],
+    name: impl FnOnce(usize) -> String,
+    remedy: &str,
+) -> Result<(), Failure> {
+    match not_finite(numbers) {
+        Some(i) => Err(Failure::not_finite(name(i), numbers[i], remedy)),
+        None => Ok(()),
+    }
+}
+
+/// The position of the first number that is not finite.
+pub(super) fn not_finite(numbers: &[f64]) -> Option<usize> {
+    let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
+    if any { numbers.iter().position(|number| !number.is_finite()) } else { None }
+}
+
+/// What to do about derivatives that are not finite.
+pub(super) const DIFFERENTIABLE: &str = "the residual must be differentiable here (√ at 0 is not)";
+
+/// Refuses a gradient with a component, by an unknown or a released parameter, that is not finite.
+pub(crate) fn finite_gradient(
+    gradient: &[f64],
+    dimension: usize,
+    released: &[usize],
+) -> Result<(), Failure> {
+    let (by_unknowns, by_parameters) = gradient.split_at(dimension);
+    finite(by_unknowns, |i| format!("a gradient by unknown {i}"), DIFFERENTIABLE)?;
+    let wrong = released.iter().find(|p| !by_parameters[**p].is_finite());
+    wrong.map_or(Ok(()), |&p| {
+        let quantity = format!("a gradient by parameter {p}");
+        Err(Failure::not_finite(quantity, by_parameters[p], DIFFERENTIABLE))
+    })
+}
+
+/// The refusal of a derivative of an order that no system provides.
+pub(crate) fn unknown_order(order: usize) -> Failure {
+    Failure::Unsupported(format!("derivatives of order {order} are not provided"))
 }

@@ -2,7 +2,7 @@
 
 use super::measure::Measure;
 use super::scalar::Scalar;
-use super::zero::{LeftDomain, Names, ZeroProblem};
+use super::zero::{Names, OutOfDomain, ZeroProblem};
 use std::ops::Deref;
 
 /// Whether time itself enters a vector field or a hybrid system.
@@ -94,8 +94,8 @@ pub trait VectorField: Send + Sync {
     /// Refuses states at which the field has no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain.
-    fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 }
@@ -134,7 +134,7 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
         (**self).scales(p)
     }
 
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         (**self).domain(x, p)
     }
 }
@@ -199,7 +199,7 @@ impl<F: VectorField> ZeroProblem for Equilibria<F> {
         values.iter_mut().zip(measured).for_each(|(value, (_, measure))| *value = measure);
     }
 
-    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.0.domain(z, p)
     }
 }

@@ -13,7 +13,6 @@
 use super::condition::Failure;
 use super::extended::{Closing, Extended};
 use super::vector::generic;
-use super::zero::{LeftDomain, Singular};
 
 /// When Newton's iteration stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,25 +40,14 @@ pub enum NewtonError {
         /// The last damping factor.
         damping: f64,
     },
-    /// The bordered matrix is singular.
-    #[error(
-        "{cause} in iteration {iteration}: the point is singular in the released parameters (a fold or branch point?)"
-    )]
-    Singular {
-        /// The iteration.
+    /// The equations or their matrix cannot be evaluated, or the matrix is singular.
+    #[error("{}", evaluation(*iteration, cause))]
+    Evaluation {
+        /// The iteration; 0 where it begins.
         iteration: usize,
-        /// The pivots.
+        /// What failed.
         #[source]
-        cause: Singular,
-    },
-    /// The iteration left the domain of the equations.
-    #[error("{cause} (in iteration {iteration})")]
-    LeftDomain {
-        /// The iteration.
-        iteration: usize,
-        /// The quantity and its value.
-        #[source]
-        cause: LeftDomain,
+        cause: Failure,
     },
     /// As many iterations as allowed.
     #[error(
@@ -109,30 +97,23 @@ pub enum NewtonError {
          is not determined by derivatives of second order"
     )]
     SameBranch(f64),
-    /// Eigenvalues or multipliers that an iterative method did not find.
-    #[error("{0}")]
-    Eigenvalues(String),
-    /// A condition does not apply at this point, and why.
-    #[error("{0}")]
-    NotApplicable(String),
 }
 
-impl NewtonError {
-    /// An evaluation that failed in an iteration.
-    fn evaluation(iteration: usize, cause: Failure) -> Self {
-        match cause {
-            Failure::LeftDomain(cause) => NewtonError::LeftDomain { iteration, cause },
-            Failure::Singular(cause) => NewtonError::Singular { iteration, cause },
-            Failure::Eigenvalues(_) => NewtonError::Eigenvalues(cause.to_string()),
-            Failure::NotApplicable(reason) => NewtonError::NotApplicable(reason),
-        }
+fn evaluation(iteration: usize, cause: &Failure) -> String {
+    match cause {
+        Failure::Singular { .. } => format!(
+            "{cause} in iteration {iteration}: the point is singular in the released parameters (a fold or branch \
+             point?)"
+        ),
+        Failure::Unsupported(_) | Failure::Mismatch(_) => cause.to_string(),
+        _ => format!("{cause} (in iteration {iteration})"),
     }
 }
 
 /// An evaluation that failed where the iteration begins.
 impl From<Failure> for NewtonError {
     fn from(cause: Failure) -> Self {
-        NewtonError::evaluation(0, cause)
+        NewtonError::Evaluation { iteration: 0, cause }
     }
 }
 
@@ -209,7 +190,7 @@ impl Problem<'_, '_> {
     /// Factors the matrix where the residual was evaluated last.
     fn factor(&mut self, iteration: usize) -> Result<(), NewtonError> {
         let factored = self.equations.factor(self.closing.map(|closing| closing.row));
-        factored.map_err(|cause| NewtonError::evaluation(iteration, cause))
+        factored.map_err(|cause| NewtonError::Evaluation { iteration, cause })
     }
 
     fn size(&self, correction: &[f64]) -> f64 {
@@ -353,7 +334,9 @@ impl Newton {
         }
         equations.residual(unknowns, None, &mut self.correction)?;
         if refactor {
-            equations.factor(None).map_err(|cause| NewtonError::evaluation(1, cause))?;
+            equations
+                .factor(None)
+                .map_err(|cause| NewtonError::Evaluation { iteration: 1, cause })?;
         }
         equations.solve(&mut self.correction);
         Ok(&self.correction)
@@ -437,14 +420,14 @@ fn hopeless(
     damping: f64,
 ) -> NewtonError {
     match outcome {
-        Err(cause) => NewtonError::evaluation(iteration, cause),
+        Err(cause) => NewtonError::Evaluation { iteration, cause },
         Ok(()) if size.is_finite() => {
             NewtonError::Stagnation { iterations: iteration, correction: size, damping }
         }
         Ok(()) => {
             let remedy = "the equations must be finite near the solution";
-            let cause = LeftDomain::new("the correction", size, remedy);
-            NewtonError::LeftDomain { iteration, cause }
+            let cause = Failure::not_finite("the correction", size, remedy);
+            NewtonError::Evaluation { iteration, cause }
         }
     }
 }

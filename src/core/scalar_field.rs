@@ -5,9 +5,9 @@
 //! [`FieldRef`] is a field of a collection of fields behind a pointer.
 
 use super::chunk::DualChunk;
+use super::domain::OutOfDomain;
 use super::field::VectorField;
 use super::scalar::Scalar;
-use super::zero::LeftDomain;
 
 /// The number of directions in which implicit schemes differentiate in one pass.
 pub(in crate::core) const WIDTH: usize = 4;
@@ -33,8 +33,8 @@ pub trait FieldIn<T: Scalar> {
     /// Refuses states at which the field has no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain.
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain>;
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
 
     /// Typical sizes of the states, which the absolute tolerance is relative to; none if all are 1.
     fn state_scales(&self, p: &[f64]) -> Vec<f64>;
@@ -63,7 +63,7 @@ impl<F: VectorField, T: Scalar> FieldIn<T> for F {
         self.field(t, x, p, f);
     }
 
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         VectorField::domain(self, x, p)
     }
 
@@ -83,8 +83,8 @@ pub trait Domains {
     /// Refuses states at which a field has no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain.
-    fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain>;
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain_of(&self, index: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
 
     /// Typical sizes of a field's states; none if all are 1.
     fn scales_of(&self, index: usize, p: &[f64]) -> Vec<f64>;
@@ -155,7 +155,7 @@ impl<T: Scalar> FieldIn<T> for FieldRef<'_, T> {
         }
     }
 
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.fields.domain_of(self.index, x, self.own(p))
     }
 

@@ -12,7 +12,8 @@
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
 use super::cycles::Cycles;
-pub use super::failure::{Failure, LeftDomain, Singular};
+pub use super::domain::OutOfDomain;
+pub use super::failure::Failure;
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
 use super::solution::{Adopted, Leaving, Solution};
@@ -72,9 +73,9 @@ pub trait ZeroProblem: Send + Sync {
     /// Refuses values at which the equations have no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain. A residual that is not finite is
+    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite is
     /// refused in any case.
-    fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 
@@ -149,8 +150,8 @@ pub trait Oscillation {
     /// length `2n`).
     ///
     /// # Errors
-    /// [`Singular`] if the bordered matrix is.
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular>;
+    /// [`Failure::Singular`] if the bordered matrix is.
+    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Failure>;
 
     /// Solves with the bordered matrix, in place: real parts of the `n + 1` unknowns, then imaginary
     /// parts.
@@ -181,8 +182,8 @@ pub trait System: Send {
     /// `F(x)` into `r`.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the equations have no meaning at `x` or a component is not finite.
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain>;
+    /// [`Failure`] where the equations have no meaning at `x` or a component is not finite.
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
     /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor),
     /// [`spectrum`](System::spectrum) and [`jacobian`](System::jacobian). Conditions, monitors and
@@ -190,8 +191,8 @@ pub trait System: Send {
     /// than the comparison with the `x` of the first.
     ///
     /// # Errors
-    /// [`LeftDomain`] as for the residual.
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain>;
+    /// [`Failure`] as for the residual.
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
     /// From now on residuals and matrices may err by as much as this (in units of the unknowns' sizes), since
     /// a solution is only approached; 0 asks for all digits again. Monitors that are asked for meanwhile may
@@ -201,8 +202,8 @@ pub trait System: Send {
     /// Factors the assembled `F_z` within a border (of width 0 or more) and keeps it in `slot`.
     ///
     /// # Errors
-    /// [`Singular`] if the bordered matrix is, to working accuracy.
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular>;
+    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy.
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure>;
 
     /// Solves with the bordered matrix of `slot`, in place; `right` has length `n + m`.
     fn solve(&mut self, slot: Slot, right: &mut [f64]);
@@ -214,9 +215,9 @@ pub trait System: Send {
     /// boundary conditions (and further unknowns, such as the period, zero), and keeps it in `slot`.
     ///
     /// # Errors
-    /// [`Singular`] if the bordered matrix is, or if the unknowns are no periodic orbit.
-    fn factor_antiperiodic(&mut self, _slot: Slot, _border: Border) -> Result<(), Singular> {
-        Err(Singular { pivot: 0.0, largest: 0.0 })
+    /// [`Failure::Singular`] if the bordered matrix is, [`Failure::Unsupported`] if solutions are not periodic.
+    fn factor_antiperiodic(&mut self, _slot: Slot, _border: Border) -> Result<(), Failure> {
+        Err(Failure::Unsupported("the solutions of this system are not periodic orbits".into()))
     }
 
     /// The linearised motion of oscillations or complex multipliers, if the system has it.
@@ -230,28 +231,31 @@ pub trait System: Send {
     /// The sign of the determinant of the bordered matrix of `slot` (−1 or 1).
     fn determinant_sign(&self, slot: Slot) -> f64;
 
-    /// `F_x d` at `x` into `out`.
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]);
-
-    /// `F_xx[d, e]` at `x` into `out`.
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]);
-
-    /// `F_xxx[d, e, f]` at `x` into `out`.
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]);
-
-    /// `∇ₓ (wᵀ F_x v)` into `out` (as long as `x`): all components of the unknowns, and those of the
-    /// parameters listed in `released`; other parameters' components are left alone.
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]);
-
-    /// `∇ₓ (wᵀ F_xx[v, v])` into `out`, as [`gradient`](System::gradient).
-    fn second_gradient(
+    /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three directions (each as
+    /// long as `x`), into `out`.
+    ///
+    /// # Errors
+    /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of directions.
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure>;
+
+    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or `∇ₓ (wᵀ F_xx[v, v])` for 2, into `out` (as long as `x`): all components of
+    /// the unknowns, and those of the parameters listed in `released`; other parameters' components are
+    /// unspecified.
+    ///
+    /// # Errors
+    /// [`Failure`] as for [`derivative`](System::derivative), or for another order.
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        form: (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    );
+    ) -> Result<(), Failure>;
 
     /// What the residual says about motion.
     fn dynamics(&self) -> Dynamics;
@@ -273,19 +277,14 @@ pub trait System: Send {
     /// The values of the monitors at a solution, in the order of their names.
     ///
     /// # Errors
-    /// [`LeftDomain`] if a monitor has no meaning at `x`.
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain>;
+    /// [`Failure`] if a monitor has no meaning at `x`.
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
     /// The value of one monitor. `values` is room for all of them, of which the others come out as they may.
     ///
     /// # Errors
-    /// [`LeftDomain`] if the monitor has no meaning at `x`.
-    fn monitor(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        values: &mut [f64],
-    ) -> Result<f64, LeftDomain> {
+    /// [`Failure`] if the monitor has no meaning at `x`.
+    fn monitor(&mut self, monitor: usize, x: &[f64], values: &mut [f64]) -> Result<f64, Failure> {
         self.monitors(x, values)?;
         Ok(values[monitor])
     }
@@ -294,8 +293,8 @@ pub trait System: Send {
     /// solved for, comes out otherwise on it. Not asked where a solution grazes, where nothing can be decided.
     ///
     /// # Errors
-    /// [`LeftDomain`] with what is decided otherwise.
-    fn check_start(&mut self, _x: &[f64]) -> Result<(), LeftDomain> {
+    /// [`Failure`] with what is decided otherwise.
+    fn check_start(&mut self, _x: &[f64]) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -321,7 +320,16 @@ pub trait System: Send {
     }
 
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]);
+    ///
+    /// # Errors
+    /// [`Failure`] as for the monitor, or where it is not differentiable.
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure>;
 
     /// Curves that are kept with special points and drawn for them.
     fn profiles(&mut self, _x: &[f64]) -> Vec<Profile> {
@@ -364,7 +372,7 @@ pub trait System: Send {
     fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         let n = self.names().dimension();
         if solution.state.len() != n {
-            return Err(Failure::NotApplicable(format!(
+            return Err(Failure::Mismatch(format!(
                 "the start has {} unknowns, the problem {n}: was it made with other settings?",
                 solution.state.len()
             )));

@@ -1,6 +1,7 @@
 //! Newton's iteration about a fold: with the load held, without and with damping, and with the load free.
 
 use super::grid::{Found, Panel, from_to, map};
+use crate::core::condition::Failure;
 use crate::core::continuation::{Continuation, Kind, SpecialPoint};
 use crate::core::dense::Dense;
 use crate::core::extended::{Closing, Extended};
@@ -57,8 +58,8 @@ const LIMITS: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 30 };
 fn failed(cause: &NewtonError) -> Found {
     let name = match cause {
         NewtonError::Stagnation { .. } => "stagnation",
-        NewtonError::Singular { .. } => "singular matrix",
-        NewtonError::LeftDomain { .. } => "left the domain",
+        NewtonError::Evaluation { cause: Failure::Singular { .. }, .. } => "singular matrix",
+        NewtonError::Evaluation { .. } => "left the domain",
         NewtonError::IterationLimit { .. } => "iteration limit",
         _ => "not applicable",
     };

@@ -2,6 +2,7 @@
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::bvp::{BoundaryError, BoundarySystem, Collocation, Shooting};
+use crate::core::condition::Failure;
 use crate::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::field::{Forcing, VectorField};
 use crate::core::newton::NewtonError;
@@ -61,9 +62,14 @@ fn judged(system: Result<BoundarySystem, BoundaryError>, multiplier: f64) -> Fou
     match traced {
         Ok(branch) => compared(&branch),
         Err(TraceError::Start { cause, .. }) => match *cause {
-            NewtonError::Singular { .. } => Found::reported("singular matrix", cause),
+            NewtonError::Evaluation { cause: Failure::Singular { .. }, .. } => {
+                Found::reported("singular matrix", cause)
+            }
             NewtonError::Stagnation { .. } => Found::reported("stagnation", cause),
-            NewtonError::LeftDomain { .. } => Found::reported("deviations grow too far", cause),
+            NewtonError::Evaluation { cause: Failure::Growth(_), .. } => {
+                Found::reported("deviations grow too far", cause)
+            }
+            NewtonError::Evaluation { .. } => Found::reported("no evaluation", cause),
             _ => Found::reported("iteration limit", cause),
         },
         Err(cause) => Found::reported("no start", cause),

@@ -36,7 +36,8 @@ fn tried(scheme: Scheme, rate: f64, tolerance: f64) -> Found {
                 FlowError::Stiff { .. } => "refused as stiff",
                 FlowError::TooManySteps { .. } => "too many steps",
                 FlowError::StepTooSmall { .. } => "no step small enough",
-                FlowError::LeftDomain { .. } => "left the domain",
+                FlowError::OutOfDomain { .. } => "left the domain",
+                FlowError::NotFinite { .. } => "not finite",
             };
             Found::reported(name, cause)
         }

@@ -44,7 +44,7 @@ impl Local {
         (branch, special): (&Branch, &SpecialPoint),
     ) -> Result<LocalMap, GrazingError> {
         let (method, intervals) =
-            discretisation.method().map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
+            discretisation.method().map_err(|cause| Failure::Mismatch(cause.to_string()))?;
         let point = grazing_point(system, method, intervals, branch, special)?;
         touches(&**system, &point)?;
         let point = point.located(&**system, &self.parameters[0])?;

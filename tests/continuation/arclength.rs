@@ -10,7 +10,7 @@ use tangency::core::continuation::{
 };
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, LeftDomain, Names, System, ZeroProblem};
+use tangency::core::zero::{Dynamics, Names, OutOfDomain, System, ZeroProblem};
 use tangency::problems::classic::ParallelPlate;
 
 /// The CO problem in other units: unknowns times `unknown`, q₂ times `parameter`, rows times `row`.
@@ -267,8 +267,12 @@ fn a_failed_branch_is_kept() {
         fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
             r[0] = p[0] * 0.5 - x[0];
         }
-        fn domain(&self, _x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
-            if p[0] < 0.7 { Ok(()) } else { Err(LeftDomain::new("p", p[0], "p must be below 0.7")) }
+        fn domain(&self, _x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+            if p[0] < 0.7 {
+                Ok(())
+            } else {
+                Err(OutOfDomain::new("p", p[0], "p must be below 0.7"))
+            }
         }
     }
     let mut system = Dense::new(Edge);

@@ -74,40 +74,40 @@ proptest! {
     ) {
         let mut system = Dense::new(problem);
         let mut out = vec![0.0; N];
-        system.derivative(&x, &d, &mut out);
+        system.derivative(&x, &[&d], &mut out).unwrap();
         agree(&out, &difference(&x, &d, H, |x| {
             let mut r = vec![0.0; N];
             system.residual(x, &mut r).unwrap();
             r
         }), 1e-9);
-        system.second_derivative(&x, &d, &e, &mut out);
+        system.derivative(&x, &[&d, &e], &mut out).unwrap();
         agree(&out, &difference(&x, &e, H, |x| {
             let mut r = vec![0.0; N];
-            system.derivative(x, &d, &mut r);
+            system.derivative(x, &[&d], &mut r).unwrap();
             r
         }), 1e-9);
-        system.third_derivative(&x, &d, &e, &f, &mut out);
+        system.derivative(&x, &[&d, &e, &f], &mut out).unwrap();
         agree(&out, &difference(&x, &f, H, |x| {
             let mut r = vec![0.0; N];
-            system.second_derivative(x, &d, &e, &mut r);
+            system.derivative(x, &[&d, &e], &mut r).unwrap();
             r
         }), 1e-9);
         let mut gradient = vec![0.0; LENGTH];
-        system.gradient(&x, &w, &d, &[0, 1], &mut gradient);
+        system.gradient(&x, (&w, &d, 1), &[0, 1], &mut gradient).unwrap();
         let mut second_gradient = vec![0.0; LENGTH];
-        system.second_gradient(&x, &w, &d, &[0, 1], &mut second_gradient);
+        system.gradient(&x, (&w, &d, 2), &[0, 1], &mut second_gradient).unwrap();
         let mut monitor = vec![0.0; LENGTH];
-        system.monitor_gradient(0, &x, &[0, 1], &mut monitor);
+        system.monitor_gradient(0, &x, &[0, 1], &mut monitor).unwrap();
         for i in 0..LENGTH {
             let first = difference(&x, &unit(i), H, |x| {
-                system.derivative(x, &d, &mut out);
+                system.derivative(x, &[&d], &mut out).unwrap();
                 let mut value = vec![0.0];
                 system.monitors(x, &mut value).unwrap();
                 vec![dot(&w, &out), value[0]]
             });
             agree(&[gradient[i], monitor[i]], &first, 1e-9);
             let second = difference(&x, &unit(i), H, |x| {
-                system.second_derivative(x, &d, &d, &mut out);
+                system.derivative(x, &[&d, &d], &mut out).unwrap();
                 vec![dot(&w, &out)]
             });
             agree(&[second_gradient[i]], &second, 1e-9);
@@ -117,7 +117,7 @@ proptest! {
         let mut jacobian = vec![0.0; N * N];
         system.jacobian(&mut jacobian);
         for i in 0..N {
-            system.derivative(&x, &unit(i), &mut out);
+            system.derivative(&x, &[&unit(i)], &mut out).unwrap();
             agree(&jacobian[i * N..(i + 1) * N], &out, 1e-14);
         }
     }

@@ -6,7 +6,7 @@ use tangency::core::dense::Dense;
 use tangency::core::extended::Extended;
 use tangency::core::newton::{Convergence, Newton, NewtonError, Tolerances};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{LeftDomain, Names, ZeroProblem};
+use tangency::core::zero::{Failure, Names, OutOfDomain, ZeroProblem};
 use tangency::problems::classic::ParallelPlate;
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
@@ -40,10 +40,10 @@ impl ZeroProblem for Equation {
             Equation::Broken => x[0] - p[0],
         };
     }
-    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         match self {
             Equation::Root if x[0] <= 0.0 => {
-                Err(LeftDomain::new("x", x[0], "the root needs x > 0"))
+                Err(OutOfDomain::new("x", x[0], "the root needs x > 0"))
             }
             _ => Ok(()),
         }
@@ -116,8 +116,8 @@ fn stagnation() {
 #[test]
 fn singular() {
     let error = solve(Equation::Square, 0.0, -1.0, TOLERANCES).unwrap_err();
-    let NewtonError::Singular { iteration: 1, cause } = &error else { panic!("{error}") };
-    assert_eq!(cause.pivot, 0.0);
+    let NewtonError::Evaluation { iteration: 1, cause } = &error else { panic!("{error}") };
+    assert!(matches!(cause, Failure::Singular { pivot: 0.0, .. }), "{cause:?}");
     assert!(error.to_string().contains("the matrix is singular: pivot 0.0e0"), "{error}");
 }
 
@@ -136,7 +136,9 @@ fn iteration_limit() {
 #[test]
 fn domain_left() {
     let error = solve(Equation::Root, 1.0, -1.0, TOLERANCES).unwrap_err();
-    let NewtonError::LeftDomain { cause, .. } = &error else { panic!("{error}") };
+    let NewtonError::Evaluation { cause: Failure::OutOfDomain(cause), .. } = &error else {
+        panic!("{error}")
+    };
     assert_eq!(cause.quantity, "x");
     assert!(cause.value <= 0.0);
     assert!(error.to_string().contains("the root needs x > 0"), "{error}");
@@ -146,8 +148,9 @@ fn domain_left() {
 fn not_a_number() {
     for (p, expected) in [(2.0, "NaN"), (-1.0, "inf")] {
         let error = solve(Equation::Broken, 0.5, p, TOLERANCES).unwrap_err();
-        let NewtonError::LeftDomain { iteration: 0, cause } = &error else { panic!("{error}") };
-        assert_eq!(cause.quantity, "component 0 of the residual");
+        let NewtonError::Evaluation { iteration: 0, cause } = &error else { panic!("{error}") };
+        let Failure::NotFinite { quantity, .. } = cause else { panic!("{error}") };
+        assert_eq!(quantity, "component 0 of the residual");
         assert!(error.to_string().contains(expected), "{error}");
     }
 }

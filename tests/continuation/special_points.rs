@@ -6,8 +6,7 @@ use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, Tr
 use tangency::core::dense::Dense;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
-    Border, Dynamics, Failure, LeftDomain, Names, Refinement, Singular, Slot, Spectrum, System,
-    ZeroProblem,
+    Border, Dynamics, Failure, Names, Refinement, Slot, Spectrum, System, ZeroProblem,
 };
 use tangency::problems::classic::Hyperbola;
 
@@ -201,13 +200,13 @@ impl System for Refinable {
     fn names(&self) -> &Names {
         self.0.names()
     }
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         self.0.residual(x, r)
     }
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.0.assemble(x)
     }
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         self.0.factor(slot, border)
     }
     fn solve(&mut self, slot: Slot, right: &mut [f64]) {
@@ -222,27 +221,22 @@ impl System for Refinable {
     fn determinant_sign(&self, slot: Slot) -> f64 {
         self.0.determinant_sign(slot)
     }
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        self.0.derivative(x, d, out);
-    }
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        self.0.second_derivative(x, d, e, out);
-    }
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        self.0.third_derivative(x, d, e, f, out);
-    }
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        self.0.gradient(x, w, v, released, out);
-    }
-    fn second_gradient(
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.0.derivative(x, directions, out)
+    }
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        form: (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    ) {
-        self.0.second_gradient(x, w, v, released, out);
+    ) -> Result<(), Failure> {
+        self.0.gradient(x, form, released, out)
     }
     fn dynamics(&self) -> Dynamics {
         Dynamics::Static
@@ -250,11 +244,17 @@ impl System for Refinable {
     fn spectrum(&mut self, _x: &[f64]) -> Result<Option<Spectrum>, Failure> {
         Ok(None)
     }
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.0.monitors(x, values)
     }
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
-        self.0.monitor_gradient(monitor, x, released, out);
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.0.monitor_gradient(monitor, x, released, out)
     }
     fn refined(&self, x: &[f64]) -> Option<Refinement> {
         let Grid { n, middle_first } = self.1;

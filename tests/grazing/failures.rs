@@ -66,7 +66,7 @@ fn impossible_maps_are_refused() {
         assert_eq!(mismatched.located(&Actuator, "voltage").unwrap_err(), error);
     }
     let stuck = point.located(&Actuator, "gravity").unwrap_err();
-    assert!(matches!(stuck, GrazingError::NotBorn(_)), "{stuck}");
+    assert!(matches!(stuck, GrazingError::Failure(_)), "{stuck}");
     let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
     let mut resting = Actuator::DEFAULTS;
     resting[0] = 0.0;

@@ -11,7 +11,7 @@ use tangency::core::hybrid::{
     HybridState, HybridSystem, Mode,
 };
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::LeftDomain;
+use tangency::core::zero::OutOfDomain;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
@@ -70,8 +70,8 @@ impl HybridSystem for Sinking {
     fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         self.after
     }
-    fn domain(&self, _mode: usize, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
-        if x[0] > 2.0 { Err(LeftDomain::new("depth", x[0], "the lake is 2 deep")) } else { Ok(()) }
+    fn domain(&self, _mode: usize, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
+        if x[0] > 2.0 { Err(OutOfDomain::new("depth", x[0], "the lake is 2 deep")) } else { Ok(()) }
     }
 }
 
@@ -183,7 +183,7 @@ fn modes_and_lengths_are_checked() {
 fn the_mode_of_a_flow_that_ends_is_named() {
     let error = refused(&Sinking { after: 0, to: 3.0 }, at(0, 0.0, &[0.5]), &[]);
     match &error {
-        HybridError::Flow { mode, source: FlowError::LeftDomain { time, .. } } => {
+        HybridError::Flow { mode, source: FlowError::OutOfDomain { time, .. } } => {
             assert_eq!(mode, "water");
             close(*time, 0.5, 1e-12);
         }

@@ -11,7 +11,7 @@ use tangency::core::hybrid::{
 };
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::LeftDomain;
+use tangency::core::zero::OutOfDomain;
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
@@ -121,7 +121,7 @@ impl<S: HybridSystem> HybridSystem for Rescaled<S> {
             scales.state(state, unit)
         })
     }
-    fn domain(&self, mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.system.domain(mode, &self.inner(mode, x), p)
     }
 }

@@ -240,7 +240,7 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
     let (d, e, f, w) = (wave(1, x.len()), wave(2, x.len()), wave(3, x.len()), wave(4, n));
     let mut out = vec![0.0; n];
     system.set_reference(x).unwrap();
-    system.derivative(x, &d, &mut out);
+    system.derivative(x, &[&d], &mut out).unwrap();
     let residual = |system: &mut BoundarySystem, x: &[f64]| {
         let mut r = vec![0.0; n];
         system.residual(x, &mut r).unwrap();
@@ -248,26 +248,27 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
     };
     agree(&out, &difference(x, &d, H, |x| residual(system, x)), 1e-7);
     let mut second = vec![0.0; n];
-    system.second_derivative(x, &d, &e, &mut second);
+    system.derivative(x, &[&d, &e], &mut second).unwrap();
     let along = |system: &mut BoundarySystem, x: &[f64]| {
         let mut r = vec![0.0; n];
-        system.derivative(x, &d, &mut r);
+        system.derivative(x, &[&d], &mut r).unwrap();
         r
     };
     agree(&second, &difference(x, &e, H, |x| along(system, x)), 1e-7);
     let mut third = vec![0.0; n];
-    system.third_derivative(x, &d, &e, &f, &mut third);
+    system.derivative(x, &[&d, &e, &f], &mut third).unwrap();
     let expected = difference(x, &f, H, |x| {
         let mut r = vec![0.0; n];
-        system.second_derivative(x, &d, &e, &mut r);
+        system.derivative(x, &[&d, &e], &mut r).unwrap();
         r
     });
     agree(&third, &expected, 1e-7);
     let (mut gradient, mut second_gradient) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    system.gradient(x, &w, &d, &released, &mut gradient);
-    system.second_gradient(x, &w, &d, &released, &mut second_gradient);
+    system.gradient(x, (&w, &d, 1), &released, &mut gradient).unwrap();
+    system.gradient(x, (&w, &d, 2), &released, &mut second_gradient).unwrap();
     let mut monitors = vec![vec![0.0; x.len()]; monitor_count];
-    (0..monitor_count).for_each(|k| system.monitor_gradient(k, x, &released, &mut monitors[k]));
+    (0..monitor_count)
+        .for_each(|k| system.monitor_gradient(k, x, &released, &mut monitors[k]).unwrap());
     system.assemble(x).unwrap();
     let (mut jacobian, mut column) = (vec![0.0; n * n], vec![0.0; n]);
     system.jacobian(&mut jacobian);
@@ -278,14 +279,14 @@ fn derivatives_agree(system: &mut BoundarySystem, x: &[f64], seed: u64) {
             system.monitors(x, &mut values).unwrap();
             values.push(dot(&w, &along(system, x)));
             let mut r = vec![0.0; n];
-            system.second_derivative(x, &d, &d, &mut r);
+            system.derivative(x, &[&d, &d], &mut r).unwrap();
             values.push(dot(&w, &r));
             values
         });
         let mut found: Vec<f64> = monitors.iter().map(|gradient| gradient[i]).collect();
         found.extend([gradient[i], second_gradient[i]]);
         agree(&found, &differences, 1e-7);
-        system.derivative(x, &unit, &mut column);
+        system.derivative(x, &[&unit], &mut column).unwrap();
         if i < n {
             agree(&jacobian[i * n..(i + 1) * n], &column, 1e-12);
         } else {

@@ -203,7 +203,7 @@ fn adaptation_carries_directions() {
         let mut unit = vec![0.0; n + 1];
         unit[n] = 1.0;
         let mut t = vec![0.0; n];
-        system.derivative(x, &unit, &mut t);
+        system.derivative(x, &[&unit], &mut t).unwrap();
         system.assemble(x).unwrap();
         system.factor(Slot::Curve, Border::NONE).unwrap();
         system.solve(Slot::Curve, &mut t);
@@ -307,7 +307,7 @@ fn steps_allocate_nothing() {
     let mut step = |shift: f64| {
         x[n] = 1.2 + shift;
         system.residual(&x, &mut r).unwrap();
-        system.derivative(&x, &unit, &mut column);
+        system.derivative(&x, &[&unit], &mut column).unwrap();
         system.assemble(&x).unwrap();
         let border = Border { width: 1, columns: &column, rows: &rows, corner: &[0.3] };
         for slot in [Slot::Curve, Slot::Condition] {
@@ -315,12 +315,12 @@ fn steps_allocate_nothing() {
             system.solve(slot, &mut long[..n + 1]);
             system.solve_transposed(slot, &mut long[..n + 1]);
         }
-        system.second_derivative(&x, &unit, &unit, &mut r);
-        system.third_derivative(&x, &unit, &unit, &unit, &mut r);
-        system.gradient(&x, &rows, &unit, &[0], &mut long);
-        system.second_gradient(&x, &rows, &unit, &[0], &mut long);
+        system.derivative(&x, &[&unit, &unit], &mut r).unwrap();
+        system.derivative(&x, &[&unit, &unit, &unit], &mut r).unwrap();
+        system.gradient(&x, (&rows, &unit, 1), &[0], &mut long).unwrap();
+        system.gradient(&x, (&rows, &unit, 2), &[0], &mut long).unwrap();
         system.monitors(&x, &mut monitors).unwrap();
-        (0..4).for_each(|k| system.monitor_gradient(k, &x, &[0], &mut long));
+        (0..4).for_each(|k| system.monitor_gradient(k, &x, &[0], &mut long).unwrap());
         system.reduced_pencil().unwrap();
     };
     step(0.0);

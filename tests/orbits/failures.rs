@@ -11,7 +11,7 @@ use tangency::core::flow::Scheme;
 use tangency::core::hybrid::CycleSearch;
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{LeftDomain, Names, System};
+use tangency::core::zero::{Names, OutOfDomain, System};
 use tangency::problems::classic::Lure;
 use tangency::problems::mita::Block;
 
@@ -201,11 +201,11 @@ impl VectorField for Walled {
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::constant(TAU)
     }
-    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         if x[0] <= 1.2 {
             return Ok(());
         }
-        Err(LeftDomain::new("x", x[0], "the box ends at 1.2"))
+        Err(OutOfDomain::new("x", x[0], "the box ends at 1.2"))
     }
 }
 
@@ -218,7 +218,7 @@ fn a_field_that_leaves_its_domain() {
             .trace()
             .unwrap();
         let End::StepTooSmall { cause, .. } = &branch.ends[1] else { panic!("{:?}", branch.ends) };
-        assert!(cause.contains("x at t =") && cause.contains("the box ends at 1.2"), "{cause}");
+        assert!(cause.contains("at t =") && cause.contains("the box ends at 1.2"), "{cause}");
         close(first(&branch, Kind::UZ).parameters[0], 1.0, 1e-10);
         let last = branch.points.last().unwrap();
         // The nodes of a mesh need not see the very top of the orbit.

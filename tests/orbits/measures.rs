@@ -196,7 +196,7 @@ fn gradients(system: &mut dyn System, x: &[f64], monitors: &[&str]) {
     let direction: Vec<f64> = (0..x.len()).map(|i| (1.0 + i as f64).sin()).collect();
     for name in monitors {
         let mut gradient = vec![0.0; x.len()];
-        system.monitor_gradient(names.monitor(name).unwrap(), x, &released, &mut gradient);
+        system.monitor_gradient(names.monitor(name).unwrap(), x, &released, &mut gradient).unwrap();
         let quotient = difference(x, &direction, 1e-3, |x| vec![value(system, x, name)]);
         agree(&[dot(&gradient, &direction)], &quotient, 1e-7);
     }

@@ -4,8 +4,7 @@ use crate::plates::models::{plate, system, through_pull_in};
 use std::sync::{Arc, Mutex};
 use tangency::core::continuation::{Kind, Settings};
 use tangency::core::zero::{
-    Border, Dynamics, Failure, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum,
-    System,
+    Border, Dynamics, Failure, Names, Profile, Refinement, Slot, Spectrum, System,
 };
 use tangency::problems::plate::{InPlane, Orders};
 
@@ -37,13 +36,13 @@ impl System for Counted {
     fn names(&self) -> &Names {
         self.inner.names()
     }
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         self.count(|counts| &mut counts.residuals).residual(x, r)
     }
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.count(|counts| &mut counts.assemblies).assemble(x)
     }
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         self.count(|counts| &mut counts.factorisations).factor(slot, border)
     }
     fn solve(&mut self, slot: Slot, right: &mut [f64]) {
@@ -58,27 +57,22 @@ impl System for Counted {
     fn determinant_sign(&self, slot: Slot) -> f64 {
         self.inner.determinant_sign(slot)
     }
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        self.count(|counts| &mut counts.derivatives).derivative(x, d, out);
-    }
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        self.count(|counts| &mut counts.derivatives).second_derivative(x, d, e, out);
-    }
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        self.count(|counts| &mut counts.derivatives).third_derivative(x, d, e, f, out);
-    }
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        self.count(|counts| &mut counts.derivatives).gradient(x, w, v, released, out);
-    }
-    fn second_gradient(
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.count(|counts| &mut counts.derivatives).derivative(x, directions, out)
+    }
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        form: (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    ) {
-        self.count(|counts| &mut counts.derivatives).second_gradient(x, w, v, released, out);
+    ) -> Result<(), Failure> {
+        self.count(|counts| &mut counts.derivatives).gradient(x, form, released, out)
     }
     fn dynamics(&self) -> Dynamics {
         self.inner.dynamics()
@@ -86,11 +80,17 @@ impl System for Counted {
     fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure> {
         self.count(|counts| &mut counts.spectra).spectrum(x)
     }
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.inner.monitors(x, values)
     }
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
-        self.inner.monitor_gradient(monitor, x, released, out);
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.inner.monitor_gradient(monitor, x, released, out)
     }
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.inner.profiles(x)

@@ -230,10 +230,10 @@ fn the_squared_frequency_falls_at_first_by_twice_the_load() {
         p[GAP_RATIO] = gap_ratio;
         let x = [vec![0.0; 6], p].concat();
         let (mut gradient, mut column) = (vec![0.0; x.len()], vec![0.0; 6]);
-        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient);
+        system.monitor_gradient(2, &x, &all_parameters(&system), &mut gradient).unwrap();
         let mut load = vec![0.0; x.len()];
         load[6 + LOAD] = 1.0;
-        system.derivative(&x, &load, &mut column);
+        system.derivative(&x, &[&load], &mut column).unwrap();
         system.assemble(&x).expect("inside the domain");
         system.factor(Slot::Curve, Border::NONE).expect("regular");
         system.solve(Slot::Curve, &mut column);
@@ -358,10 +358,10 @@ fn assembled_derivatives_are_those_of_dual_numbers() {
                 let mut out = [vec![0.0; 25], zeros(), zeros(), zeros(), zeros(), zeros(), zeros()];
                 system.assemble(&x).expect("inside the domain");
                 system.jacobian(&mut out[0]);
-                system.gradient(&x, &w, &v, &all, &mut out[1]);
-                system.second_gradient(&x, &w, &v, &all, &mut out[2]);
+                system.gradient(&x, (&w, &v, 1), &all, &mut out[1]).unwrap();
+                system.gradient(&x, (&w, &v, 2), &all, &mut out[2]).unwrap();
                 for monitor in 0..4 {
-                    system.monitor_gradient(monitor, &x, &all, &mut out[3 + monitor]);
+                    system.monitor_gradient(monitor, &x, &all, &mut out[3 + monitor]).unwrap();
                 }
                 out
             };
@@ -391,7 +391,7 @@ fn monitor_gradients_are_those_of_difference_quotients() {
         let n = 4;
         for monitor in 0..5 {
             let mut gradient = vec![0.0; x.len()];
-            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient);
+            system.monitor_gradient(monitor, &x, &all_parameters(&system), &mut gradient).unwrap();
             // All unknowns, voltage, thickness, gap and density.
             for i in (0..n).chain([n, n + 3, n + 4, n + 7]) {
                 let step = 1e-5 * if i < n { 1.0 } else { x[i] };

@@ -107,12 +107,12 @@ fn identity(k: usize, n: usize) -> f64 {
     f64::from(u8::from(k.is_multiple_of(n + 1)))
 }
 
-/// The exponent of a periodic motion, from the matrix over `q` periods.
-pub(super) fn of_matrix(matrix: &[f64], n: usize, q: usize) -> f64 {
+/// The exponent of a periodic motion, from the matrix over `q` periods; `None` if its multipliers are not found.
+pub(super) fn of_matrix(matrix: &[f64], n: usize, q: usize) -> Option<f64> {
     let minus_one: Vec<f64> = (0..n * n).map(|k| -identity(k, n)).collect();
-    let largest = multipliers(matrix, &minus_one, n);
+    let largest = multipliers(matrix, &minus_one, n).ok()?;
     let size = largest.first().map_or(0.0, |(re, im)| re.hypot(*im));
-    if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 }
+    Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
 }
 
 /// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method; `None` if the matrix is singular.

@@ -308,7 +308,7 @@ fn improved(
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
         let (matrix, end) = monodromy(map, &member, q)?;
-        let value = of_matrix(&matrix, near.len(), q);
+        let value = of_matrix(&matrix, near.len(), q)?;
         let x = &mut member.state.x;
         let step = correction(&matrix, x, &end)?;
         let away: Vec<f64> =

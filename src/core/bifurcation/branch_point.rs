@@ -45,7 +45,7 @@ impl BranchPoint {
     fn solve(&mut self, at: &mut At) -> Result<(), Failure> {
         let n = self.left.len();
         at.system.assemble(at.x)?;
-        at.system.derivative(at.x, &self.direction, &mut self.columns[..n]);
+        at.system.derivative(at.x, &[&self.direction], &mut self.columns[..n])?;
         self.columns[n..].copy_from_slice(&self.unfolding);
         for (target, row) in self.border_rows.chunks_exact_mut(n).zip(&self.rows) {
             target.copy_from_slice(&row[..n]);
@@ -87,7 +87,7 @@ impl Condition for BranchPoint {
     fn start(&mut self, mut at: At, y: &mut [f64]) -> Result<(), Failure> {
         let n = at.system.names().dimension();
         if n + self.parameter >= at.x.len() {
-            return Err(Failure::NotApplicable(format!(
+            return Err(Failure::Mismatch(format!(
                 "the branch point asks for parameter {}, counted from 0, of {}",
                 self.parameter,
                 at.x.len() - n
@@ -119,7 +119,7 @@ impl Condition for BranchPoint {
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         own.fill(0.0);
         for (row, right) in rows.chunks_exact_mut(at.x.len()).zip(&self.right) {
-            at.system.gradient(at.x, &self.left, right, at.released, row);
+            at.system.gradient(at.x, (&self.left, right, 1), at.released, row)?;
             row.iter_mut().for_each(|entry| *entry = -*entry);
         }
         Ok(())

@@ -61,7 +61,7 @@ impl NullSpace {
         let width = m + 1;
         at.system.assemble(at.x)?;
         let mut columns = vec![0.0; n * width];
-        at.system.derivative(at.x, direction, &mut columns[..n]);
+        at.system.derivative(at.x, &[direction], &mut columns[..n])?;
         columns[n..].copy_from_slice(&borders.concat());
         let of_z: Vec<f64> = rows.iter().flat_map(|row| &row[..n]).copied().collect();
         let mut corner = vec![0.0; width * width];
@@ -93,14 +93,15 @@ impl NullSpace {
     }
 
     /// The forms `wⱼᵀ F_xx[ζᵢ, ζₖ]`, and how large `F_xx[ζᵢ, ζₖ]` is.
-    fn forms(&self, at: &mut At) -> (Vec<DMatrix<f64>>, f64) {
+    fn forms(&self, at: &mut At) -> Result<(Vec<DMatrix<f64>>, f64), Failure> {
         let count = self.right.len();
         let mut second = vec![0.0; at.system.names().dimension()];
         let mut forms = vec![DMatrix::zeros(count, count); self.left.len()];
         let mut size = 0.0_f64;
         for i in 0..count {
             for k in 0..=i {
-                at.system.second_derivative(at.x, &self.right[i], &self.right[k], &mut second);
+                let directions = [&self.right[i][..], &self.right[k]];
+                at.system.derivative(at.x, &directions, &mut second)?;
                 size = size.max(norm(&second));
                 for (form, left) in forms.iter_mut().zip(&self.left) {
                     let value = dot(left, &second) / norm(left);
@@ -108,7 +109,7 @@ impl NullSpace {
                 }
             }
         }
-        (forms, size)
+        Ok((forms, size))
     }
 
     /// The direction `Σ aᵢ ζᵢ`, of length 1.
@@ -136,7 +137,7 @@ const VANISHES: f64 = 1e-9;
 /// quadratic equation with two roots.
 ///
 /// # Errors
-/// [`Failure::NotApplicable`] where it has no two real solutions: the point is isolated or
+/// [`Failure::Undetermined`] where it has no two real solutions: the point is isolated or
 /// degenerate.
 pub(crate) fn branches_at(
     mut at: At,
@@ -144,7 +145,7 @@ pub(crate) fn branches_at(
     m: usize,
 ) -> Result<Vec<Vec<f64>>, Failure> {
     let space = NullSpace::of(&mut at, parameter, m)?;
-    let (forms, size) = space.forms(&mut at);
+    let (forms, size) = space.forms(&mut at)?;
     let largest = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
     let roots = match m {
         _ if largest <= VANISHES * size => Vec::new(),
@@ -158,7 +159,7 @@ pub(crate) fn branches_at(
 }
 
 fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {
-    Failure::NotApplicable(if m == 1 {
+    Failure::Undetermined(if m == 1 {
         let [a, b, c] = [(0, 0), (0, 1), (1, 1)].map(|k| forms[0][k]);
         format!(
             "the algebraic bifurcation equation {a:.3e} α² + 2·{b:.3e} αβ + {c:.3e} β² = 0 has no two \

@@ -70,7 +70,7 @@ impl Condition for DegenerateFold {
         let null = &mut self.null;
         null.update(&mut at)?;
         values[0] = if self.kind == Kind::CP {
-            at.system.second_derivative(at.x, &null.right, &null.right, &mut self.second);
+            at.system.derivative(at.x, &[&null.right, &null.right], &mut self.second)?;
             dot(&null.left, &self.second)
         } else {
             dot(&null.left, &null.right)
@@ -83,8 +83,9 @@ impl Condition for DegenerateFold {
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
         if self.kind == Kind::CP {
-            at.system.second_gradient(at.x, &null.left, &null.right, at.released, rows);
-            at.system.gradient(at.x, &null.left, &null.right, at.released, &mut self.form);
+            let (w, v) = (&null.left, &null.right);
+            at.system.gradient(at.x, (w, v, 2), at.released, rows)?;
+            at.system.gradient(at.x, (w, v, 1), at.released, &mut self.form)?;
             self.adjoint[..n].iter_mut().zip(&self.form).for_each(|(q, form)| *q = 2.0 * form);
             self.direct[..n].copy_from_slice(&self.second);
         } else {
@@ -97,7 +98,7 @@ impl Condition for DegenerateFold {
         at.system.solve(Slot::Condition, &mut self.direct);
         self.extended[..n].copy_from_slice(&self.direct[..n]);
         for (w, v) in [(&self.adjoint[..n], &null.right), (&null.left[..], &self.extended)] {
-            at.system.gradient(at.x, w, v, at.released, &mut self.form);
+            at.system.gradient(at.x, (w, v, 1), at.released, &mut self.form)?;
             rows.iter_mut().zip(&self.form).for_each(|(row, form)| *row -= form);
         }
         Ok(())

@@ -47,7 +47,8 @@ impl Condition for Fold {
     }
 
     fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
-        at.system.gradient(at.x, &self.null.left, &self.null.right, at.released, rows);
+        let NullVectors { left, right, .. } = &self.null;
+        at.system.gradient(at.x, (left, right, 1), at.released, rows)?;
         rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())
     }

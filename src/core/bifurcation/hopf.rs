@@ -113,7 +113,7 @@ impl Condition for Hopf {
             (left_real, 1, length, -1.0),
             (left_imaginary, 0, length, 1.0),
         ] {
-            at.system.gradient(at.x, w, &self.extended[v], at.released, &mut self.form);
+            at.system.gradient(at.x, (w, &self.extended[v], 1), at.released, &mut self.form)?;
             rows[row..row + length].iter_mut().zip(&self.form).for_each(|(r, f)| *r += sign * f);
         }
         self.vector[..n].copy_from_slice(&self.extended[0][..n]);
@@ -138,7 +138,7 @@ impl Condition for Hopf {
 
 fn oscillation<'a>(at: &'a mut At) -> Result<&'a mut dyn Oscillation, Failure> {
     at.system.oscillation().ok_or_else(|| {
-        Failure::NotApplicable("the system does not say how its solutions oscillate".into())
+        Failure::Unsupported("the system does not say how its solutions oscillate".into())
     })
 }
 
@@ -155,10 +155,6 @@ fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
     match pairs.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
         Some((real, imaginary)) if periodic => Ok(imaginary.atan2(real)),
         Some((_, omega)) => Ok(omega),
-        None => Err(Failure::NotApplicable(
-            "no complex pair is near the imaginary axis (or of multipliers near the unit circle): not a \
-             Hopf or torus point (a neutral saddle, perhaps)"
-                .into(),
-        )),
+        None => Err(Failure::NoComplexPair),
     }
 }

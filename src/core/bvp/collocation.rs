@@ -18,11 +18,11 @@ mod linearise;
 
 use super::erased::Number;
 use super::interpolation::lagrange;
-use super::interval::{Block, Interval, MonitoredFunctions, left_domain};
+use super::interval::{Block, Interval, MonitoredFunctions, placed};
+use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};
-use crate::core::zero::LeftDomain;
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_in};
 use num_dual::Dual2_64;
@@ -163,13 +163,13 @@ impl Collocation {
     /// The residual of an interval.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    /// [`OutOfDomain`] where the trajectory leaves the domain of the field.
     pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut CollocationWork<T>,
         r: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let Interval { span, nodes, q, .. } = interval;
         let field = interval.field();
         let n = nodes.len() / self.basis.nodes.len();
@@ -184,9 +184,7 @@ impl Collocation {
             combine(self.basis.row(&self.basis.values, c), nodes, &mut work.x);
             real_x.iter_mut().zip(&work.x).for_each(|(real, x)| *real = x.real());
             let t = duration * (span.start + h * self.basis.gauss[c]);
-            field
-                .domain(real_x, real_q)
-                .map_err(|cause| left_domain(cause, span.segment, t.real()))?;
+            field.domain(real_x, real_q).map_err(|cause| placed(cause, span.segment, t.real()))?;
             field.slope(t, &work.x, q, &mut work.f);
             combine(self.basis.row(&self.basis.slopes, c), nodes, r);
             let step = duration * h;
@@ -210,7 +208,7 @@ impl Collocation {
         interval: Interval<f64>,
         active: &[usize],
         block: Block,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let n = interval.nodes.len() / self.basis.nodes.len();
         if n + active.len() <= 4 {
             linearise_in(&self.basis, &mut self.narrow, interval, active, block)

@@ -10,7 +10,6 @@ use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{FieldRef, Fields};
 use crate::core::watch::{WatchIn, Watchable};
-use crate::core::zero::LeftDomain;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 use std::any::Any;
 use std::sync::Arc;
@@ -101,7 +100,7 @@ pub trait Equations:
     /// The branch that emanates where a solution touches a surface.
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Checks that each segment leads to the next one.
-    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
+    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
 }
 
 /// What can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations that are behind their face already.

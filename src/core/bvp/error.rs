@@ -1,6 +1,6 @@
 //! Why a boundary-value problem cannot be discretised as asked.
 
-use crate::core::zero::LeftDomain;
+use crate::core::failure::Failure;
 
 /// Sizes of a boundary-value problem that do not fit together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,5 +78,5 @@ pub enum BoundaryError {
     },
     /// A solution could not be carried over to another mesh.
     #[error(transparent)]
-    LeftDomain(#[from] LeftDomain),
+    Evaluation(#[from] Failure),
 }

@@ -2,9 +2,9 @@
 
 use super::erased::{Equations, Number, Watching};
 use super::terms::Watched;
+use crate::core::failure::Failure;
 use crate::core::scalar_field::FieldRef;
 use crate::core::watch::Observable;
-use crate::core::zero::LeftDomain;
 
 /// One interval of the mesh of a segment, in units of the segment's duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,9 +90,6 @@ impl MonitoredFunctions<'_> {
 }
 
 /// The cause with the segment and the time at which it happened.
-pub(super) fn left_domain(cause: LeftDomain, segment: usize, t: f64) -> LeftDomain {
-    LeftDomain {
-        quantity: format!("{} at t = {t:.6e} on segment {segment}", cause.quantity),
-        ..cause
-    }
+pub(super) fn placed(cause: impl Into<Failure>, segment: usize, t: f64) -> Failure {
+    cause.into().at(format_args!("at t = {t:.6e} on segment {segment}"))
 }

@@ -4,9 +4,9 @@ use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions};
 use super::shooting::Shooting;
+use crate::core::failure::Failure;
 use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
 
 /// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
 /// with the next interval, and `m·n` equations.
@@ -63,7 +63,7 @@ impl Method {
         interval: Interval<T>,
         work: &mut MethodWork<T>,
         r: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => method.residual(interval, &mut work.collocation, r),
             Method::Shooting(method) => method.residual(interval, &mut work.flow, r),
@@ -77,7 +77,7 @@ impl Method {
         place: f64,
         work: &mut MethodWork<T>,
         x: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => {
                 method.value(interval, place, x);
@@ -95,7 +95,7 @@ impl Method {
         count: usize,
         work: &mut MethodWork<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => {
                 let mut x = vec![0.0; interval.nodes.len() / method.places().len()];
@@ -118,7 +118,7 @@ impl Method {
         block: Block,
         watched: MonitoredFunctions,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => {
                 method.extrema(interval, watched, visit);
@@ -146,7 +146,7 @@ impl Method {
         watched: MonitoredFunctions,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => {
                 method.extrema(interval, watched, visit);
@@ -163,7 +163,7 @@ impl Method {
         interval: Interval<T>,
         work: &mut MethodWork<T>,
         visit: &mut dyn FnMut(T, T, &[T]),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         match self {
             Method::Collocation(method) => {
                 method.quadrature(interval, &mut work.collocation, visit);

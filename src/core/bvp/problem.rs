@@ -3,8 +3,8 @@
 use super::erased::{Birth, Equations};
 use super::terms::{Ends, Monitor, Return, Watched};
 use crate::core::condition::Failure;
+use crate::core::domain::OutOfDomain;
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
 /// A boundary-value problem: trajectories of vector fields on segments,
@@ -146,7 +146,7 @@ pub trait BoundaryProblem: Send + Sync {
     /// # Errors
     /// [`Failure`] if it has no meaning for this problem.
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
-        Err(Failure::NotApplicable(format!("the problem has no itinerary `{words}`")))
+        Err(Failure::Unsupported(format!("the problem has no itinerary `{words}`")))
     }
 
     /// The problem whose solutions go through everything twice, segments and their extras one time after the
@@ -168,8 +168,8 @@ pub trait BoundaryProblem: Send + Sync {
     /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the segment's end, its time, and where it leads.
-    fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), LeftDomain> {
+    /// [`OutOfDomain`] with the segment's end, its time, and where it leads.
+    fn check_ends(&self, _ends: Ends<f64>, _q: &[f64]) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -181,8 +181,8 @@ pub trait BoundaryProblem: Send + Sync {
     /// Refuses states at which a segment's field has no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain.
-    fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), LeftDomain> {
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain(&self, _segment: usize, _x: &[f64], _q: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 }

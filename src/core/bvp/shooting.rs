@@ -5,8 +5,8 @@ mod variation;
 
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions};
+use crate::core::failure::Failure;
 use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
-use crate::core::zero::LeftDomain;
 use extremum_search::{ExtremumSearch, Observers};
 use std::ops::ControlFlow;
 use variation::Variation;
@@ -93,31 +93,26 @@ impl Clone for Shooting {
 const LARGEST_GROWTH: f64 = 1e14;
 
 /// Refuses a linearisation that nothing can be concluded from; by the derivatives of states by themselves, which have no unit.
-fn growth(nodes: &[f64], n: usize) -> Result<(), LeftDomain> {
+fn growth(nodes: &[f64], n: usize) -> Result<(), Failure> {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
     let value = own.fold(0.0, f64::max);
     if value <= LARGEST_GROWTH {
         return Ok(());
     }
-    Err(LeftDomain {
-        quantity: "growth of deviations over a segment".into(),
-        value,
-        verdict: "leaves no digit of its end",
-        remedy: "take more segments, or collocation".into(),
-    })
+    Err(Failure::Growth(value))
 }
 
 impl Shooting {
     /// The residual of an interval.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field.
+    /// [`OutOfDomain`] where the trajectory leaves the domain of the field.
     pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,
         work: &mut Flow<T>,
         r: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         self.value(interval, 1.0, work, r)?;
         let right = &interval.nodes[r.len()..];
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
@@ -131,7 +126,7 @@ impl Shooting {
         place: f64,
         work: &mut Flow<T>,
         x: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
         work.settings = self.present();
         if place > 0.0 {
@@ -149,7 +144,7 @@ impl Shooting {
         count: usize,
         work: &mut Flow<f64>,
         visit: &mut dyn FnMut(f64, &[f64]),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         let (mut next, mut between) = (0, x.clone());
         work.settings = self.allowing(DRAWN);
@@ -177,7 +172,7 @@ impl Shooting {
         mut block: Block,
         functions: MonitoredFunctions,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         if !(functions.is_empty() || self.settings.scheme.is_explicit()) {
             self.linearise(interval, active, block, MonitoredFunctions::default(), visit)?;
             return self.extrema(interval, functions, None, visit);
@@ -217,7 +212,7 @@ impl Shooting {
         functions: MonitoredFunctions,
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let settings = self.present();
         let Shooting { plain, observers, x, .. } = self;
         plain.settings = settings;
@@ -243,7 +238,7 @@ impl Shooting {
         interval: Interval<T>,
         work: &mut Flow<T>,
         visit: &mut dyn FnMut(T, T, &[T]),
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
         work.settings = self.present();
         let (start, length) = interval.times();

@@ -4,17 +4,17 @@ use super::erased::{Birth, EndFunctions, Equations, IntoEquations, Residual, Wat
 use super::problem::BoundaryProblem;
 use super::terms::{Ends, Monitor, Return, Watched};
 use crate::core::condition::Failure;
+use crate::core::domain::OutOfDomain;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
 use crate::core::watch::Observable;
-use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
 /// A problem as its user has stated it.
 pub(super) struct Stated<P>(pub P);
 
 impl<P: BoundaryProblem> Domains for Stated<P> {
-    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
+    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
         self.0.domain(index, x, q)
     }
 
@@ -95,7 +95,7 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
         doubled() -> Option<Arc<dyn Equations>>;
         born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
-        check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain>;
+        check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
     }
 }
 

@@ -19,7 +19,8 @@ mod start;
 
 use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
-use crate::core::zero::{Border, Group, LeftDomain, Names, Singular};
+use crate::core::failure::Failure;
+use crate::core::zero::{Border, Group, Names};
 use equations::{Discretised, Work};
 use factorisation::{Bordered, Factorisation, Form};
 use layout::Layout;
@@ -186,12 +187,14 @@ impl BoundarySystem {
     /// The states of a segment at a time in units of the segment's duration.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
-    pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, LeftDomain> {
+    /// [`OutOfDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
+    pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
         let layout = &self.equations.layout;
         let Some(s) = layout.segments.get(segment) else {
-            let remedy = format!("there are {} segments, counted from 0", layout.segments.len());
-            return Err(LeftDomain::new("the segment", segment as f64, remedy));
+            let count = layout.segments.len();
+            return Err(Failure::Mismatch(format!(
+                "there is no segment {segment}, counted from 0, of {count}"
+            )));
         };
         let mut out = vec![0.0; s.states];
         self.plain.load(layout, |i| x[i]);
@@ -204,8 +207,8 @@ impl BoundarySystem {
     /// equations are evaluated.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the field has no meaning at the nodes.
-    pub fn set_reference(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    /// [`OutOfDomain`] where the field has no meaning at the nodes.
+    pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.forget();
         self.equations.set_reference(x, &mut self.plain)
     }
@@ -215,8 +218,8 @@ impl BoundarySystem {
     /// are those of this pencil.
     ///
     /// # Errors
-    /// [`Singular`] if the equations of some interval do not determine what is inside it, or if nothing is
-    /// assembled.
+    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
+    /// [`Failure::Mismatch`] if nothing is assembled.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};
@@ -230,10 +233,12 @@ impl BoundarySystem {
     /// assert!((-p[0] / q[0] - (-1.0_f64).exp()).abs() < 1e-8);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Singular> {
+    pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Failure> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         if assembled.at.is_empty() {
-            return Err(Singular { pivot: 0.0, largest: 0.0 });
+            return Err(Failure::Mismatch(
+                "nothing is assembled that multipliers could be of".into(),
+            ));
         }
         let pencil = &mut self.pencil;
         if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {

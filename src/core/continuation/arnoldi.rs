@@ -5,7 +5,7 @@
 //! discretised operators crowd around, so that a few of Arnoldi's vectors find them.
 
 use super::stepper::{Place, Stepper};
-use crate::core::condition::At;
+use crate::core::condition::{At, Failure};
 use crate::core::newton::scaled_norm;
 use crate::core::vector::generic;
 use nalgebra::{Complex, DMatrix};
@@ -31,7 +31,7 @@ impl Stepper<'_> {
         let mut h = DMatrix::<f64>::zeros(VECTORS + 1, VECTORS);
         let mut used = 0;
         for k in 0..VECTORS.min(length) {
-            let mut v = self.carried_back(from, row, &basis[k]);
+            let Ok(mut v) = self.carried_back(from, row, &basis[k]) else { return (0, false) };
             if k == 0 {
                 let change: Vec<f64> = v.iter().zip(&basis[0]).map(|(a, b)| a - b).collect();
                 let size = scaled_norm(&change, &self.weights);
@@ -61,7 +61,7 @@ impl Stepper<'_> {
     }
 
     /// `M₁⁻¹ M₀ v`.
-    fn carried_back(&mut self, from: &Place, row: &[f64], v: &[f64]) -> Vec<f64> {
+    fn carried_back(&mut self, from: &Place, row: &[f64], v: &[f64]) -> Result<Vec<f64>, Failure> {
         let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
         self.equations.load(&from.unknowns);
         let At { system, x, released } = self.equations.at();
@@ -71,10 +71,10 @@ impl Stepper<'_> {
             direction[n + p] = *part;
         }
         let mut out = vec![0.0; v.len()];
-        system.derivative(x, &direction, &mut out[..n]);
+        system.derivative(x, &[&direction], &mut out[..n])?;
         out[v.len() - 1] = row.iter().zip(v).map(|(r, v)| r * v).sum();
         self.equations.solve(&mut out);
-        out
+        Ok(out)
     }
 }
 

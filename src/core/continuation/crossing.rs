@@ -23,7 +23,7 @@ impl Stepper<'_> {
     /// this dimension beyond that of a regular point.
     ///
     /// # Errors
-    /// [`Failure::NotApplicable`] where the algebraic bifurcation equations do not determine any.
+    /// [`Failure::Undetermined`] where the algebraic bifurcation equations do not determine any.
     pub fn tangents_at_crossing(
         &mut self,
         unknowns: &[f64],

@@ -4,6 +4,7 @@ use super::SpecialPoint;
 use super::event::{Event, MakeCondition, Test};
 use super::hermite::{Knot, hermite};
 use super::stepper::{MATRIX_ERROR, Place, Stepper};
+use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
 use crate::core::vector::{along, difference};
@@ -123,7 +124,7 @@ impl Stepper<'_> {
             tangents: [from.tangent.clone(), to.tangent.clone()],
             tests: [from.tests[index], to.tests[index]],
             slope: match event.test {
-                Test::Level(quantity, _) => Some(self.slope_of(quantity, to)),
+                Test::Level(quantity, _) => self.slope_of(quantity, to),
                 _ => None,
             },
         };
@@ -140,7 +141,10 @@ impl Stepper<'_> {
                         return self.describe(index, ([from, to], length), at);
                     }
                 }
-                Err(NewtonError::NotApplicable(_)) => applicable = false,
+                Err(NewtonError::Evaluation {
+                    cause: Failure::NoComplexPair | Failure::Unsupported(_),
+                    ..
+                }) => applicable = false,
                 Err(_) => {}
             }
             if !self.halve(index, from, &row, &mut bracket) {

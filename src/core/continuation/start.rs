@@ -144,7 +144,7 @@ impl<'a> Continuation<'a> {
         if !(self.origin.switched && how == Leaving::Along) {
             return Ok(());
         }
-        Err(Failure::NotApplicable(format!(
+        Err(Failure::Mismatch(format!(
             "the point to switch at is a {}, but branches cross at branch points (BP) only",
             kind.meaning()
         )))
@@ -212,7 +212,7 @@ impl Stepper<'_> {
         let count = tangents.len();
         match tangents.into_iter().nth(origin.crossing) {
             Some(tangent) => Ok((tangent, Some(parent))),
-            None => Err(Failure::NotApplicable(format!(
+            None => Err(Failure::Mismatch(format!(
                 "there is no crossing branch number {}, counted from 0: {count} cross this one",
                 origin.crossing
             ))),

@@ -198,7 +198,7 @@ impl Stepper<'_> {
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
             let Test::Level(quantity, level) = self.events[i].test else { continue };
-            slopes[i] = self.slope_of(quantity, start);
+            slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
             let rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
             if start.tests[i].abs() <= rounding {
                 start.tests[i] = 0.0;
@@ -207,8 +207,8 @@ impl Stepper<'_> {
         slopes
     }
 
-    /// How fast a parameter or a monitor grows along the curve.
-    pub fn slope_of(&mut self, quantity: Quantity, place: &Place) -> f64 {
+    /// How fast a parameter or a monitor grows along the curve; `None` where it is not differentiable.
+    pub fn slope_of(&mut self, quantity: Quantity, place: &Place) -> Option<f64> {
         let n = self.equations.dimension();
         let first = self.equations.parameters_at();
         self.equations.load(&place.unknowns);
@@ -219,11 +219,11 @@ impl Stepper<'_> {
             direction[n + p] = *slope;
         }
         match quantity {
-            Quantity::Parameter(p) => direction[n + p],
+            Quantity::Parameter(p) => Some(direction[n + p]),
             Quantity::Monitor(m) => {
                 let mut gradient = vec![0.0; x.len()];
-                system.monitor_gradient(m, x, released, &mut gradient);
-                dot(&gradient, &direction)
+                system.monitor_gradient(m, x, released, &mut gradient).ok()?;
+                Some(dot(&gradient, &direction))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Why a flow cannot be computed.
 
-use crate::core::zero::LeftDomain;
+use crate::core::domain::OutOfDomain;
 
 /// A setting of a flow without a meaning.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -29,13 +29,26 @@ pub enum SettingsError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
-    /// The trajectory leaves the domain of the field, or the field is not finite.
+    /// The trajectory leaves the domain of the field.
     #[error("at t = {time:.9e}: {left}")]
-    LeftDomain {
+    OutOfDomain {
         /// When.
         time: f64,
         /// What left which domain.
-        left: LeftDomain,
+        left: OutOfDomain,
+    },
+    /// A state, its slope or what comes of a step is not finite.
+    #[error(
+        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the field \
+         loses its meaning"
+    )]
+    NotFinite {
+        /// When.
+        time: f64,
+        /// The name of the state.
+        state: String,
+        /// What the number is.
+        value: f64,
     },
     /// No step is small enough for the tolerance: the solution or a derivative of the field is singular.
     #[error(
@@ -51,7 +64,7 @@ pub enum FlowError {
     /// More steps than allowed.
     #[error(
         "at t = {time:.9e} the flow has taken all {steps} steps it may, the last one of {step:.1e}: allow \
-         more steps, loosen the tolerance, or split the interval"
+         more steps, loosen the tolerance, split the interval, or use the implicit method if the field is stiff"
     )]
     TooManySteps {
         /// When.
@@ -74,32 +87,4 @@ pub enum FlowError {
         /// The estimate of `h |λ|`.
         product: f64,
     },
-}
-
-impl From<FlowError> for LeftDomain {
-    fn from(error: FlowError) -> Self {
-        let (time, step, remedy) = match error {
-            FlowError::LeftDomain { time, mut left } => {
-                left.quantity = format!("{} at t = {time:.6e}", left.quantity);
-                return left;
-            }
-            FlowError::StepTooSmall { time, step } => {
-                (time, step, "the solution blows up or the field is not smooth there".into())
-            }
-            FlowError::TooManySteps { time, steps, step } => {
-                let remedy = format!(
-                    "allow more than {steps} steps, divide the interval, or use the implicit method if the \
-                     field is stiff"
-                );
-                (time, step, remedy)
-            }
-            FlowError::Stiff { time, step, product } => {
-                let remedy =
-                    format!("h|λ| = {product:.1}: the field is stiff; use the implicit method");
-                (time, step, remedy)
-            }
-        };
-        let quantity = format!("the step of the flow at t = {time:.6e}");
-        LeftDomain { quantity, value: step, verdict: "is too small", remedy }
-    }
 }

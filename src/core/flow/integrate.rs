@@ -11,7 +11,6 @@ use super::tableau::Tableau;
 use super::work;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
-use crate::core::zero::LeftDomain;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
@@ -211,14 +210,11 @@ impl<T: Scalar> Flow<T> {
             *real = x.real();
         }
         let (x, p) = self.real.split_at(self.buffers.x.len());
-        let finite = match x.iter().position(|x| !x.is_finite()) {
-            Some(i) => Err(not_finite(motion, i, x[i])),
-            None => Ok(()),
-        };
         let time = motion.time(sigma).real();
-        finite
-            .and_then(|()| motion.field.domain(x, p))
-            .map_err(|left| FlowError::LeftDomain { time, left })
+        if let Some(i) = x.iter().position(|x| !x.is_finite()) {
+            return Err(not_finite(motion, time, i, x[i]));
+        }
+        motion.field.domain(x, p).map_err(|left| FlowError::OutOfDomain { time, left })
     }
 
     /// What the first step from `σ` needs: the slope there, or the field linearised.
@@ -243,8 +239,8 @@ impl<T: Scalar> Flow<T> {
         let measure = measure(&self.settings, self.size, scales);
         motion.slope(0.0, x, stages.slope_mut(0));
         if let Some(i) = stages.slope(0).iter().position(|k| !k.real().is_finite()) {
-            let left = not_finite(motion, i, stages.slope(0)[i].real());
-            return Err(FlowError::LeftDomain { time: motion.start.real(), left });
+            let value = stages.slope(0)[i].real();
+            return Err(not_finite(motion, motion.start.real(), i, value));
         }
         let h = self.settings.first_step.unwrap_or_else(|| {
             let h = measure.euler_step(x, stages.slope(0)).min(1.0);
@@ -274,12 +270,9 @@ impl<T: Scalar> Flow<T> {
             return Ok(h.min(self.settings.largest_step));
         }
         let Buffers { x, stages, .. } = &self.buffers;
-        let mut numbers = stages.end.iter().chain(&stages.slopes).map(T::real);
-        match numbers.position(|number| !number.is_finite()) {
-            Some(k) => {
-                let left = not_finite(motion, k % x.len(), f64::NAN);
-                Err(FlowError::LeftDomain { time, left })
-            }
+        let mut numbers = stages.end.iter().chain(&stages.slopes).map(T::real).enumerate();
+        match numbers.find(|(_, number)| !number.is_finite()) {
+            Some((k, value)) => Err(not_finite(motion, time, k % x.len(), value)),
             None => Err(FlowError::StepTooSmall { time, step }),
         }
     }
@@ -357,12 +350,12 @@ fn distance<T: Scalar>(a: &[T], b: &[T]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.real() - b.real()).powi(2)).sum()
 }
 
-/// A state that is not finite, or the slope of which is not.
-fn not_finite<F: FieldIn<T>, T: Scalar>(motion: &Motion<F, T>, i: usize, value: f64) -> LeftDomain {
-    let name = motion.field.state_name(i);
-    LeftDomain::new(
-        format!("state {name} or its slope"),
-        value,
-        "it must be finite; end the flow before the field loses its meaning",
-    )
+/// The refusal of a state that is not finite, or the slope of which is not.
+fn not_finite<F: FieldIn<T>, T: Scalar>(
+    motion: &Motion<F, T>,
+    time: f64,
+    state: usize,
+    value: f64,
+) -> FlowError {
+    FlowError::NotFinite { time, state: motion.field.state_name(state), value }
 }

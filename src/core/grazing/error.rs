@@ -10,9 +10,9 @@ use crate::core::names::UnknownName;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
-    /// No branch is born at the orbit.
+    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch is born at it.
     #[error(transparent)]
-    NotBorn(#[from] Failure),
+    Failure(#[from] Failure),
     /// The order or the number of variables is too high.
     #[error(transparent)]
     Jet(#[from] JetError),

@@ -226,7 +226,7 @@ impl BoundaryProblem for LocalOrbit {
         let impact = |word: &str| match word {
             "impact" => Ok(true),
             "pass" => Ok(false),
-            _ => Err(Failure::NotApplicable(format!(
+            _ => Err(Failure::Mismatch(format!(
                 "`{word}` in the itinerary `{words}` is neither `impact` nor `pass`"
             ))),
         };

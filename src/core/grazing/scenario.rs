@@ -88,7 +88,7 @@ impl LocalMap {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::NotBorn`] where a
+    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`] where a
     /// multiplier of either orbit is 1: at points of codimension two.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
@@ -109,7 +109,7 @@ impl LocalMap {
         let penetration = (0..n).map(|k| slope(self.penetration(), k) * without[k]).sum::<f64>();
         let matrix: Vec<f64> = (0..n * n).map(|k| smooth(k / n, k % n)).collect();
         let identity: Vec<f64> = (0..n * n).map(|k| -unit(k / n, k % n)).collect();
-        let multipliers = multipliers(&matrix, &identity, n);
+        let multipliers = multipliers(&matrix, &identity, n)?;
         let (distance, depth) = (-penetration - slope(self.penetration(), p), with[normal]);
         let scenario = if multipliers.iter().any(|mu| mu.0.hypot(mu.1) > 1.0) {
             Scenario::Unstable

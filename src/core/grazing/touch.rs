@@ -7,7 +7,6 @@ use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::hybrid::{Moment, guard_scale, time_scale};
 use crate::core::orbit::{HybridOrbit, Leg};
-use crate::core::zero::LeftDomain;
 use std::any::Any;
 
 /// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in units of the scales.
@@ -35,7 +34,7 @@ impl Orbit<'_> {
         let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
         Flow::<f64>::default()
             .advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
-            .map_err(|cause| Failure::LeftDomain(LeftDomain::from(cause)))?;
+            .map_err(Failure::from)?;
         Ok(x)
     }
 
@@ -75,7 +74,7 @@ impl Orbit<'_> {
         let point = born.ending(last)?.ok_or_else(|| {
             let reason =
                 "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
-            Failure::NotApplicable(reason.into())
+            Failure::Undetermined(reason.into())
         })?;
         Ok(point)
     }
@@ -86,7 +85,7 @@ impl GrazingPoint {
     /// at which its legs begin, and its parameters and further unknowns.
     ///
     /// # Errors
-    /// [`GrazingError::NotBorn`] if it does neither.
+    /// [`GrazingError::Failure`] if it does neither.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let orbit = Orbit { problem: orbit, starts, q };
         for leg in 0..orbit.problem.legs().len() {
@@ -129,11 +128,11 @@ impl GrazingPoint {
         let problem: &dyn Any = &**orbits.problem();
         let problem = problem.downcast_ref::<HybridOrbit>().cloned().ok_or_else(|| {
             let reason = "the solutions are no orbits of a hybrid system";
-            Failure::NotApplicable(reason.into())
+            Failure::Unsupported(reason.into())
         })?;
         let (x, mut starts) = ([state, parameters].concat(), Vec::new());
         for leg in 0..problem.legs().len() {
-            starts.extend(orbits.states(&x, leg, 0.0).map_err(Failure::LeftDomain)?);
+            starts.extend(orbits.states(&x, leg, 0.0)?);
         }
         let extras = &state[state.len() - problem.extras().len()..];
         GrazingPoint::of(&problem, &starts, &[parameters, extras].concat())

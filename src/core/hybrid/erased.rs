@@ -5,6 +5,7 @@
 
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use crate::core::chunk::{Chunk, Narrow};
+use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::flow::Lanes;
 use crate::core::jet::Jet;
@@ -12,7 +13,6 @@ use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, RealFields, Wide};
 use crate::core::watch::Observable;
-use crate::core::zero::LeftDomain;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 
 /// States the methods of systems in one scalar: as a trait that every [`HybridSystem`] implements, as a trait by which
@@ -220,7 +220,7 @@ impl dyn HybridEquations + '_ {
 }
 
 impl<H: HybridSystem> Domains for H {
-    fn domain_of(&self, mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain_of(&self, mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.domain(mode, x, p)
     }
 

@@ -7,7 +7,7 @@ use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::Domains;
 use crate::core::watch::{Observable, WatchIn, Watchable};
-use crate::core::zero::{LeftDomain, Names};
+use crate::core::zero::{Names, OutOfDomain};
 use num_dual::{Dual, Dual2};
 
 /// The vector field of one mode.
@@ -40,7 +40,7 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
         self.system.scales_of(self.mode, p)
     }
 
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.system.domain(self.mode, x, p)
     }
 }

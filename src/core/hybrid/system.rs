@@ -1,9 +1,9 @@
 //! Hybrid systems as a user states them.
 
+use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
 
 /// A mode of motion: a name and the names of its states, which need not be those of other modes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -254,8 +254,8 @@ pub trait HybridSystem: Send + Sync {
     /// Refuses states at which a mode's field has no meaning.
     ///
     /// # Errors
-    /// [`LeftDomain`] with the quantity, its value and the domain.
-    fn domain(&self, _mode: usize, _x: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain(&self, _mode: usize, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
 }

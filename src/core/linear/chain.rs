@@ -26,7 +26,7 @@
 //! solves with it.
 
 use super::front::{Fronts, Pivots};
-use crate::core::zero::Singular;
+use crate::core::failure::Failure;
 
 /// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
 ///
@@ -88,7 +88,7 @@ impl Chain {
     /// `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of `(N·m + 1)·n`.
     ///
     /// # Errors
-    /// [`Singular`] if the equations of some interval, or of the chain up to it, do not determine the values
+    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to it, do not determine the values
     /// that are eliminated: a pivot vanishes to working accuracy or is not a number. Pivots are
     /// reported relative to the largest entries of their rows.
     pub fn factor(
@@ -98,7 +98,7 @@ impl Chain {
         k: usize,
         rows: &[f64],
         l: usize,
-    ) -> Result<(), Singular> {
+    ) -> Result<(), Failure> {
         self.resize(k, l);
         self.scale(blocks);
         let mut pivots = Pivots::new();

@@ -1,6 +1,6 @@
 //! Fronts: small dense matrices of which the leading columns are eliminated.
 
-use crate::core::zero::Singular;
+use crate::core::failure::{Failure, SINGULAR, unusable};
 
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
 const LANES: usize = 4;
@@ -49,12 +49,15 @@ impl Pivots {
         Pivots { sign: 1.0, largest: 0.0 }
     }
 
-    /// [`Singular`] if a pivot vanishes to working accuracy or is not a number.
-    fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Singular> {
+    /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
+    fn record(&mut self, pivot: f64, relative: f64) -> Result<(), Failure> {
         self.sign *= pivot.signum();
         self.largest = self.largest.max(relative);
-        let regular = relative > Singular::THRESHOLD;
-        if regular { Ok(()) } else { Err(Singular { pivot: relative, largest: self.largest }) }
+        match relative > SINGULAR {
+            true => Ok(()),
+            // In an empty row, the relative pivot is 0 · ∞.
+            false => Err(unusable(if pivot == 0.0 { 0.0 } else { relative }, self.largest)),
+        }
     }
 }
 
@@ -103,8 +106,8 @@ impl Fronts {
     /// exponential in the number of fronts: Wright 1993).
     ///
     /// # Errors
-    /// [`Singular`] at the first pivot that vanishes.
-    pub(super) fn eliminate(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Singular> {
+    /// [`Failure::Singular`] at the first pivot that vanishes.
+    pub(super) fn eliminate(&mut self, i: usize, pivots: &mut Pivots) -> Result<(), Failure> {
         let w = self.stride;
         let a = &mut self.factors[i * self.length..][..self.length];
         for (row, scale) in a.chunks_exact(w).zip(&mut self.row_scales) {

@@ -1,7 +1,8 @@
 //! LU factorisation with partial pivoting of a dense matrix within a border.
 
+use crate::core::failure::{Failure, SINGULAR, unusable};
 use crate::core::vector::largest;
-use crate::core::zero::{Border, Singular};
+use crate::core::zero::Border;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::{MatMut, Par};
@@ -49,8 +50,8 @@ impl BorderedLu {
     /// Factors `A` (one column after the other) within a border.
     ///
     /// # Errors
-    /// [`Singular`] if a pivot vanishes to working accuracy or is not a number.
-    pub fn factor(&mut self, matrix: &[f64], border: Border) -> Result<(), Singular> {
+    /// [`Failure`] if a pivot vanishes to working accuracy or is not finite.
+    pub fn factor(&mut self, matrix: &[f64], border: Border) -> Result<(), Failure> {
         self.factor_in_units(matrix, border, &[])
     }
 
@@ -60,7 +61,7 @@ impl BorderedLu {
         matrix: &[f64],
         border: Border,
         units: &[f64],
-    ) -> Result<(), Singular> {
+    ) -> Result<(), Failure> {
         let size = matrix.len().isqrt() + border.width;
         self.resize(size);
         self.fill(matrix, border);
@@ -240,16 +241,20 @@ impl BorderedLu {
         if info.transposition_count.is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
-    fn judge(&mut self) -> Result<(), Singular> {
-        let mut verdict = Singular { pivot: f64::INFINITY, largest: 0.0 };
+    fn judge(&mut self) -> Result<(), Failure> {
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
         for k in 0..self.size {
             let pivot = self.factors[k * self.size + k];
             self.sign *= pivot.signum();
-            verdict.pivot = if pivot.is_nan() { f64::NAN } else { verdict.pivot.min(pivot.abs()) };
-            verdict.largest = verdict.largest.max(pivot.abs());
+            // What follows a pivot of zero is not a number.
+            if pivot.is_nan() {
+                return Err(unusable(if least == 0.0 { least } else { pivot }, largest));
+            }
+            least = least.min(pivot.abs());
+            largest = largest.max(pivot.abs());
         }
-        let regular = verdict.pivot > Singular::THRESHOLD * verdict.largest;
-        if self.size == 0 || regular { Ok(()) } else { Err(verdict) }
+        let regular = self.size == 0 || least > SINGULAR * largest;
+        if regular { Ok(()) } else { Err(unusable(least, largest)) }
     }
 }
 

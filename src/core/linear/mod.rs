@@ -10,3 +10,4 @@ pub use chain::Chain;
 pub use lu::BorderedLu;
 pub(crate) use oscillation::DenseOscillation;
 pub use pencil::multipliers;
+pub(in crate::core) use pencil::undetermined;

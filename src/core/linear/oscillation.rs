@@ -1,7 +1,8 @@
 //! The linearised motion about an equilibrium, in real arithmetic of twice the size.
 
 use super::lu::BorderedLu;
-use crate::core::zero::{Border, Oscillation, Singular};
+use crate::core::failure::Failure;
+use crate::core::zero::{Border, Oscillation};
 
 /// [`Oscillation`] of a dense matrix `A`: `L = A − iω`.
 #[derive(Default)]
@@ -37,7 +38,7 @@ impl DenseOscillation {
 }
 
 impl Oscillation for DenseOscillation {
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
+    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Failure> {
         let n = self.matrix.len().isqrt();
         let size = 2 * n;
         self.doubled.clear();

@@ -12,7 +12,6 @@ use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
 use crate::core::vector::dot;
 use crate::core::watch::{WatchIn, Watchable};
-use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
@@ -61,7 +60,7 @@ impl HybridOrbit {
         if cycle.legs.iter().any(|leg| leg.accumulation) {
             let reason =
                 "the simulated motion chatters completely: infinitely many events are no itinerary";
-            return Err(Failure::NotApplicable(reason.into()));
+            return Err(Failure::Unsupported(reason.into()));
         }
         let legs = cycle.legs.iter().map(|leg| Leg { mode: leg.mode, exit: leg.exit }).collect();
         let itinerary = Itinerary { legs, periods: cycle.periods };
@@ -126,7 +125,7 @@ impl HybridOrbit {
         }
         nearest.ok_or_else(|| {
             let reason = "the orbit comes near to no guard: a branch is born where one touches (G)";
-            Failure::NotApplicable(reason.into())
+            Failure::Undetermined(reason.into())
         })
     }
 
@@ -145,11 +144,11 @@ impl HybridOrbit {
             });
             ControlFlow::Continue(())
         });
-        outcome.map_err(LeftDomain::from)?;
+        outcome?;
         let Some((place, value)) = found else { return Ok(None) };
         x.copy_from_slice(start);
         let since = place * duration;
-        flow.advance(&field, 0.0, since, &mut x, q).map_err(LeftDomain::from)?;
+        flow.advance(&field, 0.0, since, &mut x, q)?;
         Ok(Some(Touch { leg, guard: watch.guard, since, value, x }))
     }
 
@@ -176,7 +175,7 @@ impl HybridOrbit {
             }
             let soonest = self.soonest(next, t, &near, p);
             let Some((time, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
-                return Err(Failure::NotApplicable(format!(
+                return Err(Failure::Undetermined(format!(
                     "after the touch, motion does not come back to mode `{}` at once: start the branch from \
                      a simulated cycle (`orbit::from_cycle`)",
                     self.modes[mode].name

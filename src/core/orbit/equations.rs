@@ -7,13 +7,13 @@ use crate::core::bvp::{
     Birth, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown, Watched, Watches,
 };
 use crate::core::condition::Failure;
+use crate::core::domain::OutOfDomain;
 use crate::core::hybrid::{
     EventNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, guard_scale, time_scale,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
 use crate::core::watch::Observable;
-use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
 /// What follows an event that is approached faster, in units of the scales, is beyond doubt.
@@ -29,7 +29,7 @@ impl IntoEquations for HybridOrbit {
 }
 
 impl Domains for HybridOrbit {
-    fn domain_of(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
+    fn domain_of(&self, segment: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
         self.system.domain_of(self.legs()[segment].mode, x, self.split(q).0)
     }
 
@@ -207,7 +207,7 @@ impl Equations for HybridOrbit {
 
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure> {
         let itinerary = Itinerary::read(words, &*self.system)
-            .map_err(|cause| Failure::NotApplicable(cause.to_string()))?;
+            .map_err(|cause| Failure::Mismatch(cause.to_string()))?;
         Ok(Arc::new(self.like(itinerary)))
     }
 
@@ -238,7 +238,7 @@ impl Equations for HybridOrbit {
 
     /// Every event must lead to the mode that the itinerary says. At an event that is tangent, or virtual,
     /// nothing can be told.
-    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), LeftDomain> {
+    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
         for (s, leg) in legs.iter().enumerate() {
             let Some(guard) = leg.exit else { continue };
@@ -254,15 +254,12 @@ impl Equations for HybridOrbit {
             };
             if next != meant && sure() {
                 let (event, mode) = (&self.guards[guard].name, &self.modes[leg.mode].name);
-                return Err(LeftDomain {
-                    quantity: format!("the time of the event `{event}` of mode `{mode}`, leg {s},"),
-                    value: time,
-                    verdict: "leads to another mode than the itinerary says",
-                    remedy: format!(
-                        "it leads to `{}`, not to `{}`: write an itinerary that closes, or let a simulation find it",
-                        self.modes[next].name, self.modes[meant].name
-                    ),
-                });
+                let [next, meant] = [next, meant].map(|mode| &self.modes[mode].name);
+                return Err(Failure::Mismatch(format!(
+                    "the event `{event}` of mode `{mode}`, leg {s}, at t = {time:.6e} leads to `{next}`, not to \
+                     `{meant}` as the itinerary says: write an itinerary that closes, or let a \
+                     simulation find it"
+                )));
             }
         }
         Ok(())

@@ -1,10 +1,10 @@
 //! Vector fields as hybrid systems: one mode and no guard.
 
+use crate::core::domain::OutOfDomain;
 use crate::core::field::{Forcing, VectorField};
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
 
 /// A vector field as a hybrid system with one mode, which no guard ends.
 ///
@@ -84,7 +84,7 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
         Scales { time: None, states: names.zip(sizes).collect() }
     }
 
-    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.0.domain(x, p)
     }
 }

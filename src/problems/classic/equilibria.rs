@@ -1,7 +1,7 @@
 //! Equations in one unknown, on which Newton's iteration and steps are tried.
 
 use crate::core::scalar::Scalar;
-use crate::core::zero::{LeftDomain, Names, ZeroProblem};
+use crate::core::zero::{Names, OutOfDomain, ZeroProblem};
 
 /// `λ/(1 − u)² = u`, the parallel-plate actuator in its units of length and force: it pulls in at `u = 1/3`, `λ = 4/27`.
 ///
@@ -24,11 +24,11 @@ impl ZeroProblem for ParallelPlate {
         r[0] = p[0] / (T::one() - u[0]).powi(2) - u[0];
     }
 
-    fn domain(&self, u: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, u: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         if u[0] < 1.0 {
             return Ok(());
         }
-        Err(LeftDomain::new("u", u[0], "the plate touches the electrode at u = 1"))
+        Err(OutOfDomain::new("u", u[0], "the plate touches the electrode at u = 1"))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::core::field::Forcing;
 use crate::core::hybrid::{Guard, HybridSystem, Mode};
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
+use crate::core::zero::OutOfDomain;
 use std::f64::consts::TAU;
 
 /// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983): a mass on
@@ -119,9 +119,9 @@ impl HybridSystem for ImpactOscillator {
         p[1].recip() * TAU
     }
 
-    fn domain(&self, _mode: usize, _x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, _mode: usize, _x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if p[1] <= 0.0 {
-            return Err(LeftDomain::new("frequency", p[1], "the frequency must be more than 0"));
+            return Err(OutOfDomain::new("frequency", p[1], "the frequency must be more than 0"));
         }
         Ok(())
     }

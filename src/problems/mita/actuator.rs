@@ -6,7 +6,7 @@ use crate::core::field::{Forcing, VectorField};
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Passage};
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
+use crate::core::zero::OutOfDomain;
 
 /// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry friction.
 ///
@@ -347,15 +347,15 @@ impl HybridSystem for Actuator {
         if position == 1 { step } else { step * *Parameters::of(p).block()[1] }
     }
 
-    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         let parameters = Parameters::of(p);
         let (clearance, frame_mass) = (parameters.clearance(), parameters.frame_mass());
         if !(clearance > 0.0 && clearance < 1.0) {
             let remedy = "the stoppers are between the middle, 0, and the electrode, 1";
-            return Err(LeftDomain::new("clearance", clearance, remedy));
+            return Err(OutOfDomain::new("clearance", clearance, remedy));
         }
         if frame_mass <= 0.0 {
-            return Err(LeftDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
+            return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
         }
         VectorField::domain(&Block, &x[..1], &parameters.block().map(|p| *p))
     }

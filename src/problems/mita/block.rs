@@ -2,7 +2,7 @@
 
 use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{LeftDomain, Names};
+use crate::core::zero::{Names, OutOfDomain};
 use std::f64::consts::PI;
 
 /// The block within a frame at rest, without impacts: with displacement `q₂` and velocity `u₂`,
@@ -61,13 +61,13 @@ impl VectorField for Block {
         p[1].recip() * PI
     }
 
-    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         if x[0] >= 1.0 {
             let remedy = "the block touches the electrode at 1: bound `max_displacement` below it";
-            return Err(LeftDomain::new("displacement", x[0], remedy));
+            return Err(OutOfDomain::new("displacement", x[0], remedy));
         }
         if p[1] <= 0.0 {
-            return Err(LeftDomain::new("frequency", p[1], "the frequency must be more than 0"));
+            return Err(OutOfDomain::new("frequency", p[1], "the frequency must be more than 0"));
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use super::parameters::Units;
 use super::plane::PlaneSpace;
 use super::tensor::{Product, Rule, means, moments, pairs};
 use super::terms::Theory;
-use crate::core::zero::LeftDomain;
+use crate::core::zero::OutOfDomain;
 
 /// Description of a plate for [`Ritz::new`](super::Ritz::new).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,12 +166,12 @@ impl Discretisation {
     }
 
     /// Refuses shear where symmetry leaves no functions for it.
-    pub fn check_shear(&self, shear: f64) -> Result<(), LeftDomain> {
+    pub fn check_shear(&self, shear: f64) -> Result<(), OutOfDomain> {
         if shear == 0.0 || self.symmetric == [false; 2] || self.settings.supports.any_free() {
             return Ok(());
         }
         let remedy = "shear breaks the plate's symmetry: build the plate with symmetric = false";
-        Err(LeftDomain::new("edge_shear", shear, remedy))
+        Err(OutOfDomain::new("edge_shear", shear, remedy))
     }
 
     /// The rule for the load term at a deflection whose largest value is `largest`.

@@ -1,52 +1,51 @@
 //! Where the equations of a plate have a meaning: one check for each idea, shared by all models.
 
 use super::parameters::{Parameters, Units};
-use crate::core::zero::LeftDomain;
+use crate::core::zero::{Failure, OutOfDomain};
 
 /// The parameters of the equations, unless one is not finite, a quantity of a device is not positive,
 /// `α ≤ 0`, or `ν` is not between −1 and ½.
-pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, LeftDomain> {
+pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, OutOfDomain> {
     for (name, value) in units.names().iter().zip(p) {
         let positive = matches!(
             *name,
             "length" | "width" | "thickness" | "gap" | "young" | "density" | "permittivity"
         );
         if !value.is_finite() {
-            return Err(LeftDomain::new(*name, *value, "every parameter must be finite"));
+            return Err(OutOfDomain::new(*name, *value, "every parameter must be finite"));
         }
         if positive && *value <= 0.0 {
-            return Err(LeftDomain::new(*name, *value, "it must be positive"));
+            return Err(OutOfDomain::new(*name, *value, "it must be positive"));
         }
     }
     let plate = units.parameters(p);
     if !(plate.aspect > 0.0 && plate.aspect.is_finite()) {
         let remedy = "the ratio of the sides must be positive and finite";
-        return Err(LeftDomain::new("aspect", plate.aspect, remedy));
+        return Err(OutOfDomain::new("aspect", plate.aspect, remedy));
     }
     if !(plate.nu > -1.0 && plate.nu < 0.5) {
-        return Err(LeftDomain::new("nu", plate.nu, "Poisson's ratio must be between −1 and ½"));
+        return Err(OutOfDomain::new("nu", plate.nu, "Poisson's ratio must be between −1 and ½"));
     }
     Ok(plate)
 }
 
 /// Refuses a largest deflection (over the gap) of `limit` or more, and one that is not a number.
-pub(super) fn clear(largest: f64, limit: f64) -> Result<(), LeftDomain> {
+pub(super) fn clear(largest: f64, limit: f64) -> Result<(), OutOfDomain> {
     if largest < limit {
         return Ok(());
     }
     let remedy = format!(
         "the deflection must stay clear of the electrode, below {limit} of the gap; end the branch before"
     );
-    Err(LeftDomain::new("max_deflection", largest, remedy))
+    Err(OutOfDomain::new("max_deflection", largest, remedy))
 }
 
 /// Refuses entries that are not finite; `name` says what the entry at a position is.
-pub(super) fn finite(entries: &[f64], name: impl Fn(usize) -> String) -> Result<(), LeftDomain> {
+pub(super) fn finite(entries: &[f64], name: impl Fn(usize) -> String) -> Result<(), Failure> {
     match entries.iter().position(|entry| !entry.is_finite()) {
         Some(i) => {
-            let remedy = "the unknowns and parameters must be finite, and not so large that the \
-                          equations cannot be evaluated";
-            Err(LeftDomain::new(name(i), entries[i], remedy))
+            let remedy = "the unknowns and parameters must not be so large that the equations cannot be evaluated";
+            Err(Failure::not_finite(name(i), entries[i], remedy))
         }
         None => Ok(()),
     }

@@ -89,7 +89,7 @@ pub enum PlateError {
     NoMembrane,
     /// A value of a parameter without meaning.
     #[error(transparent)]
-    Domain(#[from] crate::core::zero::LeftDomain),
+    Domain(#[from] crate::core::zero::Failure),
 }
 
 impl PlateError {

@@ -6,6 +6,7 @@ use super::error::PlateError;
 use super::parameters::Units;
 use super::ritz::Ritz;
 use super::tensor::{Product, Rule, weights};
+use crate::core::zero::Failure;
 
 /// A deflection and its slopes by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
 /// `p·m_y + q`.
@@ -70,7 +71,7 @@ impl Ritz {
         nu: f64,
     ) -> Result<MembraneForm, PlateError> {
         let p = Units::Dimensionless.defaults_at(alpha, nu);
-        let parameters = domain::parameters(Units::Dimensionless, &p)?;
+        let parameters = domain::parameters(Units::Dimensionless, &p).map_err(Failure::from)?;
         let Some(membrane) = &self.model.membrane else { return Err(PlateError::NoMembrane) };
         if !self.factor.update(&self.model.plane, alpha, nu) {
             return Err(PlateError::NoMembrane);

@@ -13,7 +13,7 @@ use super::{domain, monitors, profile};
 use crate::core::linear::BorderedLu;
 use crate::core::potential::PotentialGradient;
 use crate::core::scalar::Scalar;
-use crate::core::zero::{LeftDomain, Names};
+use crate::core::zero::{Failure, Names, OutOfDomain};
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::swap;
 
@@ -137,8 +137,8 @@ impl Ritz {
     /// symmetry is used, only those that share it.
     ///
     /// # Errors
-    /// [`LeftDomain`] if `α` or `ν` has no meaning.
-    pub fn flat_modes(&mut self, alpha: f64, nu: f64, count: usize) -> Result<Modes, LeftDomain> {
+    /// [`Failure`] if `α` or `ν` has no meaning.
+    pub fn flat_modes(&mut self, alpha: f64, nu: f64, count: usize) -> Result<Modes, Failure> {
         let p = Units::Dimensionless.defaults_at(alpha, nu);
         let parameters = domain::parameters(Units::Dimensionless, &p)?;
         self.modes_at.clear();
@@ -148,21 +148,21 @@ impl Ritz {
         if self.eigenproblem.solve(&self.spare) {
             Ok(self.eigenproblem.lowest(count))
         } else {
-            Err(LeftDomain::new("stiffness", f64::NAN, "it must be finite; check aspect and nu"))
+            Err(Failure::Eigenvalues("frequencies of the flat plate"))
         }
     }
 
     /// The `count` lowest modes of vibration about an equilibrium `x = (z, p)`.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the equations have no meaning at `x`.
-    pub fn modes(&mut self, x: &[f64], count: usize) -> Result<Modes, LeftDomain> {
+    /// [`Failure`] where the equations have no meaning at `x`.
+    pub fn modes(&mut self, x: &[f64], count: usize) -> Result<Modes, Failure> {
         self.ensure_modes(x)?;
         Ok(self.eigenproblem.lowest(count))
     }
 
     /// Checks `x`, brings the factor of `K_uv` up to date and returns the largest deflection.
-    pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
+    pub(super) fn prepare(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let (q, p) = x.split_at(self.model.unknowns());
         domain::finite(q, |i| format!("component {i} of w"))?;
         let parameters = domain::parameters(self.model.settings.units, p)?;
@@ -174,20 +174,20 @@ impl Ritz {
         {
             let remedy =
                 "the in-plane stiffness is singular to working accuracy; use fewer functions";
-            return Err(LeftDomain::new("aspect", parameters.aspect, remedy));
+            return Err(OutOfDomain::new("aspect", parameters.aspect, remedy).into());
         }
         Ok(largest)
     }
 
     /// Assembles at `x`, whatever the matrix is for.
-    pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    pub(super) fn assemble_at(&mut self, x: &[f64]) -> Result<(), Failure> {
         let largest = self.evaluate(x)?;
         self.assembly.assemble(&self.model, &self.factor, &mut self.plain, largest);
         domain::finite(&self.assembly.matrix, |_| "an entry of the stiffness".into())
     }
 
     /// Evaluates the residual at `x` into `self.plain`; returns the largest deflection.
-    pub(super) fn evaluate(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
+    pub(super) fn evaluate(&mut self, x: &[f64]) -> Result<f64, Failure> {
         let largest = self.prepare(x)?;
         let (q, p) = x.split_at(self.model.unknowns());
         self.plain.q.copy_from_slice(q);
@@ -199,7 +199,7 @@ impl Ritz {
     }
 
     /// Brings the modes about `x` up to date, leaving the assembled matrix as it is.
-    pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    pub(super) fn ensure_modes(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.modes_at == x {
             return Ok(());
         }
@@ -217,8 +217,9 @@ impl Ritz {
             self.modes_at.extend_from_slice(x);
             return Ok(());
         }
-        let remedy = "no shift makes the stiffness positive definite; the equilibrium is far off";
-        Err(LeftDomain::new("frequency", f64::NAN, remedy))
+        let reason = "the frequencies are not determined: no shift makes the stiffness positive definite; the \
+                      equilibrium is far off";
+        Err(Failure::Undetermined(reason.into()))
     }
 }
 

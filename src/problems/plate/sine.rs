@@ -29,7 +29,7 @@ use super::terms::{Projection, Theory};
 use super::vibration::{Lowest, Vibrates, reals};
 use super::{domain, monitors, profile};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
+use crate::core::zero::{Dynamics, Names, OutOfDomain, Profile, ZeroProblem};
 use airy::Airy;
 use basis::{Grid, LARGEST, ordered_modes};
 use nalgebra::DMatrix;
@@ -250,12 +250,12 @@ impl ZeroProblem for SinePlate {
         monitors::fill(units, p, deflections, [self.frequency(z, p), flat], values);
     }
 
-    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         let plate = domain::parameters(self.settings.units, p)?;
         if plate.shear != 0.0 {
             let remedy = "products of odd sines cannot represent sheared edges; use a plate model \
                           without quarter symmetry, or set it to 0";
-            return Err(LeftDomain::new("edge_shear", plate.shear, remedy));
+            return Err(OutOfDomain::new("edge_shear", plate.shear, remedy));
         }
         domain::clear(self.sines.largest(z).0, 1.0)
     }

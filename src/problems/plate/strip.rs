@@ -18,7 +18,7 @@ use super::tensor::{Rule, dot};
 use super::vibration::{Lowest, Vibrates, reals};
 use super::{domain, profile};
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
+use crate::core::zero::{Dynamics, Names, OutOfDomain, Profile, ZeroProblem};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -203,7 +203,7 @@ impl ZeroProblem for Strip {
         monitors::fill(Units::Dimensionless, p, deflections, frequencies, values);
     }
 
-    fn domain(&self, z: &[f64], _p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         domain::clear(self.largest(z).1, 1.0)
     }
 

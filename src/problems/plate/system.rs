@@ -6,9 +6,9 @@ use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
+use crate::core::failure::unknown_order;
 use crate::core::zero::{
-    Border, Dynamics, Failure, LeftDomain, Names, Profile, Refinement, Singular, Slot, Spectrum,
-    System,
+    Border, Dynamics, Failure, Names, Profile, Refinement, Slot, Spectrum, System,
 };
 use faer::Mat;
 use num_dual::Dual64;
@@ -73,36 +73,15 @@ impl Ritz {
         carried
     }
 
-    /// Both gradients: `wᵀF_x v` by second derivatives, `wᵀF_xx[v, v]` by third ones.
-    fn gradient_of(
-        &mut self,
-        [x, w, v]: [&[f64]; 3],
-        twice: bool,
-        released: &[usize],
-        out: &mut [f64],
-    ) {
-        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        let (model, factor) = (&self.model, &self.factor);
-        let (second, third) = (&mut self.second, &mut self.third);
-        let along = |d: &[f64], out: &mut [f64]| {
-            if twice {
-                differentiate(third, model, factor, x, &[d, v, v], largest, out);
-            } else {
-                differentiate(second, model, factor, x, &[d, v], largest, out);
-            }
-        };
-        self.potential.gradient(w, released, along, out);
-    }
-
     /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
-    fn lowest(&mut self, x: &[f64]) -> Result<f64, LeftDomain> {
+    fn lowest(&mut self, x: &[f64]) -> Result<f64, Failure> {
         self.ensure_modes(x)?;
         self.eigenproblem.shape(0, &mut self.mode[..self.model.unknowns()]);
         Ok(self.eigenproblem.square(0))
     }
 
     /// The lowest frequency of the unloaded plate; its mode is left in `self.flat`.
-    fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, LeftDomain> {
+    fn flat_frequency(&mut self, p: &[f64]) -> Result<f64, Failure> {
         let parameters = self.model.settings.units.parameters(p);
         let at = (parameters.aspect, parameters.nu);
         if self.flat.as_ref().is_none_or(|flat| flat.at != at) {
@@ -114,9 +93,9 @@ impl Ritz {
     }
 
     /// `∇ω²` of the unloaded plate with respect to the parameters, into the end of `out`.
-    fn flat_gradient(&mut self, x: &[f64], out: &mut [f64]) {
+    fn flat_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         let n = self.model.unknowns();
-        let Some(flat) = &self.flat else { return };
+        let Some(flat) = &self.flat else { return Ok(()) };
         let (mut rest, mut along) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         along[..n].copy_from_slice(&flat.shape);
         let names = self.model.settings.units.names();
@@ -126,18 +105,20 @@ impl Ritz {
         let released: Vec<usize> = (0..names.len()).filter(|i| !is_load(names[*i])).collect();
         released.iter().for_each(|i| rest[n + i] = x[n + i]);
         out.fill(0.0);
-        self.gradient_of([&rest, &along[..n], &along], false, &released, out);
+        self.gradient(&rest, (&along[..n], &along, 1), &released, out)?;
         out[..n].fill(0.0);
+        Ok(())
     }
 
     /// `∇ω` (dimensionless) into `out`; returns `ω`.
-    fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, LeftDomain> {
+    fn frequency_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<f64, Failure> {
         let n = self.model.unknowns();
         let omega = signed_root(self.lowest(x)?);
         // Taken out for as long as the rest of the plate is at work on them.
         let (mode, released) = (take(&mut self.mode), take(&mut self.all_parameters));
-        self.gradient_of([x, &mode[..n], &mode], false, &released, out);
+        let outcome = self.gradient(x, (&mode[..n], &mode, 1), &released, out);
         (self.mode, self.all_parameters) = (mode, released);
+        outcome?;
         out.iter_mut().for_each(|g| *g /= 2.0 * omega.abs());
         Ok(omega)
     }
@@ -157,11 +138,11 @@ impl Ritz {
         }
     }
 
-    fn ratio_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), LeftDomain> {
+    fn ratio_gradient(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         let flat = self.flat_frequency(&x[self.model.unknowns()..])?;
         let omega = self.frequency_gradient(x, out)?;
         let mut of_flat = vec![0.0; x.len()];
-        self.flat_gradient(x, &mut of_flat);
+        self.flat_gradient(x, &mut of_flat)?;
         for (out, of_flat) in out.iter_mut().zip(&of_flat) {
             *out = *out / flat - omega / (flat * flat) * of_flat / (2.0 * flat);
         }
@@ -174,20 +155,20 @@ impl System for Ritz {
         &self.names
     }
 
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         self.evaluate(x)?;
         r.copy_from_slice(&self.plain.r);
         domain::finite(r, |i| format!("component {i} of the residual"))
     }
 
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.assembled_at.clear();
         self.assemble_at(x)?;
         self.assembled_at.extend_from_slice(x);
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         self.factors[slot as usize].factor(&self.assembly.matrix, border)
     }
 
@@ -207,34 +188,40 @@ impl System for Ritz {
         self.factors[slot as usize].determinant_sign()
     }
 
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        differentiate(&mut self.first, &self.model, &self.factor, x, &[d], largest, out);
-    }
-
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        differentiate(&mut self.second, &self.model, &self.factor, x, &[d, e], largest, out);
-    }
-
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        let Ok(largest) = self.prepare(x) else { return out.fill(f64::NAN) };
-        differentiate(&mut self.third, &self.model, &self.factor, x, &[d, e, f], largest, out);
-    }
-
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        self.gradient_of([x, w, v], false, released, out);
-    }
-
-    fn second_gradient(
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let largest = self.prepare(x)?;
+        let (model, factor) = (&self.model, &self.factor);
+        match directions.len() {
+            1 => differentiate(&mut self.first, model, factor, x, directions, largest, out),
+            2 => differentiate(&mut self.second, model, factor, x, directions, largest, out),
+            3 => differentiate(&mut self.third, model, factor, x, directions, largest, out),
+            order => return Err(unknown_order(order)),
+        }
+        domain::finite(out, |i| format!("a derivative of component {i} of the residual"))
+    }
+
+    /// Both by derivatives of one order more: `F` is a gradient.
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        (w, v, order): (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    ) {
-        self.gradient_of([x, w, v], true, released, out);
+    ) -> Result<(), Failure> {
+        let mut memory = take(&mut self.potential);
+        let along = |d: &[f64], out: &mut [f64]| match order {
+            1 => self.derivative(x, &[d, v], out),
+            2 => self.derivative(x, &[d, v, v], out),
+            _ => Err(unknown_order(order)),
+        };
+        let outcome = memory.gradient(w, released, along, out);
+        self.potential = memory;
+        outcome
     }
 
     fn dynamics(&self) -> Dynamics {
@@ -249,7 +236,7 @@ impl System for Ritz {
         Ok(Some((0..reported).map(|mode| (-self.eigenproblem.square(mode), 0.0)).collect()))
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         let (q, p) = x.split_at(self.model.unknowns());
         let flat = self.flat_frequency(p)?;
         let omega = signed_root(self.lowest(x)?);
@@ -258,34 +245,36 @@ impl System for Ritz {
         Ok(())
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], _: &[usize], out: &mut [f64]) {
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        _: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
         let n = self.model.unknowns();
         out.fill(0.0);
-        let done = match monitor {
-            0 => {
-                out[..n].copy_from_slice(&self.centre);
-                Ok(())
-            }
+        match monitor {
+            0 => out[..n].copy_from_slice(&self.centre),
             1 => {
                 // The place of the largest deflection moves, but its slope is zero there.
                 let (_, xi, zeta) = self.search.largest(&self.model, &x[..n]);
                 shape::products(&self.model, [xi, zeta], &mut self.search.point, &mut out[..n]);
-                Ok(())
             }
-            2 => self.frequency_gradient(x, out).map(|omega| self.apply_unit(x, omega, out)),
-            3 => self.ratio_gradient(x, out),
+            2 => {
+                let omega = self.frequency_gradient(x, out)?;
+                self.apply_unit(x, omega, out);
+            }
+            3 => self.ratio_gradient(x, out)?,
             _ => {
                 if let Some(gap) = self.model.settings.units.gap() {
                     let weighted = out.iter_mut().zip(&self.centre);
                     weighted.for_each(|(out, centre)| *out = x[n + gap] * centre);
                     out[n + gap] = dot(&x[..n], &self.centre);
                 }
-                Ok(())
             }
-        };
-        if done.is_err() {
-            out.fill(f64::NAN);
         }
+        Ok(())
     }
 
     /// The deflection and the first mode shape along the centre line.

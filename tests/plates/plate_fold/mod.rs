@@ -44,9 +44,9 @@ pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> 
         system.solve_transposed(Slot::Condition, &mut w);
         step[n] = v[n];
         let direction = [&v[..n], &vec![0.0; x.len() - n]].concat();
-        system.gradient(&x, &w[..n], &direction, &[LOAD], &mut gradient);
+        system.gradient(&x, (&w[..n], &direction, 1), &[LOAD], &mut gradient).unwrap();
         gradient.iter_mut().for_each(|g| *g = -*g);
-        system.derivative(&x, &load, &mut load_column);
+        system.derivative(&x, &[&load], &mut load_column).unwrap();
         let border = Border {
             width: 1,
             columns: &load_column,

@@ -1,11 +1,11 @@
 //! The equations of an interval, linearised several directions at a time.
 
 use super::basis::{Basis, combine};
-use crate::core::bvp::interval::left_domain;
+use crate::core::bvp::interval::placed;
 use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
+use crate::core::failure::Failure;
 use crate::core::scalar_field::FieldIn;
-use crate::core::zero::LeftDomain;
 
 /// Arguments and values of the field in a pass over `W` directions.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +24,7 @@ pub(super) fn linearise_in<const W: usize>(
     interval: Interval<f64>,
     active: &[usize],
     mut block: Block,
-) -> Result<(), LeftDomain>
+) -> Result<(), Failure>
 where
     DualChunk<f64, W>: Number,
 {
@@ -72,14 +72,14 @@ where
         interval: &Interval<f64>,
         c: usize,
         start: usize,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let Interval { problem, span, nodes, q } = *interval;
         let equations = DualChunk::<f64, W>::residual(problem);
         let (duration, h) = (equations.duration_in(span.segment, &self.q), interval.length());
         let field = equations.on_segment(span.segment, &self.q);
         let t = duration * (span.start + h * basis.gauss[c]);
         combine(basis.row(&basis.values, c), nodes, &mut self.real);
-        field.domain(&self.real, q).map_err(|cause| left_domain(cause, span.segment, t.re))?;
+        field.domain(&self.real, q).map_err(|cause| placed(cause, span.segment, t.re))?;
         for (i, (x, real)) in self.x.iter_mut().zip(&self.real).enumerate() {
             *x = seeded(*real, i, start);
         }

@@ -3,8 +3,8 @@
 use super::extremum_search::ExtremumSearch;
 use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
+use crate::core::failure::Failure;
 use crate::core::flow::{Flow, Settings};
-use crate::core::zero::LeftDomain;
 
 /// A flow with derivatives in `N` directions.
 pub(super) struct Variation<const N: usize> {
@@ -40,7 +40,7 @@ where
         (active, first): (&[usize], usize),
         block: &mut Block,
         search: &mut ExtremumSearch,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let Interval { problem, span, nodes, q } = *interval;
         let n = nodes.len() / 2;
         let states = nodes[..n].iter().enumerate();

@@ -2,7 +2,7 @@
 
 use super::{BoundarySystem, MOST_INTERVALS};
 use crate::core::bvp::{BoundaryError, Mesh};
-use crate::core::zero::LeftDomain;
+use crate::core::failure::Failure;
 
 impl BoundarySystem {
     /// The estimated error of a solution that its mesh causes: the largest of any state anywhere, in units of
@@ -20,7 +20,7 @@ impl BoundarySystem {
     /// follows the values at nodes is left as it is. A method whose mesh causes no error keeps it.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
+    /// [`OutOfDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};
@@ -35,11 +35,7 @@ impl BoundarySystem {
     /// assert!(points.len() == 5 && points[1] < 0.2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn adapt(
-        &mut self,
-        x: &mut [f64],
-        directions: &mut [&mut [f64]],
-    ) -> Result<(), LeftDomain> {
+    pub fn adapt(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) -> Result<(), Failure> {
         let equations = &self.equations;
         if equations.method.error_constant().is_none() {
             return Ok(());
@@ -72,7 +68,7 @@ impl BoundarySystem {
     /// again.
     ///
     /// # Errors
-    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::LeftDomain`].
+    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::Evaluation`].
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};

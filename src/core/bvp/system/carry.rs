@@ -4,7 +4,7 @@ use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
 use crate::core::bvp::Mesh;
 use crate::core::bvp::interpolation::lagrange;
-use crate::core::zero::LeftDomain;
+use crate::core::failure::Failure;
 
 /// The weights by which values at new nodes are made of those at old ones.
 #[derive(Default)]
@@ -47,14 +47,14 @@ impl Discretised {
         (segment, interval): (usize, usize),
         place: f64,
         out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
         let interval = self.interval((segment, interval), nodes, &work.q);
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
     /// `x = (z, p)` on the nodes of another discretisation.
-    pub fn carried(&self, onto: &Discretised, x: &[f64]) -> Result<Vec<f64>, LeftDomain> {
+    pub fn carried(&self, onto: &Discretised, x: &[f64]) -> Result<Vec<f64>, Failure> {
         let mut out = vec![0.0; onto.layout.values()];
         out.extend_from_slice(&x[self.layout.values()..]);
         let mut work: Work<f64> = Work::new(&self.layout);

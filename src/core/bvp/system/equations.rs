@@ -3,14 +3,14 @@
 use super::extremes::Extremes;
 use super::layout::{Layout, span};
 use crate::core::bvp::interpolation::{highest_derivative, node_weights};
-use crate::core::bvp::interval::left_domain;
+use crate::core::bvp::interval::placed;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     BoundaryError, Ends, Equations, Interval, Mesh, Method, Monitor, Number, Span,
 };
+use crate::core::failure::{Failure, not_finite};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
-use crate::core::zero::LeftDomain;
 use std::sync::Arc;
 
 /// A problem, how it is discretised, and the reference of its phase condition.
@@ -141,13 +141,13 @@ impl Discretised {
     }
 
     /// All left sides at the arguments of `work`, into its `r`.
-    pub fn residual<T: Number>(&self, work: &mut Work<T>) -> Result<(), LeftDomain> {
+    pub fn residual<T: Number>(&self, work: &mut Work<T>) -> Result<(), Failure> {
         self.residual_inside(work)?;
         self.residual_beside(work)
     }
 
     /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
-    pub fn residual_watching(&mut self, work: &mut Work<f64>) -> Result<(), LeftDomain> {
+    pub fn residual_watching(&mut self, work: &mut Work<f64>) -> Result<(), Failure> {
         if self.method.watches_with_residual() {
             self.find_extremes(&work.nodes, &work.q, Some(&mut work.r))?;
         } else {
@@ -157,7 +157,7 @@ impl Discretised {
     }
 
     /// Left sides of the equations of all intervals.
-    fn residual_inside<T: Number>(&self, work: &mut Work<T>) -> Result<(), LeftDomain> {
+    fn residual_inside<T: Number>(&self, work: &mut Work<T>) -> Result<(), Failure> {
         let Work { nodes, q, r, local, .. } = work;
         for (s, j) in self.layout.intervals() {
             let interval = self.interval((s, j), &nodes[self.layout.interval(s, j)], q);
@@ -168,7 +168,7 @@ impl Discretised {
     }
 
     /// Left sides of boundary, integral and phase conditions.
-    fn residual_beside<T: Number>(&self, work: &mut Work<T>) -> Result<(), LeftDomain> {
+    fn residual_beside<T: Number>(&self, work: &mut Work<T>) -> Result<(), Failure> {
         let layout = &self.layout;
         let conditions = &mut work.r[layout.conditions()..];
         let (boundary, closing) = conditions.split_at_mut(layout.boundary);
@@ -198,7 +198,7 @@ impl Discretised {
         interval: Interval<T>,
         local: &mut Local<T>,
         sums: &mut [T],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         if sums.is_empty() {
             return Ok(());
         }
@@ -226,7 +226,7 @@ impl Discretised {
     }
 
     /// Makes `x = (z, p)` the reference of the phase condition.
-    pub fn set_reference(&mut self, x: &[f64], work: &mut Work<f64>) -> Result<(), LeftDomain> {
+    pub fn set_reference(&mut self, x: &[f64], work: &mut Work<f64>) -> Result<(), Failure> {
         if !self.layout.phase {
             return Ok(());
         }
@@ -237,7 +237,7 @@ impl Discretised {
     }
 
     /// `dx/dτ` at all nodes, ordered as `z`, at the arguments of `work`.
-    fn motion(&self, work: &mut Work<f64>) -> Result<Vec<f64>, LeftDomain> {
+    fn motion(&self, work: &mut Work<f64>) -> Result<Vec<f64>, Failure> {
         let (layout, places) = (&self.layout, self.method.places());
         let mut motion = vec![0.0; layout.values()];
         for (s, j) in layout.intervals() {
@@ -251,11 +251,10 @@ impl Discretised {
                 places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
             {
                 let t = duration * (span.start + (span.end - span.start) * place);
-                let refuse = |cause| left_domain(cause, s, t);
-                field.domain(x, &work.q).map_err(refuse)?;
+                field.domain(x, &work.q).map_err(|cause| placed(cause, s, t))?;
                 field.slope(t, x, &work.q, f);
-                if let Some(i) = first_not_finite(f) {
-                    return Err(refuse(self.not_finite(s, i, f[i])));
+                if let Some(i) = not_finite(f) {
+                    return Err(placed(self.not_finite(s, i, f[i]), s, t));
                 }
                 order.iter().zip(f.iter()).for_each(|(&z, f)| motion[z] = duration * f);
             }
@@ -291,15 +290,15 @@ impl Discretised {
     }
 
     /// Refuses a residual that is not finite.
-    pub fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), LeftDomain> {
-        match first_not_finite(residual) {
+    pub fn check(&self, residual: &[f64], q: &[f64]) -> Result<(), Failure> {
+        match not_finite(residual) {
             Some(row) => Err(self.refusal(row, residual[row], q)),
             None => Ok(()),
         }
     }
 
     /// The refusal of an equation that is not finite, or has a derivative that is not.
-    pub fn refusal(&self, row: usize, value: f64, q: &[f64]) -> LeftDomain {
+    pub fn refusal(&self, row: usize, value: f64, q: &[f64]) -> Failure {
         let layout = &self.layout;
         if let Some(condition) = row.checked_sub(layout.conditions()) {
             let (what, k) = match condition.checked_sub(layout.boundary) {
@@ -308,31 +307,25 @@ impl Discretised {
                 Some(k) => ("phase condition", k - layout.integrals),
             };
             let remedy = "conditions and their derivatives must be finite";
-            return LeftDomain::new(format!("{what} {k}, counted from 0,"), value, remedy);
+            return Failure::not_finite(format!("{what} {k}, counted from 0,"), value, remedy);
         }
         let s = layout.segments.iter().rposition(|s| s.equations <= row).unwrap_or(0);
         let segment = &layout.segments[s];
         let inside = row - segment.equations;
         let span = self.span(s, inside / (layout.degree * segment.states));
         let t = span.start * self.duration_of(s, q);
-        left_domain(self.not_finite(s, inside % segment.states, value), s, t)
+        placed(self.not_finite(s, inside % segment.states, value), s, t)
     }
 
-    fn not_finite(&self, segment: usize, state: usize, value: f64) -> LeftDomain {
+    fn not_finite(&self, segment: usize, state: usize, value: f64) -> Failure {
         let names = self.problem.segments().swap_remove(segment);
         let name = names.get(state).map_or("", String::as_str);
-        LeftDomain::new(
+        Failure::not_finite(
             format!("the equation of {name}"),
             value,
             "the field must be finite and differentiable; bound the branch before it loses its meaning",
         )
     }
-}
-
-/// The position of the first number that is not finite.
-pub(super) fn first_not_finite(numbers: &[f64]) -> Option<usize> {
-    let any = numbers.iter().fold(false, |any, number| any | !number.is_finite());
-    if any { numbers.iter().position(|number| !number.is_finite()) } else { None }
 }
 
 /// States where all segments begin, then those where they end.

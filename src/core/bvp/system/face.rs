@@ -6,12 +6,11 @@ use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
-use crate::core::condition::Failure;
 use crate::core::cycles::Cycles;
+use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
-    Border, Dynamics, LeftDomain, Names, Oscillation, Profile, Refinement, Singular, Slot,
-    Spectrum, System,
+    Border, Dynamics, Names, Oscillation, Profile, Refinement, Slot, Spectrum, System,
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
@@ -22,7 +21,7 @@ const GRADIENT: f64 = 1e-8;
 impl BoundarySystem {
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
-    fn refer(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
             self.set_reference(x)?;
         }
@@ -69,7 +68,7 @@ impl System for BoundarySystem {
         &self.names
     }
 
-    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), LeftDomain> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         self.refer(x)?;
         if self.is_assembled(x) {
             r.copy_from_slice(&self.linearisation.residual);
@@ -92,7 +91,7 @@ impl System for BoundarySystem {
         self.equations.rough = self.equations.method.allow(error);
     }
 
-    fn assemble(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.is_assembled(x) {
             return Ok(());
         }
@@ -105,13 +104,13 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let of = Bordered { layout, assembled, form: Form::Jacobian, border };
         self.factors[slot as usize].factor(of, &assembled.boundary)
     }
 
-    fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         self.factor_flipped(slot, border)
     }
 
@@ -137,51 +136,64 @@ impl System for BoundarySystem {
 
     /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which provides it
     /// from then on.
-    fn derivative(&mut self, x: &[f64], d: &[f64], out: &mut [f64]) {
-        if let Some(parameter) = self.parameter_of(d) {
-            if !self.linearisation.active.contains(&parameter) {
-                self.linearisation.active.push(parameter);
-                self.linearisation.at.clear();
-            }
-            if self.assemble(x).is_ok() {
-                return self.linearisation.column(&self.equations.layout, parameter, out);
-            }
-        }
-        let argument = |i: usize| Dual64::new(x[i], d[i]);
-        self.equations.derivative(&mut self.first, argument, |r| r.eps, out);
-    }
-
-    fn second_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], out: &mut [f64]) {
-        let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
-        self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out);
-    }
-
-    fn third_derivative(&mut self, x: &[f64], d: &[f64], e: &[f64], f: &[f64], out: &mut [f64]) {
-        let argument = |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
-        self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out);
-    }
-
-    fn gradient(&mut self, x: &[f64], w: &[f64], v: &[f64], released: &[usize], out: &mut [f64]) {
-        self.release(released, out);
-        let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
-        let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.eps };
-        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, &mut self.nested, out));
-    }
-
-    fn second_gradient(
+    fn derivative(
         &mut self,
         x: &[f64],
-        w: &[f64],
-        v: &[f64],
+        directions: &[&[f64]],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        match *directions {
+            [d] => {
+                if let Some(parameter) = self.parameter_of(d) {
+                    if !self.linearisation.active.contains(&parameter) {
+                        self.linearisation.active.push(parameter);
+                        self.linearisation.at.clear();
+                    }
+                    self.assemble(x)?;
+                    self.linearisation.column(&self.equations.layout, parameter, out);
+                    return Ok(());
+                }
+                let argument = |i: usize| Dual64::new(x[i], d[i]);
+                self.equations.derivative(&mut self.first, argument, |r| r.eps, out)
+            }
+            [d, e] => {
+                let argument = |i: usize| HyperDual64::new(x[i], d[i], e[i], 0.0);
+                self.equations.derivative(&mut self.second, argument, |r| r.eps1eps2, out)
+            }
+            [d, e, f] => {
+                let argument =
+                    |i: usize| HyperHyperDual64::new(x[i], d[i], e[i], f[i], 0.0, 0.0, 0.0, 0.0);
+                self.equations.derivative(&mut self.third, argument, |r| r.eps1eps2eps3, out)
+            }
+            _ => Err(unknown_order(directions.len())),
+        }
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        (w, v, order): (&[f64], &[f64], usize),
         released: &[usize],
         out: &mut [f64],
-    ) {
+    ) -> Result<(), Failure> {
         self.release(released, out);
-        let make =
-            |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), Chunk::from(0.0));
-        let weighted = Weighted { x, w, numbers: &self.numbers, make: &make, take: |r| r.v2 };
-        let passes = &mut self.nested_twice;
-        self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out));
+        let (numbers, zero) = (&self.numbers, Chunk::from(0.0));
+        match order {
+            1 => {
+                let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
+                let weighted = Weighted { x, w, numbers, make: &make, take: |r| r.eps };
+                let passes = &mut self.nested;
+                self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
+            }
+            2 => {
+                let make = |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), zero);
+                let weighted = Weighted { x, w, numbers, make: &make, take: |r| r.v2 };
+                let passes = &mut self.nested_twice;
+                self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
+            }
+            _ => return Err(unknown_order(order)),
+        }
+        finite_gradient(out, self.equations.layout.dimension, released)
     }
 
     fn dynamics(&self) -> Dynamics {
@@ -192,17 +204,18 @@ impl System for BoundarySystem {
         if !self.is_periodic() {
             return Ok(None);
         }
-        let found = self.deciding_multipliers()?;
-        // Beside a homoclinic orbit nothing is known of them.
-        let known = found.iter().all(|(re, im)| !re.is_nan() && !im.is_nan());
-        Ok(known.then_some(found))
+        match self.deciding_multipliers() {
+            // As beside a homoclinic orbit.
+            Err(Failure::Undetermined(_)) => Ok(None),
+            found => found.map(Some),
+        }
     }
 
     fn cycles(&mut self) -> Option<&mut dyn Cycles> {
         if self.is_periodic() { Some(self) } else { None }
     }
 
-    fn check_start(&mut self, x: &[f64]) -> Result<(), LeftDomain> {
+    fn check_start(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.check_ends(&mut self.plain)
     }
@@ -224,7 +237,7 @@ impl System for BoundarySystem {
         self.orientation
     }
 
-    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), LeftDomain> {
+    fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         for (monitor, value) in values.iter_mut().enumerate() {
             *value = self.equations.evaluate_monitor(monitor, &mut self.plain)?;
@@ -232,26 +245,27 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn monitor(
-        &mut self,
-        monitor: usize,
-        x: &[f64],
-        _values: &mut [f64],
-    ) -> Result<f64, LeftDomain> {
+    fn monitor(&mut self, monitor: usize, x: &[f64], _values: &mut [f64]) -> Result<f64, Failure> {
         self.plain.load(&self.equations.layout, |i| x[i]);
         self.equations.evaluate_monitor(monitor, &mut self.plain)
     }
 
-    fn monitor_gradient(&mut self, monitor: usize, x: &[f64], released: &[usize], out: &mut [f64]) {
+    fn monitor_gradient(
+        &mut self,
+        monitor: usize,
+        x: &[f64],
+        released: &[usize],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
         self.release(released, out);
         self.plain.load(&self.equations.layout, |i| x[i]);
         let Self { equations, plain, chunk, numbers, .. } = self;
         // Where extremes are is known as well as can be.
-        let watched = equations.watch_for(monitor, plain);
+        equations.watch_for(monitor, plain)?;
         equations.gradient(out, |equations, out| {
-            watched?;
             equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out)
-        });
+        })?;
+        finite_gradient(out, self.equations.layout.dimension, released)
     }
 
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
@@ -310,29 +324,24 @@ impl Discretised {
         argument: impl Fn(usize) -> T,
         part: fn(&T) -> f64,
         out: &mut [f64],
-    ) {
+    ) -> Result<(), Failure> {
         work.load(&self.layout, argument);
-        let outcome = self.residual(work);
+        self.residual(work)?;
         out.iter_mut().zip(&work.r).for_each(|(out, r)| *out = part(r));
-        not_a_number(outcome, out);
+        let Some(row) = not_finite(out) else { return Ok(()) };
+        let q: Vec<f64> = work.q.iter().map(|q| q.real()).collect();
+        Err(self.refusal(row, out[row], &q))
     }
 
     /// Computes a gradient, which may err by a little.
     fn gradient(
         &mut self,
         out: &mut [f64],
-        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), LeftDomain>,
-    ) {
+        add: impl FnOnce(&mut Self, &mut [f64]) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
         self.method.allow(GRADIENT);
         let outcome = add(self, out);
         self.method.allow(0.0);
-        not_a_number(outcome, out);
-    }
-}
-
-/// Derivatives outside the domain are no numbers: whoever uses them refuses the point.
-fn not_a_number(outcome: Result<(), LeftDomain>, out: &mut [f64]) {
-    if outcome.is_err() {
-        out.fill(f64::NAN);
+        outcome
     }
 }

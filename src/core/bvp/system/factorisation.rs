@@ -14,8 +14,9 @@
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use crate::core::bvp::Unknown;
+use crate::core::failure::Failure;
 use crate::core::linear::{BorderedLu, Chain};
-use crate::core::zero::{Border, Singular};
+use crate::core::zero::Border;
 
 /// Which linearisation is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +70,7 @@ impl Factorisation {
 
     /// Factors what is assembled, with these rows of boundary conditions (by the states where all segments
     /// begin, by those where they end, and by the active numbers).
-    pub fn factor(&mut self, of: Bordered, boundary: &[f64]) -> Result<(), Singular> {
+    pub fn factor(&mut self, of: Bordered, boundary: &[f64]) -> Result<(), Failure> {
         self.condense(of)?;
         self.place(of, boundary);
         self.units.clone_from(&of.assembled.units);
@@ -87,7 +88,7 @@ impl Factorisation {
     }
 
     /// Condenses all chains.
-    pub fn condense(&mut self, of: Bordered) -> Result<(), Singular> {
+    pub fn condense(&mut self, of: Bordered) -> Result<(), Failure> {
         let Bordered { layout, assembled, form, border } = of;
         let (k, l) = (layout.extras + border.width, layout.closing() + border.width);
         self.condensed = 0;

@@ -1,12 +1,12 @@
 //! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and rows of
 //! integral and phase conditions.
 
-use super::equations::{Discretised, Work, first_not_finite};
+use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
 use super::local::{Dependence, Passes};
 use crate::core::bvp::{Block, Interval, MonitoredFunctions};
 use crate::core::chunk::{CHUNK, Chunk};
-use crate::core::zero::LeftDomain;
+use crate::core::failure::{Failure, not_finite};
 
 /// The Jacobian and the residual at the `x` assembled last.
 #[derive(Clone, Default)]
@@ -63,7 +63,7 @@ impl Linearisation {
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         self.count += 1;
         self.resize(equations);
         self.units = equations.unknown_scales(&work.q);
@@ -76,11 +76,7 @@ impl Linearisation {
         self.check(equations, &work.q)
     }
 
-    fn intervals(
-        &mut self,
-        equations: &mut Discretised,
-        work: &Work<f64>,
-    ) -> Result<(), LeftDomain> {
+    fn intervals(&mut self, equations: &mut Discretised, work: &Work<f64>) -> Result<(), Failure> {
         let active = self.active.len();
         let Discretised { problem, method, meshes, layout, extremes, .. } = equations;
         let watching = method.watches_with_residual() && !self.rough;
@@ -133,7 +129,7 @@ impl Linearisation {
         x: &[f64],
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let layout = &equations.layout;
         let first = layout.conditions() + layout.boundary;
         self.residual[first..].fill(0.0);
@@ -158,7 +154,7 @@ impl Linearisation {
         (s, j): (usize, usize),
         x: &[f64],
         passes: &mut Passes<Chunk>,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let (layout, active) = (&equations.layout, self.active.len());
         let (values, local) = (layout.values(), layout.interval(s, j));
         let first = layout.conditions() + layout.boundary;
@@ -233,20 +229,20 @@ impl Linearisation {
     }
 
     /// Refuses entries that are not finite, by the equation in which they are.
-    fn check(&self, equations: &Discretised, q: &[f64]) -> Result<(), LeftDomain> {
+    fn check(&self, equations: &Discretised, q: &[f64]) -> Result<(), Failure> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
         for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {
             let (width, active) = ((layout.degree + 1) * s.states, self.active.len());
-            let by_nodes = first_not_finite(blocks).map(|k| (k / width, blocks[k]));
-            let by_numbers = first_not_finite(numbers).map(|k| (k / active, numbers[k]));
+            let by_nodes = not_finite(blocks).map(|k| (k / width, blocks[k]));
+            let by_numbers = not_finite(numbers).map(|k| (k / active, numbers[k]));
             if let Some((row, value)) = by_nodes.or(by_numbers) {
                 return Err(equations.refusal(s.equations + row, value, q));
             }
         }
         let width = 2 * layout.states + self.active.len();
-        let conditions = first_not_finite(&self.boundary).map(|k| (k / width, self.boundary[k]));
-        let closing = first_not_finite(&self.closing)
+        let conditions = not_finite(&self.boundary).map(|k| (k / width, self.boundary[k]));
+        let closing = not_finite(&self.closing)
             .map(|k| (layout.boundary + k / layout.values(), self.closing[k]));
         match conditions.or(closing) {
             Some((row, value)) => Err(equations.refusal(layout.conditions() + row, value, q)),

@@ -4,8 +4,8 @@ use super::equations::{Discretised, Local};
 use super::layout::Layout;
 use crate::core::bvp::Number;
 use crate::core::chunk::{CHUNK, Chunk, seeded};
+use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
-use crate::core::zero::LeftDomain;
 
 /// What a part of the equations depends on.
 #[derive(Clone, Copy)]
@@ -80,8 +80,8 @@ impl<T: Scalar> Passes<T> {
         dependence: Dependence,
         (x, make): (&[f64], &dyn Fn(usize, Chunk) -> T),
         out: &mut [f64],
-        mut function: impl FnMut(&mut Self) -> Result<Chunk, LeftDomain>,
-    ) -> Result<(), LeftDomain> {
+        mut function: impl FnMut(&mut Self) -> Result<Chunk, Failure>,
+    ) -> Result<(), Failure> {
         for start in (0..dependence.len()).step_by(CHUNK) {
             self.load(layout, dependence, start, x, make);
             let slopes = function(self)?.eps;
@@ -119,7 +119,7 @@ impl Discretised {
         &Weighted { x, w, numbers, make, take }: &Weighted<T>,
         passes: &mut Passes<T>,
         out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let layout = &self.layout;
         let (boundary, closing) = w[layout.conditions()..].split_at(layout.boundary);
         let weighted = |values: &[T], weights: &[f64]| {

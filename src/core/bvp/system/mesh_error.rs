@@ -14,9 +14,9 @@
 use super::equations::{Discretised, Work};
 use super::local::{Dependence, Passes, plain};
 use crate::core::chunk::Chunk;
+use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::vector::largest;
-use crate::core::zero::LeftDomain;
 
 /// Where the estimated error of a state, in units of the state's largest value, is largest.
 pub(super) struct LargestError {
@@ -123,7 +123,7 @@ impl Discretised {
         work: &Work<f64>,
         passes: &mut Passes<Chunk>,
         out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let Some(LargestError { segment, state, interval, .. }) = self.largest_error(&work.nodes)
         else {
             return Ok(());

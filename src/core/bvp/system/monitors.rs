@@ -9,11 +9,11 @@ use crate::core::bvp::{
     EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
 };
 use crate::core::chunk::Chunk;
+use crate::core::failure::Failure;
 use crate::core::measure::Integral;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Observable;
-use crate::core::zero::LeftDomain;
 use num_dual::Dual64;
 
 /// The name of the monitor that estimates the error of the mesh.
@@ -28,7 +28,7 @@ impl Discretised {
         &mut self,
         monitor: usize,
         work: &mut Work<f64>,
-    ) -> Result<f64, LeftDomain> {
+    ) -> Result<f64, Failure> {
         self.watch_for(monitor, work)?;
         Ok(match self.monitors.get(monitor) {
             Some(Monitor::Duration) => self.duration(&work.q, |_| true),
@@ -51,14 +51,14 @@ impl Discretised {
     }
 
     /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
-    pub fn check_ends(&self, work: &mut Work<f64>) -> Result<(), LeftDomain> {
+    pub fn check_ends(&self, work: &mut Work<f64>) -> Result<(), Failure> {
         gather_ends(&self.layout, &work.nodes, &mut work.ends);
         let (start, end) = work.ends.split_at(self.layout.states);
         self.problem.check_ends(Ends { start, end }, &work.q)
     }
 
     /// Finds the extremes, if a monitor asks for them.
-    pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), LeftDomain> {
+    pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), Failure> {
         match self.monitors.get(monitor) {
             None | Some(Monitor::Duration | Monitor::Ends(_) | Monitor::Integral(..)) => Ok(()),
             Some(_) => self.find_extremes(&work.nodes, &work.q, None),
@@ -74,7 +74,7 @@ impl Discretised {
         work: &mut Work<f64>,
         passes: &mut Passes<Chunk>,
         out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         self.watch_for(monitor, work)?;
         match self.monitors.get(monitor) {
             Some(Monitor::Duration) => {
@@ -125,7 +125,7 @@ impl Discretised {
         integral: Integral,
         watched: &[Watched],
         work: &mut Work<f64>,
-    ) -> Result<[f64; 2], LeftDomain> {
+    ) -> Result<[f64; 2], Failure> {
         let Work { nodes, q, local, .. } = work;
         let mut sum = 0.0;
         for at in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
@@ -142,7 +142,7 @@ impl Discretised {
         watched: &[Watched],
         interval: Interval<T>,
         work: &mut MethodWork<T>,
-    ) -> Result<T, LeftDomain> {
+    ) -> Result<T, Failure> {
         let (mut sum, problem) = (T::zero(), T::watches(interval.problem));
         self.method.quadrature(interval, work, &mut |weight, t, x| {
             for watched in watched.iter().filter(|w| w.segment == interval.span.segment) {
@@ -160,7 +160,7 @@ impl Discretised {
         (x, numbers): (&[f64], &[usize]),
         (work, passes): (&mut Work<f64>, &mut Passes<Chunk>),
         out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let [sum, time] = self.sum_and_time(integral, watched, work)?;
         let slope =
             |of: [f64; 2]| integral.of(Dual64::new(sum, of[0]), Dual64::new(time, of[1])).eps;
@@ -237,7 +237,7 @@ impl Discretised {
         nodes: &[f64],
         q: &[f64],
         mut residual: Option<&mut [f64]>,
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
         if residual.is_none() && extremes.known(nodes, q, *rough) {
             return Ok(());
@@ -271,7 +271,7 @@ impl Discretised {
         Sighting { interval, place, .. }: Sighting,
         watched: [Watched; 2],
         work: &mut Work<f64>,
-    ) -> Result<[Dual64; 2], LeftDomain> {
+    ) -> Result<[Dual64; 2], Failure> {
         let segment = watched[0].segment;
         let n = self.layout.segments[segment].states;
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
@@ -294,7 +294,7 @@ impl Discretised {
         (x, numbers): (&[f64], &[usize]),
         passes: &mut Passes<Chunk>,
         out: &mut [f64],
-    ) -> Result<(), LeftDomain> {
+    ) -> Result<(), Failure> {
         let (layout, segment) = (&self.layout, watched.segment);
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];

@@ -14,10 +14,11 @@
 use super::BoundarySystem;
 use super::factorisation::{Bordered, column_of, form_of};
 use crate::core::bvp::{Number, Return};
-use crate::core::linear::{Chain, multipliers};
+use crate::core::failure::Failure;
+use crate::core::linear::{Chain, multipliers, undetermined};
 use crate::core::scalar_field::FieldIn;
 use crate::core::vector::{dot, largest};
-use crate::core::zero::{Border, Oscillation, Singular, Slot, Spectrum};
+use crate::core::zero::{Border, Oscillation, Slot, Spectrum};
 
 impl BoundarySystem {
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
@@ -40,26 +41,26 @@ impl BoundarySystem {
     /// ```
     ///
     /// # Errors
-    /// [`Singular`] if nothing is assembled, or the equations of some interval do not determine what is
-    /// inside it.
-    pub fn multipliers(&mut self) -> Result<Spectrum, Singular> {
+    /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
+    /// [`Failure::Mismatch`] if nothing is assembled, and as [`multipliers`](crate::core::linear::multipliers).
+    pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
         if !self.equations.layout.closes() {
             return self.returning_multipliers();
         }
         let n = self.equations.layout.states;
         let (p, q) = self.reduced_pencil()?;
-        Ok(multipliers(p, q, n))
+        multipliers(p, q, n)
     }
 
     /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its vector is
     /// known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or a branch point it
     /// could not be told from the one that is about to become 1.
-    pub(super) fn deciding_multipliers(&mut self) -> Result<Spectrum, Singular> {
+    pub(super) fn deciding_multipliers(&mut self) -> Result<Spectrum, Failure> {
         let found = self.nontrivial_multipliers()?;
-        Ok(if self.equations.layout.closes() { orientable(found) } else { found })
+        if self.equations.layout.closes() { orientable(found) } else { Ok(found) }
     }
 
-    fn nontrivial_multipliers(&mut self) -> Result<Spectrum, Singular> {
+    fn nontrivial_multipliers(&mut self) -> Result<Spectrum, Failure> {
         let n = self.equations.layout.states;
         if !self.equations.layout.closes() {
             return self.returning_multipliers();
@@ -79,12 +80,13 @@ impl BoundarySystem {
             motion.iter_mut().zip(&units).for_each(|(m, unit)| *m /= unit);
         }
         let (p, q) = self.reduced_pencil()?;
-        let (p, q) = in_units(p, q, &units[..n]);
-        let reduced = motions.iter().find_map(|motion| deflated(&p, &q, motion, least));
-        if let Some((p, q)) = reduced {
-            return Ok(multipliers(&p, &q, n - 1));
+        let (p, q) = in_units(p, q, &units[..n])?;
+        for motion in &motions {
+            if let Some((p, q)) = deflated(&p, &q, motion, least)? {
+                return multipliers(&p, &q, n - 1);
+            }
         }
-        let mut found = multipliers(&p, &q, n);
+        let mut found = multipliers(&p, &q, n)?;
         let distance = |mu: &(f64, f64)| (mu.0 - 1.0).hypot(mu.1);
         let nearer = |&a: &usize, &b: &usize| distance(&found[a]).total_cmp(&distance(&found[b]));
         if let Some(nearest) = (0..found.len()).min_by(nearer) {
@@ -96,7 +98,7 @@ impl BoundarySystem {
     /// The multipliers but for the trivial one of an autonomous orbit that begins where its motion is slow, seen from where it
     /// is fastest: beside a saddle the vector of the trivial multiplier, the motion, is known badly, and multipliers
     /// that are small would drown in its errors. `None` where the motion at the start is fast enough.
-    fn fast_multipliers(&mut self, least: f64) -> Result<Option<Spectrum>, Singular> {
+    fn fast_multipliers(&mut self, least: f64) -> Result<Option<Spectrum>, Failure> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let (s, m) = (&layout.segments[0], layout.degree);
         let at = |state: usize, node: usize| assembled.at[s.values + state * s.nodes + node];
@@ -138,9 +140,10 @@ impl BoundarySystem {
                 .copied()
                 .collect()
         };
-        let (p, q) = in_units(&halves(0), &halves(1), &sizes);
+        let (p, q) = in_units(&halves(0), &halves(1), &sizes)?;
         let motion: Vec<f64> = motion.iter().zip(&sizes).map(|(f, size)| f / size).collect();
-        Ok(deflated(&p, &q, &motion, least).map(|(p, q)| multipliers(&p, &q, n - 1)))
+        let reduced = deflated(&p, &q, &motion, least)?;
+        reduced.map(|(p, q)| multipliers(&p, &q, n - 1)).transpose()
     }
 
     /// The motion at the start of the orbit assembled last, and that of the phase condition's reference: at a
@@ -160,7 +163,7 @@ impl BoundarySystem {
     }
 
     /// Factors `F_z + (μ − 1) E` for `μ = −1`.
-    pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Singular> {
+    pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
         self.twist(-1.0);
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let of = Bordered { layout, assembled, form: form_of(layout), border };
@@ -180,7 +183,7 @@ impl BoundarySystem {
     /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns' size they
     /// are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros of `Q`, and nothing
     /// in it grows.
-    fn returning_multipliers(&mut self) -> Result<Spectrum, Singular> {
+    fn returning_multipliers(&mut self) -> Result<Spectrum, Failure> {
         let k = self.equations.layout.returns.len();
         // The trial multiplier, the sign of its determinant, and the size of Q.
         let (mut trial, mut determinant, mut best) = (0.0, 1.0, f64::INFINITY);
@@ -209,7 +212,7 @@ impl BoundarySystem {
             return Err(cause);
         }
         let [p, q] = &self.pencil;
-        let found = multipliers(p, q, k);
+        let found = multipliers(p, q, k)?;
         // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
         let factor = |&(re, im): &(f64, f64)| if im == 0.0 { (trial - re).signum() } else { 1.0 };
         self.orientation = determinant * found.iter().map(factor).product::<f64>();
@@ -217,7 +220,7 @@ impl BoundarySystem {
     }
 
     /// Computes `Q` for a trial multiplier, and its size.
-    fn return_matrix(&mut self, mu: f64) -> Result<f64, Singular> {
+    fn return_matrix(&mut self, mu: f64) -> Result<f64, Failure> {
         self.twist(mu);
         let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
         let layout = &equations.layout;
@@ -242,18 +245,18 @@ impl BoundarySystem {
 
 /// Multipliers of a smooth flow, whose product is positive: with an odd number of negative ones, the sign of one of them
 /// is rounding. It is that of a very small or large one; if there is none, nothing is known.
-fn orientable(mut found: Spectrum) -> Spectrum {
+fn orientable(mut found: Spectrum) -> Result<Spectrum, Failure> {
     let negative = |mu: &(f64, f64)| mu.1 == 0.0 && mu.0 < 0.0;
     if found.iter().filter(|mu| negative(mu)).count().is_multiple_of(2) {
-        return found;
+        return Ok(found);
     }
     let extremity = |mu: &(f64, f64)| mu.0.abs().ln().abs();
     let all = found.iter_mut().filter(|mu| mu.1 == 0.0);
     match all.max_by(|a, b| extremity(a).total_cmp(&extremity(b))) {
         Some(mu) if extremity(mu) > EXTREME => mu.0 = -mu.0,
-        _ => found.iter_mut().for_each(|mu| mu.0 = f64::NAN),
+        _ => return Err(undetermined()),
     }
-    found
+    Ok(found)
 }
 
 /// The logarithm of a multiplier, or of its inverse, beyond which its sign may be rounding.
@@ -276,23 +279,31 @@ const TRIVIAL: f64 = 1e-3;
 /// leave multipliers undetermined.
 const UNDETERMINED: f64 = 1e-7;
 
+/// The matrices `P` and `Q` of a pencil.
+type Pencil = (Vec<f64>, Vec<f64>);
+
 /// The pencil `P + μ Q` with unknowns in these units, and rows whose largest entries are 1.
-fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> Result<Pencil, Failure> {
     let times = |a: &[f64]| -> Vec<f64> {
         a.iter().zip(units.iter().cycle()).map(|(a, u)| a * u).collect()
     };
     let (mut p, mut q, n) = (times(p), times(q), units.len());
     for (p, q) in p.chunks_exact_mut(n).zip(q.chunks_exact_mut(n)) {
         let largest = p.iter().chain(&*q).fold(0.0, |most: f64, a| most.max(a.abs()));
+        if largest == 0.0 {
+            return Err(undetermined());
+        }
         p.iter_mut().chain(q).for_each(|a| *a /= largest);
     }
-    (p, q)
+    Ok((p, q))
 }
 
-/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given (not a number if a row is smaller than
-/// `least_row`, relative to all): in orthonormal bases that begin
+/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases that begin
 /// with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such vector.
-fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+///
+/// # Errors
+/// [`Failure::Undetermined`] if a row is smaller than `least_row`, relative to all.
+fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pencil>, Failure> {
     let n = v.len();
     let times =
         |a: &[f64]| -> Vec<f64> { a.chunks_exact(n.max(1)).map(|row| dot(row, v)).collect() };
@@ -300,7 +311,7 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Option<(Vec<f64>
     let left: Vec<f64> = pv.iter().zip(&qv).map(|(p, q)| p + q).collect();
     let trivial = dot(&left, &left) <= TRIVIAL * TRIVIAL * dot(&qv, &qv);
     if !(trivial && dot(v, v) > 0.0 && dot(&qv, &qv) > 0.0) {
-        return None;
+        return Ok(None);
     }
     let (from, to) = (reflector(v), reflector(&qv));
     let block = |a: &[f64]| -> Vec<f64> {
@@ -325,9 +336,9 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Option<(Vec<f64>
         })
         .fold(f64::INFINITY, f64::min);
     if least <= least_row * largest(p).max(largest(q)) {
-        return Some((vec![f64::NAN; rest * rest], vec![f64::NAN; rest * rest]));
+        return Err(undetermined());
     }
-    Some((reduced_p, reduced_q))
+    Ok(Some((reduced_p, reduced_q)))
 }
 
 /// The vector `w` of Householder's reflection `I − 2 w wᵀ/wᵀw` that turns `v` into the first axis.
@@ -344,7 +355,7 @@ fn reflect(w: &[f64], x: &mut [f64]) {
 }
 
 impl Oscillation for BoundarySystem {
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Singular> {
+    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Failure> {
         self.rotating.factor(&self.equations.layout, &self.linearisation, omega, column, row)
     }
 

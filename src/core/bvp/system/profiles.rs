@@ -1,7 +1,8 @@
 //! Time histories and phase portraits of a solution.
 
 use super::equations::{Discretised, Work};
-use crate::core::zero::{LeftDomain, Profile};
+use crate::core::failure::Failure;
+use crate::core::zero::Profile;
 
 /// A segment is drawn with at least as many points.
 const FEWEST_POINTS: usize = 100;
@@ -10,7 +11,7 @@ impl Discretised {
     /// The time history of each state and, of two or more on a segment, the portrait of the first two. Where
     /// several segments have states of the same name, their curves are one: segments follow each other if the
     /// solution is periodic, and begin together otherwise.
-    pub fn profiles(&self, work: &mut Work<f64>) -> Result<Vec<Profile>, LeftDomain> {
+    pub fn profiles(&self, work: &mut Work<f64>) -> Result<Vec<Profile>, Failure> {
         let mut profiles: Vec<Profile> = Vec::new();
         let mut draw = |name: &str, along: &str, curve: Vec<[f64; 2]>| {
             let same = |p: &&mut Profile| p.name == name && p.along == along;
@@ -46,7 +47,7 @@ impl Discretised {
         segment: usize,
         begin: f64,
         work: &mut Work<f64>,
-    ) -> Result<Vec<Vec<f64>>, LeftDomain> {
+    ) -> Result<Vec<Vec<f64>>, Failure> {
         let s = &self.layout.segments[segment];
         let duration = self.duration_of(segment, &work.q);
         let each = FEWEST_POINTS.div_ceil(s.intervals).max(self.layout.degree);

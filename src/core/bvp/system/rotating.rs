@@ -3,8 +3,9 @@
 use super::factorisation::{Bordered, Factorisation, column_of, form_of};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
+use crate::core::failure::Failure;
 use crate::core::linear::BorderedLu;
-use crate::core::zero::{Border, Singular};
+use crate::core::zero::Border;
 
 /// The factored linearisation of a complex multiplier, within a complex column and row.
 ///
@@ -34,7 +35,7 @@ impl Rotating {
         omega: f64,
         column: &[f64],
         row: &[f64],
-    ) -> Result<(), Singular> {
+    ) -> Result<(), Failure> {
         let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
         let of = Bordered { layout, assembled, form: form_of(layout), border };
         self.factors.condense(of)?;

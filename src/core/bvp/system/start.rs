@@ -10,7 +10,6 @@ use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::scalar_field::FieldIn;
 use crate::core::solution::{Adopted, Leaving, Solution};
-use crate::core::zero::LeftDomain;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -20,13 +19,16 @@ const ADAPT_EVERY: usize = 3;
 /// It is redistributed at once where its estimated error is larger.
 const ADAPT_ABOVE: f64 = 1e-3;
 
-fn not_applicable(reason: impl Into<String>) -> Failure {
-    Failure::NotApplicable(reason.into())
+fn mismatch(reason: impl Into<String>) -> Failure {
+    Failure::Mismatch(reason.into())
 }
 
 impl From<BoundaryError> for Failure {
     fn from(error: BoundaryError) -> Self {
-        not_applicable(error.to_string())
+        match error {
+            BoundaryError::Evaluation(cause) => cause,
+            _ => mismatch(error.to_string()),
+        }
     }
 }
 
@@ -59,7 +61,7 @@ impl BoundarySystem {
         let degree = self.degree_of(&solution, &meshes)?;
         let same_method = degree == self.equations.layout.degree;
         if doubled && !same_method {
-            return Err(not_applicable(
+            return Err(mismatch(
                 "the period doubling was found by another method: restart the orbit with this one first, and \
                  find it again",
             ));
@@ -112,9 +114,8 @@ impl BoundarySystem {
         let starts: Vec<f64> = layout.ends[..layout.states].iter().map(|&k| z[k]).collect();
         let q = [p, &z[layout.values()..]].concat();
         let Some(birth) = self.problem().born_at_grazing(&starts, &q)? else {
-            return Err(not_applicable(
-                "no other branch is known where solutions of this problem graze",
-            ));
+            let reason = "no other branch is known where solutions of this problem graze";
+            return Err(Failure::Unsupported(reason.into()));
         };
         let method = self.equations.method.clone();
         let z;
@@ -147,7 +148,7 @@ impl BoundarySystem {
             at.1 = tau;
             out.copy_from_slice(&at.2);
         });
-        outcome.map_err(LeftDomain::from)?;
+        outcome?;
         Ok(z)
     }
 
@@ -167,7 +168,7 @@ impl BoundarySystem {
         {
             return Ok(degree);
         }
-        Err(not_applicable(format!(
+        Err(mismatch(format!(
             "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
              with another problem?",
             meshes.len(),
@@ -187,9 +188,7 @@ impl BoundarySystem {
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         let method = match degree {
             1 => Method::from(Shooting::default()),
-            _ => {
-                Collocation::new(degree).map_err(|cause| not_applicable(cause.to_string()))?.into()
-            }
+            _ => Collocation::new(degree).map_err(|cause| mismatch(cause.to_string()))?.into(),
         };
         let mut from = BoundarySystem::new(problem, method, meshes)?;
         let layout = &from.equations.layout;
@@ -307,12 +306,12 @@ pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
             _ => meshes.push(vec![point]),
         }
     }
-    let mesh = |points| Mesh::new(points).map_err(|error| not_applicable(error.to_string()));
+    let mesh = |points| Mesh::new(points).map_err(|error| mismatch(error.to_string()));
     meshes.into_iter().map(mesh).collect()
 }
 
 /// The Jacobian of the first segment's field by its states, one column after the other.
-fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, LeftDomain> {
+fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, Failure> {
     let (n, zero) = (x.len(), Chunk::from(0.0));
     let real = f64::residual(problem).on_segment(0, q);
     real.domain(x, q)?;
@@ -335,21 +334,20 @@ const NEAR_THE_AXIS: f64 = 1e-4;
 /// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary) parts.
 fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), Failure> {
     let matrix = faer::MatRef::from_column_major_slice(jacobian, n, n);
-    let decomposition = matrix
-        .eigen()
-        .map_err(|_| not_applicable("the eigenvalues at the Hopf point do not converge"))?;
+    let decomposition =
+        matrix.eigen().map_err(|_| Failure::Eigenvalues("eigenvalues at the Hopf point"))?;
     let values = decomposition.S().column_vector();
     let pair = (0..n)
         .filter(|&k| values[k].im > 0.0)
         .min_by(|&a, &b| values[a].re.abs().total_cmp(&values[b].re.abs()))
         .ok_or_else(|| {
-            not_applicable(
+            mismatch(
                 "no complex pair of eigenvalues: a branch of periodic orbits starts at a Hopf point (HB)",
             )
         })?;
     let (re, im) = (values[pair].re, values[pair].im);
     if re.abs() > NEAR_THE_AXIS * im {
-        return Err(not_applicable(format!(
+        return Err(mismatch(format!(
             "the eigenvalue {re:.3e} + {im:.3e}i is not on the imaginary axis: a branch of periodic orbits \
              starts at a Hopf point (HB)"
         )));

@@ -5,7 +5,7 @@ use super::settings::{MOST_MODES, ModalSettings};
 use super::spectrum::FlatModes;
 use super::tables::Nodes;
 use crate::core::scalar::Scalar;
-use crate::core::zero::{Dynamics, LeftDomain, Names, Profile, ZeroProblem};
+use crate::core::zero::{Dynamics, Names, OutOfDomain, Profile, ZeroProblem};
 use crate::problems::plate::discretisation::LARGEST_DEFLECTION;
 use crate::problems::plate::error::PlateError;
 use crate::problems::plate::modes::signed_root;
@@ -151,7 +151,7 @@ impl Modal {
     }
 
     /// Refuses parameters without meaning, or other than those of the modes.
-    fn check_parameters(&self, p: &[f64]) -> Result<(), LeftDomain> {
+    fn check_parameters(&self, p: &[f64]) -> Result<(), OutOfDomain> {
         let settings = &self.settings;
         let plate = domain::parameters(settings.plate.units, p)?;
         let fixed =
@@ -162,7 +162,7 @@ impl Modal {
                     "the modes belong to {of_modes}; hold it there, make the modal model anew, or use \
                      the full model to vary it"
                 );
-                return Err(LeftDomain::new(name, value, remedy));
+                return Err(OutOfDomain::new(name, value, remedy));
             }
         }
         self.plate.model.check_shear(plate.shear)
@@ -199,7 +199,7 @@ impl ZeroProblem for Modal {
         monitors::fill(self.settings.plate.units, p, deflections, frequencies, values);
     }
 
-    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), LeftDomain> {
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.check_parameters(p)?;
         // Polynomials need no limit but contact; the load is integrated to ten digits up to the other.
         let limit = match self.settings.projection {

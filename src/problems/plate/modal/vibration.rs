@@ -3,7 +3,7 @@
 use super::model::{Modal, Projected};
 use crate::core::dense::Dense;
 use crate::core::scalar::Scalar;
-use crate::core::zero::{LeftDomain, ZeroProblem};
+use crate::core::zero::{Failure, ZeroProblem};
 use crate::problems::plate::modes::{Eigenproblem, Modes, extreme};
 use crate::problems::plate::tensor::dot;
 use crate::problems::plate::vibration::{Lowest, Vibrates};
@@ -15,14 +15,14 @@ impl Modal {
     /// tell the lowest one alone.
     ///
     /// # Errors
-    /// [`LeftDomain`] where the equations have no meaning, or the lowest eigenvalue of the multiplied
-    /// equations is not real.
-    pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, LeftDomain> {
+    /// [`Failure::OutOfDomain`] where the equations have no meaning, [`Failure::Undetermined`] if the lowest
+    /// eigenvalue of the multiplied equations is not real.
+    pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {
-            let remedy = "it must be finite and real; the point is no equilibrium, or far too few modes \
-                          describe it";
-            LeftDomain::new("frequency", f64::NAN, remedy)
+            let reason = "the frequencies are not finite and real: the point is no equilibrium, or far too few \
+                          modes describe it";
+            Failure::Undetermined(reason.into())
         };
         match &self.projected {
             Projected::Direct(_) => {
