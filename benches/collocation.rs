@@ -2,8 +2,9 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Slot, System};
+use tangency::core::zero::{Border, Form, System};
 
 /// Lorenz' field between conditions on its three states.
 #[derive(Clone)]
@@ -65,14 +66,15 @@ fn interval(c: &mut Criterion) {
         system.derivative(&x, &[&direction], &mut column).unwrap();
         let rows = vec![1.0 / n as f64; n];
         let border = Border { width: 1, columns: &column, rows: &rows, corner: &[1.0] };
+        let mut factors = Factors::default();
         group.bench_function(BenchmarkId::new("factor", intervals), |b| {
-            b.iter(|| system.factor(Slot::Curve, border));
+            b.iter(|| system.factor(Form::Jacobian, border, &mut factors));
         });
         let mut right = vec![1.0; n + 1];
         group.bench_function(BenchmarkId::new("solve", intervals), |b| {
             b.iter(|| {
                 right.fill(1.0);
-                system.solve(Slot::Curve, &mut right);
+                factors.solve(&mut right);
             });
         });
         let (w, v) = (vec![1.0; n], vec![1.0; n + 1]);

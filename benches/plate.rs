@@ -3,7 +3,8 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
-use tangency::core::zero::{Border, Slot, System};
+use tangency::core::linear::Factors;
+use tangency::core::zero::{Border, Form, System};
 use tangency::problems::plate::{Orders, Ritz, RitzSettings};
 use tangency::scene::{BUILT_IN, Scene, execute};
 
@@ -36,9 +37,10 @@ fn pieces(criterion: &mut Criterion) {
             bencher.iter(|| plate.residual(black_box(&x), &mut r));
         });
         group.bench_function(BenchmarkId::new("assemble and factor", count), |bencher| {
+            let mut factors = Factors::default();
             bencher.iter(|| {
                 plate.assemble(black_box(&x)).unwrap();
-                plate.factor(Slot::Curve, Border::NONE)
+                plate.factor(Form::Jacobian, Border::NONE, &mut factors)
             });
         });
         let mut v = vec![0.0; x.len()];

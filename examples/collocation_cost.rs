@@ -9,7 +9,8 @@ use cpu_time::ProcessTime;
 use std::error::Error;
 use std::f64::consts::TAU;
 use tangency::core::bvp::Collocation;
-use tangency::core::zero::{Border, Group, Names, Slot, System};
+use tangency::core::linear::Factors;
+use tangency::core::zero::{Border, Form, Group, Names, System};
 use tangency::core::{field::VectorField, orbit::periodic_orbits, scalar::Scalar};
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 
@@ -62,10 +63,11 @@ fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
         let start = ProcessTime::now();
         system.assemble(&x)?;
         let assembled = start.elapsed();
-        system.factor(Slot::Curve, border)?;
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, border, &mut factors)?;
         let factored = start.elapsed();
         right.fill(1.0);
-        system.solve(Slot::Curve, &mut right);
+        factors.solve(&mut right);
         let solved = start.elapsed();
         let parts = [assembled, factored - assembled, solved - factored];
         times.iter_mut().zip(parts).for_each(|(times, part)| times.push(part.as_secs_f64() * 1e6));

@@ -3,12 +3,10 @@
 use super::chunk::{CHUNK, Chunk, seeded};
 use super::domain::OutOfDomain;
 use super::failure::{DIFFERENTIABLE, finite, finite_gradient, unknown_order};
-use super::linear::{BorderedLu, DenseOscillation};
+use super::linear::{BorderedLu, Factors, ShiftedLu};
 use super::potential::PotentialGradient;
 use super::scalar::Scalar;
-use super::zero::{
-    Border, Dynamics, Failure, Names, Oscillation, Profile, Slot, Spectrum, System, ZeroProblem,
-};
+use super::zero::{Border, Dynamics, Failure, Form, Names, Profile, Spectrum, System, ZeroProblem};
 use faer::{MatRef, Side};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::take;
@@ -61,8 +59,6 @@ pub struct Dense<P> {
     jacobian: Vec<f64>,
     /// Where `jacobian` was assembled last; empty where that failed.
     assembled: Vec<f64>,
-    factors: [BorderedLu; 2],
-    oscillation: DenseOscillation,
     plain: Work<f64>,
     chunk: Work<Chunk>,
     first: Work<Dual64>,
@@ -91,8 +87,6 @@ impl<P: ZeroProblem> Dense<P> {
             tabulated: None,
             jacobian: vec![0.0; n * n],
             assembled: Vec::with_capacity(names.length()),
-            factors: Default::default(),
-            oscillation: DenseOscillation::default(),
             plain: Work::new(&names),
             chunk: Work::new(&names),
             first: Work::new(&names),
@@ -190,24 +184,24 @@ impl<P: ZeroProblem> System for Dense<P> {
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        self.factors[slot as usize].factor(&self.jacobian, border)
-    }
-
-    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve(right);
-    }
-
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve_transposed(right);
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        match form {
+            Form::Jacobian => {
+                let lu = into.reuse(|_: &BorderedLu| true, BorderedLu::default);
+                lu.factor(&self.jacobian, border)
+            }
+            Form::Oscillation(omega) => {
+                let lu = into.reuse(|_: &ShiftedLu| true, ShiftedLu::default);
+                lu.factor(&self.jacobian, omega, border)
+            }
+            Form::Antiperiodic => Err(Failure::Unsupported(
+                "the unknowns of a `ZeroProblem` are no periodic orbit".into(),
+            )),
+        }
     }
 
     fn jacobian(&mut self, out: &mut [f64]) {
         out.copy_from_slice(&self.jacobian);
-    }
-
-    fn determinant_sign(&self, slot: Slot) -> f64 {
-        self.factors[slot as usize].determinant_sign()
     }
 
     fn derivative(
@@ -273,10 +267,6 @@ impl<P: ZeroProblem> System for Dense<P> {
             }
         }
         finite_gradient(out, self.names.dimension(), released)
-    }
-
-    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        Some(self.oscillation.of(&self.jacobian))
     }
 
     fn dynamics(&self) -> Dynamics {

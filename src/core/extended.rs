@@ -8,9 +8,10 @@
 //! ```
 
 use super::condition::{At, Condition, Failure};
+use super::linear::Factors;
 use super::system_ref::SystemRef;
 use super::vector::along;
-use super::zero::{Border, Names, Slot, System};
+use super::zero::{Border, Form, Names, System};
 
 /// The equation that closes the system: a hyperplane across the curve, or a fixed parameter.
 #[derive(Clone, Copy)]
@@ -52,6 +53,7 @@ pub struct Extended<'a> {
     gradients: Vec<f64>,
     own_gradients: Vec<f64>,
     direction: Vec<f64>,
+    factors: Factors,
 }
 
 impl<'a> Extended<'a> {
@@ -75,6 +77,7 @@ impl<'a> Extended<'a> {
             corner: Vec::new(),
             gradients: Vec::new(),
             own_gradients: Vec::new(),
+            factors: Factors::default(),
         };
         extended.resize();
         extended
@@ -277,7 +280,7 @@ impl<'a> Extended<'a> {
         self.system.assemble(&self.x)?;
         let border =
             Border { width, columns: &self.columns, rows: &self.rows, corner: &self.corner };
-        self.system.factor(Slot::Curve, border)
+        self.system.factor(Form::Jacobian, border, &mut self.factors)
     }
 
     /// The tangent of the curve at the point where the matrix was factored with a closing row, on which the
@@ -292,12 +295,12 @@ impl<'a> Extended<'a> {
 
     /// Solves with the factored matrix, in place.
     pub(crate) fn solve(&mut self, right: &mut [f64]) {
-        self.system.solve(Slot::Curve, right);
+        self.factors.solve(right);
     }
 
     /// The sign of the determinant of the factored matrix.
     pub(crate) fn determinant_sign(&self) -> f64 {
-        self.system.determinant_sign(Slot::Curve)
+        self.factors.determinant_sign()
     }
 
     /// Rows of the conditions, and their part of the corner.

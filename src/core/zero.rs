@@ -14,6 +14,7 @@
 use super::cycles::Cycles;
 pub use super::domain::OutOfDomain;
 pub use super::failure::Failure;
+use super::linear::Factors;
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
 use super::solution::{Adopted, Leaving, Solution};
@@ -113,13 +114,20 @@ impl Border<'_> {
     pub const NONE: Border<'static> = Border { width: 0, columns: &[], rows: &[], corner: &[] };
 }
 
-/// Which factorisation of a bordered `F_z` is meant: two are alive at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slot {
-    /// The matrix of Newton's iteration and of the tangent.
-    Curve = 0,
-    /// The matrix that defines the null vectors of a condition.
-    Condition = 1,
+/// A linearisation that is singular at a bifurcation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Form {
+    /// `F_z`.
+    Jacobian,
+    /// `F_z` of periodic orbits with the multiplier −1: with `x(1) = −x(0)` in place of the boundary conditions
+    /// (and further unknowns, such as the period, zero).
+    Antiperiodic,
+    /// Complex: `F_z − iω` about an equilibrium; of periodic orbits `F_z` with the multiplier `e^{iω}`.
+    ///
+    /// Complex vectors are given as the real parts of their components, then the imaginary parts. The conjugates of
+    /// the border's rows enter, its corner is zero, and its width is 1 unless the system takes any.
+    Oscillation(f64),
 }
 
 /// Eigenvalues of the linearised motion, as (real part, imaginary part). About an equilibrium, the
@@ -138,30 +146,6 @@ pub struct Profile {
     pub along: String,
     /// Points (abscissa, ordinate).
     pub points: Vec<[f64; 2]>,
-}
-
-/// The linearised motion `L(ω) v = 0` of oscillations `e^{iωt}` about an equilibrium, `L = F_z − iω`, or
-/// of multipliers `e^{iω}` about a periodic orbit, `L = F_z` with `x(1) = e^{iω} x(0)` in place of the
-/// boundary conditions (and further unknowns, such as the period, zero).
-///
-/// Complex vectors are given as their real parts, one after the other, and then their imaginary parts.
-pub trait Oscillation {
-    /// Factors `L(ω)` at the point assembled last within a complex column `b` and row `c*` (each of
-    /// length `2n`).
-    ///
-    /// # Errors
-    /// [`Failure::Singular`] if the bordered matrix is.
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Failure>;
-
-    /// Solves with the bordered matrix, in place: real parts of the `n + 1` unknowns, then imaginary
-    /// parts.
-    fn solve(&mut self, right: &mut [f64]);
-
-    /// Solves with the conjugate transposed bordered matrix, in place.
-    fn solve_transposed(&mut self, right: &mut [f64]);
-
-    /// `∂L/∂ω v` at the point assembled last.
-    fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]);
 }
 
 /// The same zero problem on a finer discretisation, and a point of it.
@@ -199,37 +183,15 @@ pub trait System: Send {
     /// err likewise.
     fn allow(&mut self, _error: f64) {}
 
-    /// Factors the assembled `F_z` within a border (of width 0 or more) and keeps it in `slot`.
+    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and puts the factors into `into`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy.
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure>;
-
-    /// Solves with the bordered matrix of `slot`, in place; `right` has length `n + m`.
-    fn solve(&mut self, slot: Slot, right: &mut [f64]);
-
-    /// Solves with the transposed bordered matrix of `slot`, in place.
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]);
-
-    /// Factors, within a border, the assembled `F_z` with `x(1) = −x(0)` in place of a periodic orbit's
-    /// boundary conditions (and further unknowns, such as the period, zero), and keeps it in `slot`.
-    ///
-    /// # Errors
-    /// [`Failure::Singular`] if the bordered matrix is, [`Failure::Unsupported`] if solutions are not periodic.
-    fn factor_antiperiodic(&mut self, _slot: Slot, _border: Border) -> Result<(), Failure> {
-        Err(Failure::Unsupported("the solutions of this system are not periodic orbits".into()))
-    }
-
-    /// The linearised motion of oscillations or complex multipliers, if the system has it.
-    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        None
-    }
+    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy, and [`Failure::Unsupported`] for a form that
+    /// the system does not have.
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
     /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
     fn jacobian(&mut self, out: &mut [f64]);
-
-    /// The sign of the determinant of the bordered matrix of `slot` (−1 or 1).
-    fn determinant_sign(&self, slot: Slot) -> f64;
 
     /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three directions (each as
     /// long as `x`), into `out`.

@@ -4,9 +4,10 @@ use crate::common::{CuspForm, close, first, values};
 use proptest::prelude::*;
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
 use tangency::core::dense::Dense;
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
-    Border, Dynamics, Failure, Names, Refinement, Slot, Spectrum, System, ZeroProblem,
+    Border, Dynamics, Failure, Form, Names, Refinement, Spectrum, System, ZeroProblem,
 };
 use tangency::problems::classic::Hyperbola;
 
@@ -206,20 +207,11 @@ impl System for Refinable {
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.0.assemble(x)
     }
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        self.0.factor(slot, border)
-    }
-    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
-        self.0.solve(slot, right);
-    }
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
-        self.0.solve_transposed(slot, right);
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        self.0.factor(form, border, into)
     }
     fn jacobian(&mut self, out: &mut [f64]) {
         self.0.jacobian(out);
-    }
-    fn determinant_sign(&self, slot: Slot) -> f64 {
-        self.0.determinant_sign(slot)
     }
     fn derivative(
         &mut self,

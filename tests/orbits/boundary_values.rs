@@ -11,8 +11,9 @@ use tangency::core::bvp::{
     Return,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Slot, System};
+use tangency::core::zero::{Border, Form, System};
 use tangency::problems::classic::Bratu;
 
 /// Bratu's branch through its fold, finished on the finer discretisation; the error is honest.
@@ -318,9 +319,10 @@ fn factors_agree(system: &mut BoundarySystem, x: &[f64], width: usize) {
         (0..size).map(|i| (0..size).map(|j| entry(i, j) * solution[j]).sum()).collect();
     let mut left: Vec<f64> =
         (0..size).map(|j| (0..size).map(|i| entry(i, j) * solution[i]).sum()).collect();
-    system.factor(Slot::Condition, border).unwrap();
-    system.solve(Slot::Condition, &mut right);
-    system.solve_transposed(Slot::Condition, &mut left);
+    let mut factors = Factors::default();
+    system.factor(Form::Jacobian, border, &mut factors).unwrap();
+    factors.solve(&mut right);
+    factors.solve_transposed(&mut left);
     agree(&right, &solution, 1e-9);
     agree(&left, &solution, 1e-9);
 }

@@ -10,9 +10,10 @@ use tangency::core::bvp::{
     MonitoredFunctions, Span,
 };
 use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
 use tangency::core::watch::Observable;
-use tangency::core::zero::{Border, Slot, System};
+use tangency::core::zero::{Border, Form, System};
 use tangency::problems::classic::Bratu;
 
 type Collocated = BoundarySystem;
@@ -205,8 +206,9 @@ fn adaptation_carries_directions() {
         let mut t = vec![0.0; n];
         system.derivative(x, &[&unit], &mut t).unwrap();
         system.assemble(x).unwrap();
-        system.factor(Slot::Curve, Border::NONE).unwrap();
-        system.solve(Slot::Curve, &mut t);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+        factors.solve(&mut t);
         t.push(-1.0);
         t
     };
@@ -304,17 +306,16 @@ fn steps_allocate_nothing() {
     let (mut r, mut column, mut long) = (vec![0.0; n], vec![0.0; n], vec![0.0; n + 3]);
     let mut monitors = vec![0.0; 4];
     let rows = vec![1.0; n];
+    let mut factors = Factors::default();
     let mut step = |shift: f64| {
         x[n] = 1.2 + shift;
         system.residual(&x, &mut r).unwrap();
         system.derivative(&x, &[&unit], &mut column).unwrap();
         system.assemble(&x).unwrap();
         let border = Border { width: 1, columns: &column, rows: &rows, corner: &[0.3] };
-        for slot in [Slot::Curve, Slot::Condition] {
-            system.factor(slot, border).unwrap();
-            system.solve(slot, &mut long[..n + 1]);
-            system.solve_transposed(slot, &mut long[..n + 1]);
-        }
+        system.factor(Form::Jacobian, border, &mut factors).unwrap();
+        factors.solve(&mut long[..n + 1]);
+        factors.solve_transposed(&mut long[..n + 1]);
         system.derivative(&x, &[&unit, &unit], &mut r).unwrap();
         system.derivative(&x, &[&unit, &unit, &unit], &mut r).unwrap();
         system.gradient(&x, (&rows, &unit, 1), &[0], &mut long).unwrap();
@@ -363,8 +364,9 @@ fn cost_is_linear_in_the_intervals() {
             x.push(1.0);
             evaluations.store(0, Relaxed);
             system.assemble(&x).unwrap();
-            system.factor(Slot::Curve, Border::NONE).unwrap();
-            system.solve(Slot::Curve, &mut vec![1.0; n]);
+            let mut factors = Factors::default();
+            system.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+            factors.solve(&mut vec![1.0; n]);
         });
         [evaluations.load(Relaxed) as f64, memory.bytes_max as f64]
     });

@@ -3,8 +3,9 @@
 use crate::plates::models::{plate, system, through_pull_in};
 use std::sync::{Arc, Mutex};
 use tangency::core::continuation::{Kind, Settings};
+use tangency::core::linear::{Factorisation, Factors};
 use tangency::core::zero::{
-    Border, Dynamics, Failure, Names, Profile, Refinement, Slot, Spectrum, System,
+    Border, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
 };
 use tangency::problems::plate::{InPlane, Orders};
 
@@ -32,6 +33,26 @@ impl Counted {
     }
 }
 
+/// Factors whose solutions are counted.
+struct Solved {
+    factors: Factors,
+    counts: Arc<Mutex<Counts>>,
+}
+
+impl Factorisation for Solved {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.counts.lock().unwrap().solves += 1;
+        self.factors.solve(right);
+    }
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.counts.lock().unwrap().solves += 1;
+        self.factors.solve_transposed(right);
+    }
+    fn determinant_sign(&self) -> f64 {
+        self.factors.determinant_sign()
+    }
+}
+
 impl System for Counted {
     fn names(&self) -> &Names {
         self.inner.names()
@@ -42,20 +63,13 @@ impl System for Counted {
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.count(|counts| &mut counts.assemblies).assemble(x)
     }
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        self.count(|counts| &mut counts.factorisations).factor(slot, border)
-    }
-    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
-        self.count(|counts| &mut counts.solves).solve(slot, right);
-    }
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
-        self.count(|counts| &mut counts.solves).solve_transposed(slot, right);
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        let counts = Arc::clone(&self.counts);
+        let own = into.reuse(|_: &Solved| true, || Solved { factors: Factors::default(), counts });
+        self.count(|counts| &mut counts.factorisations).factor(form, border, &mut own.factors)
     }
     fn jacobian(&mut self, out: &mut [f64]) {
         self.inner.jacobian(out);
-    }
-    fn determinant_sign(&self, slot: Slot) -> f64 {
-        self.inner.determinant_sign(slot)
     }
     fn derivative(
         &mut self,

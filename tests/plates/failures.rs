@@ -7,9 +7,10 @@ use crate::plates::models::{
 use std::f64::consts::PI;
 use tangency::core::condition::Failure;
 use tangency::core::continuation::{End, Kind, TraceError};
+use tangency::core::linear::Factors;
 use tangency::core::newton::NewtonError;
 use tangency::core::quadrature::gauss_legendre;
-use tangency::core::zero::{Border, Slot, System};
+use tangency::core::zero::{Border, Form, System};
 use tangency::problems::plate::basis::Basis;
 use tangency::problems::plate::{InPlane, Ritz, RitzSettings, Support};
 
@@ -27,8 +28,11 @@ fn corrections(system: &mut dyn System, load: f64) -> Result<usize, String> {
     for count in 1..60 {
         system.residual(&x, &mut r).map_err(|left| left.to_string())?;
         system.assemble(&x).map_err(|left| left.to_string())?;
-        system.factor(Slot::Curve, Border::NONE).map_err(|singular| singular.to_string())?;
-        system.solve(Slot::Curve, &mut r);
+        let mut factors = Factors::default();
+        system
+            .factor(Form::Jacobian, Border::NONE, &mut factors)
+            .map_err(|singular| singular.to_string())?;
+        factors.solve(&mut r);
         x[..n].iter_mut().zip(&r).for_each(|(x, step)| *x -= step);
         if norm(&r) < 1e-9 * norm(&x[..n]) {
             return Ok(count);
@@ -186,10 +190,11 @@ fn a_singular_start_is_refused() {
     let mut x = vec![0.0; n];
     x.extend([1.0, 1.0, 1.0, 0.3, 0.0, critical, 0.0, 0.0, 0.0]);
     system.assemble(&x).unwrap();
-    let refused = system.factor(Slot::Curve, Border::NONE).is_err();
+    let mut factors = Factors::default();
+    let refused = system.factor(Form::Jacobian, Border::NONE, &mut factors).is_err();
     let mut r = vec![0.0; n];
     system.residual(&x, &mut r).unwrap();
-    system.solve(Slot::Curve, &mut r);
+    factors.solve(&mut r);
     assert!(refused || norm(&r) > 1e9, "a correction of {:e}", norm(&r));
     let force = ("edge_force_x", critical);
     let failure = through_pull_in(&mut *system, &[("load", 1.0), force]).trace().unwrap_err();

@@ -7,8 +7,9 @@ use approx::assert_relative_eq;
 use std::f64::consts::PI;
 use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
 use tangency::core::dense::Dense;
+use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Border, Names, Slot, System, ZeroProblem};
+use tangency::core::zero::{Border, Form, Names, System, ZeroProblem};
 use tangency::problems::plate::modal::{MOST_MODES, Modal, ModalSettings};
 use tangency::problems::plate::{
     InPlane, Orders, PlateError, Projection, Ritz, RitzSettings, Theory, Units,
@@ -64,8 +65,9 @@ fn equilibrium(system: &mut Dense<Modal>, deflection: f64, parameters: &[f64]) -
     for _ in 0..50 {
         system.residual(&x, &mut step).expect("inside the domain");
         system.assemble(&x).expect("inside the domain");
-        system.factor(Slot::Curve, Border::NONE).expect("regular");
-        system.solve(Slot::Curve, &mut step);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
+        factors.solve(&mut step);
         x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         if step.iter().all(|step| step.abs() < 1e-14) {
             return x;
@@ -235,8 +237,9 @@ fn the_squared_frequency_falls_at_first_by_twice_the_load() {
         load[6 + LOAD] = 1.0;
         system.derivative(&x, &[&load], &mut column).unwrap();
         system.assemble(&x).expect("inside the domain");
-        system.factor(Slot::Curve, Border::NONE).expect("regular");
-        system.solve(Slot::Curve, &mut column);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
+        factors.solve(&mut column);
         let slope: f64 = gradient.iter().zip(&column).map(|(g, c)| -g * c).sum();
         let omega = system.problem().frequencies()[0];
         assert_relative_eq!(2.0 * omega * (slope + gradient[6]), -2.0, max_relative = 1e-10);

@@ -5,7 +5,8 @@ use crate::plates::models::{
 };
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
-use tangency::core::zero::{Border, Failure, Slot, System};
+use tangency::core::linear::Factors;
+use tangency::core::zero::{Border, Failure, Form, System};
 use tangency::problems::plate::{InPlane, Orders, PlateError, Ritz, RitzSettings, Theory, Units};
 
 fn settings(supports: &str) -> RitzSettings {
@@ -47,8 +48,9 @@ fn equilibrium(plate: &mut Ritz, x: &mut [f64]) {
     for _ in 0..30 {
         plate.residual(x, &mut r).unwrap();
         plate.assemble(x).unwrap();
-        plate.factor(Slot::Curve, Border::NONE).unwrap();
-        plate.solve(Slot::Curve, &mut r);
+        let mut factors = Factors::default();
+        plate.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+        factors.solve(&mut r);
         x[..n].iter_mut().zip(&r).for_each(|(x, r)| *x -= r);
         if norm(&r) < 1e-11 * (1.0 + norm(&x[..n])) {
             return;
@@ -70,8 +72,9 @@ fn at_deflection(plate: &mut Ritz, x: &mut [f64], deflection: f64) {
         plate.assemble(x).unwrap();
         plate.derivative(x, &[&unit], &mut column).unwrap();
         let border = Border { width: 1, columns: &column, rows: &row[..n], corner: &[0.0] };
-        plate.factor(Slot::Curve, border).unwrap();
-        plate.solve(Slot::Curve, &mut r);
+        let mut factors = Factors::default();
+        plate.factor(Form::Jacobian, border, &mut factors).unwrap();
+        factors.solve(&mut r);
         (0..n).for_each(|i| x[i] -= r[i]);
         x[n + LOAD] -= r[n];
         if norm(&r[..n]) < 1e-10 * norm(&x[..n]) {
@@ -89,8 +92,9 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
     let mut b = vec![0.0; n];
     plate.assemble(x).unwrap();
     plate.derivative(x, &[&unit], &mut b).unwrap();
-    plate.factor(Slot::Curve, Border::NONE).unwrap();
-    plate.solve(Slot::Curve, &mut b);
+    let mut factors = Factors::default();
+    plate.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+    factors.solve(&mut b);
     let length_of_tangent = norm(&b);
     b.iter_mut().for_each(|b| *b /= length_of_tangent);
     for _ in 0..12 {
@@ -98,10 +102,11 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
         plate.residual(x, &mut r[..n]).unwrap();
         plate.assemble(x).unwrap();
         let border = Border { width: 1, columns: &b, rows: &b, corner: &[0.0] };
-        plate.factor(Slot::Condition, border).unwrap();
+        let mut factors = Factors::default();
+        plate.factor(Form::Jacobian, border, &mut factors).unwrap();
         let mut null = vec![0.0; n + 1];
         null[n] = 1.0;
-        plate.solve(Slot::Condition, &mut null);
+        factors.solve(&mut null);
         let scale = norm(&null[..n]);
         let mut along = vec![0.0; length];
         along[..n].copy_from_slice(&null[..n]);
@@ -113,8 +118,9 @@ fn polish_fold(plate: &mut Ritz, x: &mut [f64]) -> (f64, f64) {
         r[n] = null[n];
         let border =
             Border { width: 1, columns: &column, rows: &slope[..n], corner: &[slope[n + LOAD]] };
-        plate.factor(Slot::Curve, border).unwrap();
-        plate.solve(Slot::Curve, &mut r);
+        let mut factors = Factors::default();
+        plate.factor(Form::Jacobian, border, &mut factors).unwrap();
+        factors.solve(&mut r);
         (0..n).for_each(|i| x[i] -= r[i]);
         x[n + LOAD] -= r[n];
         b.iter_mut().zip(&null).for_each(|(b, null)| *b = null / scale);
@@ -495,8 +501,9 @@ fn the_frequency_always_falls_first() {
             unit[n + LOAD] = 1.0;
             plate.derivative(&x, &[&unit], &mut column).unwrap();
             plate.assemble(&x).unwrap();
-            plate.factor(Slot::Curve, Border::NONE).unwrap();
-            plate.solve(Slot::Curve, &mut column);
+            let mut factors = Factors::default();
+            plate.factor(Form::Jacobian, Border::NONE, &mut factors).unwrap();
+            factors.solve(&mut column);
             plate.monitor_gradient(2, &x, &all_parameters(&plate), &mut slope).unwrap();
             let along: f64 = (0..n).map(|i| -slope[i] * column[i]).sum();
             let mut monitors = [0.0; 4];

@@ -6,8 +6,9 @@ use crate::plates::models::{
 use crate::plates::plate_fold::{equilibrium, fold, one_mode_start};
 use std::f64::consts::PI;
 use tangency::core::dense::Dense;
+use tangency::core::linear::Factors;
 use tangency::core::quadrature::gauss_legendre;
-use tangency::core::zero::{Border, Dynamics, Slot, System, ZeroProblem};
+use tangency::core::zero::{Border, Dynamics, Form, System, ZeroProblem};
 use tangency::problems::plate::sine::{SinePlate, SineSettings};
 use tangency::problems::plate::{
     InPlane, Model, PlateError, PlateSettings, Projection, Theory, Units,
@@ -365,8 +366,9 @@ fn three_models(p: &[f64]) -> [(Box<dyn System>, Vec<f64>); 3] {
         for _ in 0..20 {
             system.residual(&x, &mut step).expect("inside the domain");
             system.assemble(&x).expect("inside the domain");
-            system.factor(Slot::Curve, Border::NONE).expect("regular");
-            system.solve(Slot::Curve, &mut step);
+            let mut factors = Factors::default();
+            system.factor(Form::Jacobian, Border::NONE, &mut factors).expect("regular");
+            factors.solve(&mut step);
             x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         }
         (system, x)

@@ -2,8 +2,9 @@
 
 use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
+use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise};
-use crate::core::zero::{Border, Slot};
+use crate::core::zero::{Border, Form};
 
 /// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
 ///
@@ -34,6 +35,7 @@ pub struct BranchPoint {
     /// The unit direction of the parameter.
     direction: Vec<f64>,
     work: Vec<f64>,
+    factors: Factors,
 }
 
 impl BranchPoint {
@@ -51,20 +53,19 @@ impl BranchPoint {
             target.copy_from_slice(&row[..n]);
         }
         let corner = [self.rows[0][n], 0.0, self.rows[1][n], 0.0];
-        at.system.factor(
-            Slot::Condition,
-            Border { width: 2, columns: &self.columns, rows: &self.border_rows, corner: &corner },
-        )?;
+        let (columns, rows) = (&self.columns, &self.border_rows);
+        let border = Border { width: 2, columns, rows, corner: &corner };
+        at.system.factor(Form::Jacobian, border, &mut self.factors)?;
         for i in 0..2 {
             self.work.fill(0.0);
             self.work[n + i] = 1.0;
-            at.system.solve(Slot::Condition, &mut self.work);
+            self.factors.solve(&mut self.work);
             self.right[i][..n].copy_from_slice(&self.work[..n]);
             self.right[i][n + self.parameter] = self.work[n];
         }
         self.work.fill(0.0);
         self.work[n + 1] = 1.0;
-        at.system.solve_transposed(Slot::Condition, &mut self.work);
+        self.factors.solve_transposed(&mut self.work);
         self.left.copy_from_slice(&self.work[..n]);
         self.g = [self.work[n], self.work[n + 1]];
         Ok(())

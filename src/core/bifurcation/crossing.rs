@@ -1,8 +1,9 @@
 //! The directions of the branches that cross at a branch point: the algebraic bifurcation equations.
 
 use crate::core::condition::{At, Failure};
+use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, norm, normalise};
-use crate::core::zero::{Border, Slot};
+use crate::core::zero::{Border, Form};
 use nalgebra::{DMatrix, DVector};
 
 /// The null space of `J = [F_z  F_p]` where its rank is `n − m`, and of `Jᵀ`.
@@ -12,6 +13,7 @@ struct NullSpace {
     right: Vec<Vec<f64>>,
     /// `m` vectors.
     left: Vec<Vec<f64>>,
+    factors: Factors,
 }
 
 /// Makes vectors orthonormal (Gram and Schmidt, twice).
@@ -34,7 +36,8 @@ impl NullSpace {
         let (n, length) = (at.system.names().dimension(), at.x.len());
         let mut rows: Vec<Vec<f64>> = (0..=m).map(|k| generic(n + 1, 2 + k)).collect();
         let mut borders: Vec<Vec<f64>> = (0..m).map(|k| generic(n, 11 + k)).collect();
-        let mut space = NullSpace { parameter, right: Vec::new(), left: Vec::new() };
+        let (right, left, factors) = Default::default();
+        let mut space = NullSpace { parameter, right, left, factors };
         let mut direction = vec![0.0; length];
         direction[n + parameter] = 1.0;
         for _ in 0..4 {
@@ -67,7 +70,7 @@ impl NullSpace {
         let mut corner = vec![0.0; width * width];
         (0..width).for_each(|k| corner[k * width] = rows[k][n]);
         let border = Border { width, columns: &columns, rows: &of_z, corner: &corner };
-        at.system.factor(Slot::Condition, border)?;
+        at.system.factor(Form::Jacobian, border, &mut self.factors)?;
         let unit = |k: usize| {
             let mut unit = vec![0.0; n + width];
             unit[k] = 1.0;
@@ -76,7 +79,7 @@ impl NullSpace {
         self.right.clear();
         for k in 0..width {
             let mut solved = unit(n + k);
-            at.system.solve(Slot::Condition, &mut solved);
+            self.factors.solve(&mut solved);
             let mut right = vec![0.0; at.x.len()];
             right[..n].copy_from_slice(&solved[..n]);
             right[n + self.parameter] = solved[n];
@@ -85,7 +88,7 @@ impl NullSpace {
         self.left.clear();
         for k in 0..m {
             let mut solved = unit(n + 1 + k);
-            at.system.solve_transposed(Slot::Condition, &mut solved);
+            self.factors.solve_transposed(&mut solved);
             solved.truncate(n);
             self.left.push(solved);
         }

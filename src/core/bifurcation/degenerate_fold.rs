@@ -15,7 +15,7 @@ use super::null::NullVectors;
 use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::vector::dot;
-use crate::core::zero::Slot;
+use crate::core::zero::Form;
 
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a Bogdanov–Takens point,
 /// where `c = wᵀ v = 0` and the eigenvalue zero is double.
@@ -42,7 +42,7 @@ impl DegenerateFold {
 
     fn new(kind: Kind) -> Self {
         let [second, form, adjoint, direct, extended] = Default::default();
-        let null = NullVectors::default();
+        let null = NullVectors::of(Form::Jacobian);
         DegenerateFold { kind, null, second, form, adjoint, direct, extended }
     }
 }
@@ -78,7 +78,7 @@ impl Condition for DegenerateFold {
         Ok(())
     }
 
-    fn gradients(&mut self, mut at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
+    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         let (null, n) = (&mut self.null, self.second.len());
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
@@ -93,9 +93,8 @@ impl Condition for DegenerateFold {
             self.adjoint[..n].copy_from_slice(&null.left);
             self.direct[..n].copy_from_slice(&null.right[..n]);
         }
-        null.update(&mut at)?;
-        at.system.solve_transposed(Slot::Condition, &mut self.adjoint);
-        at.system.solve(Slot::Condition, &mut self.direct);
+        null.factors.solve_transposed(&mut self.adjoint);
+        null.factors.solve(&mut self.direct);
         self.extended[..n].copy_from_slice(&self.direct[..n]);
         for (w, v) in [(&self.adjoint[..n], &null.right), (&null.left[..], &self.extended)] {
             at.system.gradient(at.x, (w, v, 1), at.released, &mut self.form)?;

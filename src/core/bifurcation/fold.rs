@@ -3,32 +3,36 @@
 use super::null::NullVectors;
 use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
-use crate::core::zero::Slot;
+use crate::core::zero::Form;
 
 /// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`, taken with the sign of
 /// the bordered determinant: `g` is the ratio of `det F_z` to that, which may change sign far from any fold.
 ///
 /// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
 /// `v(1) = −v(0)`, which differs from `F_z` by a constant.
-#[derive(Default)]
 pub struct Fold {
     null: NullVectors,
     /// The sign of the bordered determinant.
     sign: f64,
 }
 
+impl Default for Fold {
+    /// A fold.
+    fn default() -> Self {
+        Fold { null: NullVectors::of(Form::Jacobian), sign: 0.0 }
+    }
+}
+
 impl Fold {
     /// A period doubling of periodic orbits.
     pub fn antiperiodic() -> Self {
-        let mut fold = Fold::default();
-        fold.null.antiperiodic = true;
-        fold
+        Fold { null: NullVectors::of(Form::Antiperiodic), sign: 0.0 }
     }
 }
 
 impl Condition for Fold {
     fn kind(&self) -> Kind {
-        if self.null.antiperiodic { Kind::PD } else { Kind::LP }
+        if self.null.form == Form::Antiperiodic { Kind::PD } else { Kind::LP }
     }
 
     fn assembles(&self) -> bool {
@@ -41,7 +45,7 @@ impl Condition for Fold {
 
     fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.null.update(&mut at)?;
-        self.sign = at.system.determinant_sign(Slot::Condition);
+        self.sign = self.null.factors.determinant_sign();
         values[0] = self.sign * self.null.g;
         Ok(())
     }

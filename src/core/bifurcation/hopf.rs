@@ -2,16 +2,16 @@
 
 use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
+use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise};
-use crate::core::zero::{Dynamics, Oscillation};
+use crate::core::zero::{Border, Dynamics, Form};
 
 /// A Hopf point: `F_z` has the eigenvalue `iω`, `ω > 0` an unknown of the condition's own. On a
 /// periodic orbit the same is a torus point: it has the multiplier `e^{iω}`.
 ///
-/// The complex matrix `L(ω)` ([`Oscillation`]; `F_z − iω` for an equilibrium) is bordered as at a
+/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered as at a
 /// fold; the multiplier `g = −w* L v` is complex, so there are two equations, `Re g = Im g = 0`, with
-/// `δg = −w* δF_z v − w* (∂L/∂ω) v δω`. In real arithmetic the pair `(Re v, Im v)` solves a system of
-/// `2n + 2` equations.
+/// `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
 #[derive(Default)]
 pub struct Hopf {
     /// Whether solutions are periodic orbits.
@@ -26,7 +26,7 @@ pub struct Hopf {
     slope: Vec<f64>,
     form: Vec<f64>,
     extended: [Vec<f64>; 2],
-    omega: f64,
+    factors: Factors,
 }
 
 impl Hopf {
@@ -43,15 +43,15 @@ impl Hopf {
     fn solve(&mut self, at: &mut At, omega: f64) -> Result<(), Failure> {
         at.system.assemble(at.x)?;
         let n = at.system.names().dimension();
-        let oscillation = oscillation(at)?;
-        oscillation.factor(omega, &self.column, &self.row)?;
+        let (columns, rows) = (&self.column, &self.row);
+        let border = Border { width: 1, columns, rows, corner: &[0.0; 2] };
+        at.system.factor(Form::Oscillation(omega), border, &mut self.factors)?;
         for vector in [&mut self.right, &mut self.left] {
             vector.fill(0.0);
             vector[n] = 1.0;
         }
-        oscillation.solve(&mut self.right);
-        oscillation.solve_transposed(&mut self.left);
-        self.omega = omega;
+        self.factors.solve(&mut self.right);
+        self.factors.solve_transposed(&mut self.left);
         Ok(())
     }
 }
@@ -99,7 +99,7 @@ impl Condition for Hopf {
         Ok(())
     }
 
-    fn gradients(&mut self, mut at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
+    fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         let (n, length) = (at.system.names().dimension(), at.x.len());
         let (real, imaginary) = (0..n, n + 1..2 * n + 1);
         self.extended[0][..n].copy_from_slice(&self.right[real.clone()]);
@@ -118,8 +118,7 @@ impl Condition for Hopf {
         }
         self.vector[..n].copy_from_slice(&self.extended[0][..n]);
         self.vector[n..].copy_from_slice(&self.extended[1][..n]);
-        at.system.assemble(at.x)?;
-        oscillation(&mut at)?.slope(self.omega, &self.vector, &mut self.slope);
+        self.factors.frequency_derivative(&self.vector, &mut self.slope);
         let (slope_real, slope_imaginary) = self.slope.split_at(n);
         own[0] = -(dot(left_real, slope_real) + dot(left_imaginary, slope_imaginary));
         own[1] = -(dot(left_real, slope_imaginary) - dot(left_imaginary, slope_real));
@@ -134,12 +133,6 @@ impl Condition for Hopf {
             normalise(border);
         }
     }
-}
-
-fn oscillation<'a>(at: &'a mut At) -> Result<&'a mut dyn Oscillation, Failure> {
-    at.system.oscillation().ok_or_else(|| {
-        Failure::Unsupported("the system does not say how its solutions oscillate".into())
-    })
 }
 
 /// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair of

@@ -1,8 +1,9 @@
 //! Null vectors of `F_z` by bordering.
 
 use crate::core::condition::{At, Failure};
+use crate::core::linear::Factors;
 use crate::core::vector::{generic, normalise};
-use crate::core::zero::{Border, Slot, System};
+use crate::core::zero::{Border, Form, System};
 
 /// The right and left null vectors of `F_z`, as a bordered system defines them near a fold:
 ///
@@ -13,7 +14,6 @@ use crate::core::zero::{Border, Slot, System};
 ///
 /// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular. `F_z` may be that with antiperiodic boundary
 /// conditions.
-#[derive(Default)]
 pub(super) struct NullVectors {
     /// The right null vector, extended by zeros in the parameters: as long as `x`.
     pub right: Vec<f64>,
@@ -21,14 +21,21 @@ pub(super) struct NullVectors {
     pub left: Vec<f64>,
     /// The multiplier.
     pub g: f64,
-    /// Whether boundary conditions are antiperiodic.
-    pub antiperiodic: bool,
+    /// The linearisation: `F_z`, or that of antiperiodic boundary conditions.
+    pub form: Form,
+    pub factors: Factors,
     column: Vec<f64>,
     row: Vec<f64>,
     work: Vec<f64>,
 }
 
 impl NullVectors {
+    /// Those of a form.
+    pub fn of(form: Form) -> Self {
+        let [right, left, column, row, work] = Default::default();
+        NullVectors { right, left, g: 0.0, form, factors: Factors::default(), column, row, work }
+    }
+
     /// Chooses borders near the null vectors at a point.
     pub fn start(&mut self, at: &mut At) -> Result<(), Failure> {
         let n = at.system.names().dimension();
@@ -63,18 +70,15 @@ impl NullVectors {
     fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
         let n = self.left.len();
         let border = Border { width: 1, columns: &self.column, rows: &self.row, corner: &[0.0] };
-        match self.antiperiodic {
-            true => system.factor_antiperiodic(Slot::Condition, border)?,
-            false => system.factor(Slot::Condition, border)?,
-        }
+        system.factor(self.form, border, &mut self.factors)?;
         self.work.fill(0.0);
         self.work[n] = 1.0;
-        system.solve(Slot::Condition, &mut self.work);
+        self.factors.solve(&mut self.work);
         self.right[..n].copy_from_slice(&self.work[..n]);
         self.g = self.work[n];
         self.work.fill(0.0);
         self.work[n] = 1.0;
-        system.solve_transposed(Slot::Condition, &mut self.work);
+        self.factors.solve_transposed(&mut self.work);
         self.left.copy_from_slice(&self.work[..n]);
         Ok(())
     }

@@ -7,6 +7,7 @@ mod equations;
 mod extremes;
 mod face;
 mod factorisation;
+mod factors;
 mod layout;
 mod linearisation;
 mod local;
@@ -27,7 +28,6 @@ use layout::Layout;
 use linearisation::Linearisation;
 use local::Passes;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
-use rotating::Rotating;
 use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
@@ -64,12 +64,11 @@ pub struct BoundarySystem {
     equations: Discretised,
     names: Names,
     linearisation: Linearisation,
-    factors: [Factorisation; 2],
-    /// For the pencil, where neither of the others has it.
+    /// For multipliers.
     condensed: Factorisation,
-    /// For complex multipliers.
-    rotating: Rotating,
     pencil: [Vec<f64>; 2],
+    /// The count of the assembly that the pencil was reduced from; 0 for none.
+    pencil_of: usize,
     /// Rows of the boundary conditions for a multiplier.
     twisted: Vec<f64>,
     /// How the returns depend on each other, one row after the other, and the right side of a solution.
@@ -113,10 +112,9 @@ impl BoundarySystem {
         Ok(BoundarySystem {
             names,
             linearisation: Linearisation { active, ..Default::default() },
-            factors: [Factorisation::new(layout), Factorisation::new(layout)],
             condensed: Factorisation::new(layout),
-            rotating: Rotating::new(layout),
             pencil: Default::default(),
+            pencil_of: 0,
             twisted: Vec::new(),
             returned: Vec::new(),
             right: Vec::new(),
@@ -234,17 +232,17 @@ impl BoundarySystem {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reduced_pencil(&mut self) -> Result<(&[f64], &[f64]), Failure> {
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
+        let (layout, assembled): (&Layout, _) = (&self.equations.layout, &self.linearisation);
         if assembled.at.is_empty() {
             return Err(Failure::Mismatch(
                 "nothing is assembled that multipliers could be of".into(),
             ));
         }
-        let pencil = &mut self.pencil;
-        if !self.factors.iter().any(|factors| factors.pencil(layout, assembled, pencil)) {
+        if self.pencil_of != assembled.count {
             let (form, border) = (Form::Jacobian, Border::NONE);
             self.condensed.condense(Bordered { layout, assembled, form, border })?;
-            self.condensed.pencil(layout, assembled, pencil);
+            self.condensed.pencil(layout, assembled, &mut self.pencil);
+            self.pencil_of = assembled.count;
         }
         let [p, q] = &self.pencil;
         Ok((p, q))

@@ -1,11 +1,13 @@
 //! LU factorisation with partial pivoting of a dense matrix within a border.
 
 use crate::core::failure::{Failure, SINGULAR, unusable};
-use crate::core::vector::largest;
 use crate::core::zero::Border;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::{MatMut, Par};
+use faer::traits::ComplexField;
+use faer::{MatMut, Par, c64};
+use std::iter::Sum;
+use std::ops::{Div, Mul, MulAssign, Sub, SubAssign};
 
 /// From this size on faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
@@ -32,18 +34,73 @@ const BLOCKED_FROM: usize = 40;
 /// assert!(lu.factor(&[0.0], Border::NONE).is_err());
 /// ```
 #[derive(Default)]
-pub struct BorderedLu {
+pub struct BorderedLu<E = f64> {
     size: usize,
     /// `L` below the diagonal (unit diagonal), `U` on and above it, one column after the other.
-    factors: Vec<f64>,
+    factors: Vec<E>,
     /// Row `i` of the permuted matrix is row `source[i]` of the matrix.
     source: Vec<usize>,
     position: Vec<usize>,
     row_scale: Vec<f64>,
     column_scale: Vec<f64>,
-    work: Vec<f64>,
+    work: Vec<E>,
     scratch: Option<MemBuffer>,
     sign: f64,
+}
+
+/// An entry of a matrix, real or complex.
+pub(super) trait Entry:
+    ComplexField
+    + Copy
+    + Default
+    + Div<Output = Self>
+    + Mul<Output = Self>
+    + MulAssign
+    + Sub<Output = Self>
+    + SubAssign
+    + Sum
+{
+    fn from_real(real: f64) -> Self;
+    fn modulus(self) -> f64;
+    fn conjugate(self) -> Self;
+    /// The sign of a real number, 1 of a complex one.
+    fn sign(self) -> f64;
+}
+
+impl Entry for f64 {
+    fn from_real(real: f64) -> Self {
+        real
+    }
+
+    fn modulus(self) -> f64 {
+        self.abs()
+    }
+
+    fn conjugate(self) -> Self {
+        self
+    }
+
+    fn sign(self) -> f64 {
+        self.signum()
+    }
+}
+
+impl Entry for c64 {
+    fn from_real(real: f64) -> Self {
+        c64::new(real, 0.0)
+    }
+
+    fn modulus(self) -> f64 {
+        self.norm()
+    }
+
+    fn conjugate(self) -> Self {
+        self.conj()
+    }
+
+    fn sign(self) -> f64 {
+        1.0
+    }
 }
 
 impl BorderedLu {
@@ -62,78 +119,9 @@ impl BorderedLu {
         border: Border,
         units: &[f64],
     ) -> Result<(), Failure> {
-        let size = matrix.len().isqrt() + border.width;
-        self.resize(size);
+        self.resize(matrix.len().isqrt() + border.width);
         self.fill(matrix, border);
-        self.equilibrate(units);
-        self.sign = if size < BLOCKED_FROM { self.factor_plain() } else { self.factor_blocked() };
-        self.judge()
-    }
-
-    /// Solves in place.
-    pub fn solve(&mut self, right: &mut [f64]) {
-        let n = self.size;
-        for i in 0..n {
-            self.work[i] = right[self.source[i]] * self.row_scale[self.source[i]];
-        }
-        for j in 0..n {
-            let (xj, column) = (self.work[j], &self.factors[j * n..(j + 1) * n]);
-            for i in j + 1..n {
-                self.work[i] -= column[i] * xj;
-            }
-        }
-        for j in (0..n).rev() {
-            let column = &self.factors[j * n..(j + 1) * n];
-            let xj = self.work[j] / column[j];
-            self.work[j] = xj;
-            for i in 0..j {
-                self.work[i] -= column[i] * xj;
-            }
-        }
-        for j in 0..n {
-            right[j] = self.work[j] * self.column_scale[j];
-        }
-    }
-
-    /// Solves with the transposed matrix, in place.
-    pub fn solve_transposed(&mut self, right: &mut [f64]) {
-        let n = self.size;
-        for j in 0..n {
-            let column = &self.factors[j * n..(j + 1) * n];
-            let sum: f64 = (0..j).map(|i| column[i] * self.work[i]).sum();
-            self.work[j] = (right[j] * self.column_scale[j] - sum) / column[j];
-        }
-        for j in (0..n).rev() {
-            let column = &self.factors[j * n..(j + 1) * n];
-            let sum: f64 = (j + 1..n).map(|i| column[i] * self.work[i]).sum();
-            self.work[j] -= sum;
-        }
-        for i in 0..n {
-            right[self.source[i]] = self.work[i] * self.row_scale[self.source[i]];
-        }
-    }
-
-    /// The sign of the determinant.
-    pub fn determinant_sign(&self) -> f64 {
-        self.sign
-    }
-
-    fn resize(&mut self, size: usize) {
-        if self.size == size && !self.factors.is_empty() {
-            return;
-        }
-        self.size = size;
-        self.factors.resize(size * size, 0.0);
-        for indices in [&mut self.source, &mut self.position] {
-            indices.resize(size, 0);
-        }
-        for numbers in [&mut self.row_scale, &mut self.column_scale, &mut self.work] {
-            numbers.resize(size, 0.0);
-        }
-        self.scratch = (size >= BLOCKED_FROM).then(|| {
-            let need = lu_in_place_scratch::<usize, f64>(size, size, Par::Seq, Default::default());
-            MemBuffer::new(need)
-        });
+        self.factor_room(units)
     }
 
     fn fill(&mut self, matrix: &[f64], border: Border) {
@@ -154,6 +142,92 @@ impl BorderedLu {
             }
         }
     }
+}
+
+#[allow(private_bounds)]
+impl<E: Entry> BorderedLu<E> {
+    /// Room for a matrix of this size, one column after the other, to be factored by
+    /// [`factor_room`](Self::factor_room).
+    pub(in crate::core) fn room(&mut self, size: usize) -> &mut [E] {
+        self.resize(size);
+        &mut self.factors
+    }
+
+    /// Factors the matrix in the room for it, with known sizes of its unknowns.
+    pub(in crate::core) fn factor_room(&mut self, units: &[f64]) -> Result<(), Failure> {
+        let size = self.size;
+        self.equilibrate(units);
+        self.sign = if size < BLOCKED_FROM { self.factor_plain() } else { self.factor_blocked() };
+        self.judge()
+    }
+
+    /// Solves in place.
+    pub fn solve(&mut self, right: &mut [E]) {
+        let n = self.size;
+        for i in 0..n {
+            self.work[i] = right[self.source[i]] * E::from_real(self.row_scale[self.source[i]]);
+        }
+        for j in 0..n {
+            let (xj, column) = (self.work[j], &self.factors[j * n..(j + 1) * n]);
+            for i in j + 1..n {
+                self.work[i] -= column[i] * xj;
+            }
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let xj = self.work[j] / column[j];
+            self.work[j] = xj;
+            for i in 0..j {
+                self.work[i] -= column[i] * xj;
+            }
+        }
+        for j in 0..n {
+            right[j] = self.work[j] * E::from_real(self.column_scale[j]);
+        }
+    }
+
+    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
+    pub fn solve_transposed(&mut self, right: &mut [E]) {
+        let n = self.size;
+        for j in 0..n {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let sum: E = (0..j).map(|i| column[i].conjugate() * self.work[i]).sum();
+            let scaled = right[j] * E::from_real(self.column_scale[j]);
+            self.work[j] = (scaled - sum) / column[j].conjugate();
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let sum: E = (j + 1..n).map(|i| column[i].conjugate() * self.work[i]).sum();
+            self.work[j] -= sum;
+        }
+        for i in 0..n {
+            right[self.source[i]] = self.work[i] * E::from_real(self.row_scale[self.source[i]]);
+        }
+    }
+
+    /// The sign of the determinant.
+    pub fn determinant_sign(&self) -> f64 {
+        self.sign
+    }
+
+    fn resize(&mut self, size: usize) {
+        if self.size == size && !self.factors.is_empty() {
+            return;
+        }
+        self.size = size;
+        self.factors.resize(size * size, E::default());
+        for indices in [&mut self.source, &mut self.position] {
+            indices.resize(size, 0);
+        }
+        self.work.resize(size, E::default());
+        for numbers in [&mut self.row_scale, &mut self.column_scale] {
+            numbers.resize(size, 0.0);
+        }
+        self.scratch = (size >= BLOCKED_FROM).then(|| {
+            let need = lu_in_place_scratch::<usize, E>(size, size, Par::Seq, Default::default());
+            MemBuffer::new(need)
+        });
+    }
 
     /// Scales columns, by known sizes of their unknowns or by their largest entries, and rows.
     fn equilibrate(&mut self, units: &[f64]) {
@@ -169,12 +243,12 @@ impl BorderedLu {
     }
 
     /// Divides columns by powers of two near some sizes.
-    fn scale_columns(&mut self, size: impl Fn(usize, &[f64]) -> Option<f64>) {
+    fn scale_columns(&mut self, size: impl Fn(usize, &[E]) -> Option<f64>) {
         for (j, column) in self.factors.chunks_exact_mut(self.size).enumerate() {
             let Some(size) = size(j, column) else { continue };
             let scale = inverse_power_of_two(size);
             self.column_scale[j] = scale;
-            column.iter_mut().for_each(|a| *a *= scale);
+            column.iter_mut().for_each(|a| *a *= E::from_real(scale));
         }
     }
 
@@ -184,12 +258,14 @@ impl BorderedLu {
         let columns = self.factors.chunks_exact(self.size).enumerate();
         for (_, column) in columns.filter(|(j, _)| counts(*j)) {
             for (largest, a) in self.row_scale.iter_mut().zip(column) {
-                *largest = a.abs().max(*largest);
+                *largest = a.modulus().max(*largest);
             }
         }
         self.row_scale.iter_mut().for_each(|scale| *scale = inverse_power_of_two(*scale));
         for column in self.factors.chunks_exact_mut(self.size) {
-            column.iter_mut().zip(&self.row_scale).for_each(|(a, scale)| *a *= scale);
+            column.iter_mut().zip(&self.row_scale).for_each(|(a, scale)| {
+                *a *= E::from_real(*scale);
+            });
         }
     }
 
@@ -202,7 +278,7 @@ impl BorderedLu {
         for k in 0..n {
             let mut pivot = k;
             for i in k + 1..n {
-                if a[k * n + i].abs() > a[k * n + pivot].abs() {
+                if a[k * n + i].modulus() > a[k * n + pivot].modulus() {
                     pivot = i;
                 }
             }
@@ -213,14 +289,14 @@ impl BorderedLu {
                     a.swap(j * n + k, j * n + pivot);
                 }
             }
-            let inverse = 1.0 / a[k * n + k];
+            let inverse = E::from_real(1.0) / a[k * n + k];
             let (left, right) = a.split_at_mut((k + 1) * n);
             let multipliers = &mut left[k * n + k + 1..];
             multipliers.iter_mut().for_each(|m| *m *= inverse);
             for column in right.chunks_exact_mut(n) {
                 let top = column[k];
                 for (a, m) in column[k + 1..].iter_mut().zip(multipliers.iter()) {
-                    *a -= m * top;
+                    *a -= *m * top;
                 }
             }
         }
@@ -245,13 +321,14 @@ impl BorderedLu {
         let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
         for k in 0..self.size {
             let pivot = self.factors[k * self.size + k];
-            self.sign *= pivot.signum();
+            self.sign *= pivot.sign();
+            let size = pivot.modulus();
             // What follows a pivot of zero is not a number.
-            if pivot.is_nan() {
-                return Err(unusable(if least == 0.0 { least } else { pivot }, largest));
+            if size.is_nan() {
+                return Err(unusable(if least == 0.0 { least } else { size }, largest));
             }
-            least = least.min(pivot.abs());
-            largest = largest.max(pivot.abs());
+            least = least.min(size);
+            largest = largest.max(size);
         }
         let regular = self.size == 0 || least > SINGULAR * largest;
         if regular { Ok(()) } else { Err(unusable(least, largest)) }
@@ -260,4 +337,8 @@ impl BorderedLu {
 
 fn inverse_power_of_two(largest: f64) -> f64 {
     if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
+}
+
+fn largest<E: Entry>(column: &[E]) -> f64 {
+    column.iter().fold(0.0, |m, a| a.modulus().max(m))
 }

@@ -10,7 +10,6 @@ use super::plane::PlaneFactor;
 use super::residual::Workspace;
 use super::shape::{self, Search};
 use super::{domain, monitors, profile};
-use crate::core::linear::BorderedLu;
 use crate::core::potential::PotentialGradient;
 use crate::core::scalar::Scalar;
 use crate::core::zero::{Failure, Names, OutOfDomain};
@@ -50,7 +49,6 @@ pub struct Ritz {
     pub(super) first: Workspace<Dual64>,
     pub(super) second: Workspace<HyperDual64>,
     pub(super) third: Workspace<HyperHyperDual64>,
-    pub(super) factors: [BorderedLu; 2],
     /// Where the assembled matrix belongs to; empty if nowhere.
     pub(super) assembled_at: Vec<f64>,
     /// A matrix beside the assembled one, which monitors must leave alone.
@@ -95,7 +93,6 @@ impl Ritz {
             first: Workspace::new(&model),
             second: Workspace::new(&model),
             third: Workspace::new(&model),
-            factors: Default::default(),
             assembled_at: Vec::with_capacity(length),
             spare: vec![0.0; n * n],
             modes_at: Vec::with_capacity(length),

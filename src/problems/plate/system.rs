@@ -7,8 +7,9 @@ use super::residual::Workspace;
 use super::ritz::{Directional, FlatPlate, Ritz};
 use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::failure::unknown_order;
+use crate::core::linear::{BorderedLu, Factors};
 use crate::core::zero::{
-    Border, Dynamics, Failure, Names, Profile, Refinement, Slot, Spectrum, System,
+    Border, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
 };
 use faer::Mat;
 use num_dual::Dual64;
@@ -168,24 +169,16 @@ impl System for Ritz {
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        self.factors[slot as usize].factor(&self.assembly.matrix, border)
-    }
-
-    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve(right);
-    }
-
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve_transposed(right);
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        if form != Form::Jacobian {
+            return Err(Failure::Unsupported("equilibria of a potential do not oscillate".into()));
+        }
+        let lu = into.reuse(|_: &BorderedLu| true, BorderedLu::default);
+        lu.factor(&self.assembly.matrix, border)
     }
 
     fn jacobian(&mut self, out: &mut [f64]) {
         out.copy_from_slice(&self.assembly.matrix);
-    }
-
-    fn determinant_sign(&self, slot: Slot) -> f64 {
-        self.factors[slot as usize].determinant_sign()
     }
 
     fn derivative(

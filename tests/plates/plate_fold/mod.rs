@@ -3,7 +3,8 @@
 
 use crate::plates::models::LOAD;
 use tangency::core::dense::Dense;
-use tangency::core::zero::{Border, Slot, System, ZeroProblem};
+use tangency::core::linear::Factors;
+use tangency::core::zero::{Border, Form, System, ZeroProblem};
 
 /// Newton's iteration from `z = start` at fixed parameters; `x = (z, p)`.
 pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f64]) -> Vec<f64> {
@@ -14,8 +15,9 @@ pub fn equilibrium<P: ZeroProblem>(system: &mut Dense<P>, start: &[f64], p: &[f6
         system.residual(&x, &mut step).expect("inside the domain");
         system.assemble(&x).expect("inside the domain");
         let no_border = Border { width: 0, columns: &[], rows: &[], corner: &[] };
-        system.factor(Slot::Curve, no_border).expect("regular");
-        system.solve(Slot::Curve, &mut step);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, no_border, &mut factors).expect("regular");
+        factors.solve(&mut step);
         x.iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         if step.iter().all(|step| step.abs() < 1e-13) {
             return x;
@@ -37,11 +39,12 @@ pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> 
         system.residual(&x, &mut step[..n]).expect("inside the domain");
         system.assemble(&x).expect("inside the domain");
         let border = Border { width: 1, columns: &w[..n], rows: &v[..n], corner: &[0.0] };
-        system.factor(Slot::Condition, border).expect("regular");
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, border, &mut factors).expect("regular");
         (v, w) = (vec![0.0; n + 1], vec![0.0; n + 1]);
         (v[n], w[n]) = (1.0, 1.0);
-        system.solve(Slot::Condition, &mut v);
-        system.solve_transposed(Slot::Condition, &mut w);
+        factors.solve(&mut v);
+        factors.solve_transposed(&mut w);
         step[n] = v[n];
         let direction = [&v[..n], &vec![0.0; x.len() - n]].concat();
         system.gradient(&x, (&w[..n], &direction, 1), &[LOAD], &mut gradient).unwrap();
@@ -53,8 +56,9 @@ pub fn fold<P: ZeroProblem>(system: &mut Dense<P>, mut x: Vec<f64>) -> Vec<f64> 
             rows: &gradient[..n],
             corner: &gradient[n + LOAD..=n + LOAD],
         };
-        system.factor(Slot::Curve, border).expect("regular");
-        system.solve(Slot::Curve, &mut step);
+        let mut factors = Factors::default();
+        system.factor(Form::Jacobian, border, &mut factors).expect("regular");
+        factors.solve(&mut step);
         x[..n].iter_mut().zip(&step).for_each(|(x, step)| *x -= step);
         x[n + LOAD] -= step[n];
         for null in [&mut v, &mut w] {

@@ -18,7 +18,7 @@ pub(super) struct Discretised {
     pub problem: Arc<dyn Equations>,
     pub method: Method,
     pub meshes: Vec<Mesh>,
-    pub layout: Layout,
+    pub layout: Arc<Layout>,
     pub phase: Phase,
     pub monitors: Vec<Monitor>,
     pub extremes: Extremes,
@@ -93,7 +93,7 @@ impl Discretised {
         method: Method,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let layout = Layout::new(&*problem, &method, &meshes)?;
+        let layout = Arc::new(Layout::new(&*problem, &method, &meshes)?);
         let monitors: Vec<Monitor> =
             problem.monitors().into_iter().map(|(_, monitor)| monitor).collect();
         Ok(Discretised {
@@ -116,7 +116,7 @@ impl Discretised {
 
     /// Typical sizes of the states of all segments, then of the extras; empty if all are 1.
     pub fn unknown_scales(&self, q: &[f64]) -> Vec<f64> {
-        let Layout { segments, extras, parameters, .. } = &self.layout;
+        let Layout { segments, extras, parameters, .. } = &*self.layout;
         let (extra, mut scales) = (self.problem.extra_scale(&q[..*parameters]), Vec::new());
         let of_segment = |s: usize| self.problem.scales_of(s, q);
         if extra == 1.0 && (0..segments.len()).all(|s| of_segment(s).is_empty()) {

@@ -1,17 +1,15 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
 use super::equations::{Discretised, Work};
-use super::factorisation::{Bordered, Form};
 use super::local::Weighted;
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
 use crate::core::cycles::Cycles;
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
+use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Solution};
-use crate::core::zero::{
-    Border, Dynamics, Names, Oscillation, Profile, Refinement, Slot, Spectrum, System,
-};
+use crate::core::zero::{Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// Gradients of conditions may err by this much, relatively: they decide how fast Newton's iteration
@@ -34,7 +32,7 @@ impl BoundarySystem {
     }
 
     /// Whether solutions are periodic.
-    fn is_periodic(&self) -> bool {
+    pub(super) fn is_periodic(&self) -> bool {
         !self.equations.layout.returns.is_empty()
     }
 
@@ -104,34 +102,12 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn factor(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let of = Bordered { layout, assembled, form: Form::Jacobian, border };
-        self.factors[slot as usize].factor(of, &assembled.boundary)
-    }
-
-    fn factor_antiperiodic(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        self.factor_flipped(slot, border)
-    }
-
-    fn oscillation(&mut self) -> Option<&mut dyn Oscillation> {
-        if self.is_periodic() { Some(self) } else { None }
-    }
-
-    fn solve(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve(&self.equations.layout, right);
-    }
-
-    fn solve_transposed(&mut self, slot: Slot, right: &mut [f64]) {
-        self.factors[slot as usize].solve_transposed(&self.equations.layout, right);
+    fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
+        self.factor_form(form, border, into)
     }
 
     fn jacobian(&mut self, out: &mut [f64]) {
         self.linearisation.dense(&self.equations.layout, out);
-    }
-
-    fn determinant_sign(&self, slot: Slot) -> f64 {
-        self.factors[slot as usize].determinant_sign()
     }
 
     /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which provides it

@@ -13,12 +13,14 @@
 
 use super::BoundarySystem;
 use super::factorisation::{Bordered, column_of, form_of};
+use super::layout::Layout;
+use super::linearisation::Linearisation;
 use crate::core::bvp::{Number, Return};
 use crate::core::failure::Failure;
 use crate::core::linear::{Chain, multipliers, undetermined};
 use crate::core::scalar_field::FieldIn;
 use crate::core::vector::{dot, largest};
-use crate::core::zero::{Border, Oscillation, Slot, Spectrum};
+use crate::core::zero::{Border, Spectrum};
 
 impl BoundarySystem {
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
@@ -161,25 +163,6 @@ impl BoundarySystem {
         }
         [motion, self.equations.phase.row.iter().take(n).copied().collect()]
     }
-
-    /// Factors `F_z + (μ − 1) E` for `μ = −1`.
-    pub(super) fn factor_flipped(&mut self, slot: Slot, border: Border) -> Result<(), Failure> {
-        self.twist(-1.0);
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let of = Bordered { layout, assembled, form: form_of(layout), border };
-        self.factors[slot as usize].factor(of, &self.twisted)
-    }
-
-    /// The rows of the boundary conditions for a multiplier.
-    fn twist(&mut self, mu: f64) {
-        let (layout, assembled) = (&self.equations.layout, &self.linearisation);
-        let width = 2 * layout.states + assembled.active.len();
-        self.twisted.clone_from(&assembled.boundary);
-        for r in &layout.returns {
-            self.twisted[r.condition * width + column_of(layout, r.unknown)] += mu - 1.0;
-        }
-    }
-
     /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns' size they
     /// are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros of `Q`, and nothing
     /// in it grows.
@@ -200,6 +183,7 @@ impl BoundarySystem {
                 (trial, determinant, best) = (mu, self.condensed.determinant_sign(), size);
                 let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
                 let [p, q] = &mut self.pencil;
+                self.pencil_of = 0;
                 p.clear();
                 p.extend(self.returned.iter().enumerate().map(|(i, q)| identity(i) - mu * q));
                 q.clone_from(&self.returned);
@@ -221,9 +205,9 @@ impl BoundarySystem {
 
     /// Computes `Q` for a trial multiplier, and its size.
     fn return_matrix(&mut self, mu: f64) -> Result<f64, Failure> {
-        self.twist(mu);
         let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
-        let layout = &equations.layout;
+        let layout: &Layout = &equations.layout;
+        twist(layout, assembled, mu, &mut self.twisted);
         let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
         condensed.factor(of, &self.twisted)?;
         let (k, units) = (layout.returns.len(), &assembled.units);
@@ -240,6 +224,15 @@ impl BoundarySystem {
             }
         }
         Ok(returned.iter().fold(0.0, |size: f64, q| size.max(q.abs())))
+    }
+}
+
+/// The rows of the boundary conditions for a multiplier.
+pub(super) fn twist(layout: &Layout, assembled: &Linearisation, mu: f64, rows: &mut Vec<f64>) {
+    let width = 2 * layout.states + assembled.active.len();
+    rows.clone_from(&assembled.boundary);
+    for r in &layout.returns {
+        rows[r.condition * width + column_of(layout, r.unknown)] += mu - 1.0;
     }
 }
 
@@ -352,32 +345,4 @@ fn reflector(v: &[f64]) -> Vec<f64> {
 fn reflect(w: &[f64], x: &mut [f64]) {
     let share = 2.0 * dot(w, x) / dot(w, w);
     x.iter_mut().zip(w).for_each(|(x, w)| *x -= share * w);
-}
-
-impl Oscillation for BoundarySystem {
-    fn factor(&mut self, omega: f64, column: &[f64], row: &[f64]) -> Result<(), Failure> {
-        self.rotating.factor(&self.equations.layout, &self.linearisation, omega, column, row)
-    }
-
-    fn solve(&mut self, right: &mut [f64]) {
-        self.rotating.solve(&self.equations.layout, right, false);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.rotating.solve(&self.equations.layout, right, true);
-    }
-
-    /// `i e^{iω} y` in the rows of the returns.
-    fn slope(&mut self, omega: f64, v: &[f64], out: &mut [f64]) {
-        let layout = &self.equations.layout;
-        let (length, first) = (v.len() / 2, layout.conditions());
-        let (sine, cosine) = omega.sin_cos();
-        out.fill(0.0);
-        for r in &layout.returns {
-            let z = layout.position(r.unknown);
-            let (re, im) = (v[z], v[length + z]);
-            out[first + r.condition] = -sine * re - cosine * im;
-            out[length + first + r.condition] = cosine * re - sine * im;
-        }
-    }
 }

@@ -6,6 +6,7 @@ use super::linearisation::Linearisation;
 use crate::core::failure::Failure;
 use crate::core::linear::BorderedLu;
 use crate::core::zero::Border;
+use faer::c64;
 
 /// The factored linearisation of a complex multiplier, within a complex column and row.
 ///
@@ -14,10 +15,9 @@ use crate::core::zero::Border;
 #[derive(Default)]
 pub(super) struct Rotating {
     factors: Factorisation,
-    /// The dense complex matrix in real arithmetic of twice its size, one column after the other.
-    matrix: Vec<f64>,
-    lu: BorderedLu,
-    right: Vec<f64>,
+    omega: f64,
+    lu: BorderedLu<c64>,
+    right: Vec<c64>,
     /// Real and imaginary parts of a right side, and what the chains leave of them.
     parts: [Vec<f64>; 2],
     left: [Vec<f64>; 2],
@@ -33,54 +33,51 @@ impl Rotating {
         layout: &Layout,
         assembled: &Linearisation,
         omega: f64,
-        column: &[f64],
-        row: &[f64],
+        border: Border,
     ) -> Result<(), Failure> {
-        let border = Border { width: 2, columns: column, rows: row, corner: &[0.0; 4] };
+        self.omega = omega;
+        let border = Border { width: 2, corner: &[0.0; 4], ..border };
         let of = Bordered { layout, assembled, form: form_of(layout), border };
         self.factors.condense(of)?;
         self.factors.place(of, &assembled.boundary);
         let last = self.factors.dense().len() - 2;
         let size = last + 1;
-        self.matrix.clear();
-        self.matrix.resize(4 * size * size, 0.0);
-        for i in 0..size {
-            for j in 0..size {
-                let entry = self.complex_entry(i, j, last);
-                self.add(size, (i, j), entry);
-            }
+        // The last column is `b_r + i b_i`, the last row `c_r − i c_i`.
+        let entry = |i, j| self.factors.entry(i, j);
+        for (k, target) in self.lu.room(size).iter_mut().enumerate() {
+            let (i, j) = (k % size, k / size);
+            *target = match (i == last, j == last) {
+                (false, false) => c64::new(entry(i, j), 0.0),
+                (false, true) => c64::new(entry(i, last), entry(i, last + 1)),
+                (true, false) => c64::new(entry(last, j), -entry(last + 1, j)),
+                (true, true) => c64::new(
+                    entry(last, last) + entry(last + 1, last + 1),
+                    entry(last, last + 1) - entry(last + 1, last),
+                ),
+            };
         }
+        let returned = c64::new(omega.cos() - 1.0, omega.sin());
         for r in &layout.returns {
-            let place = (layout.states + r.condition, column_of(layout, r.unknown));
-            self.add(size, place, (omega.cos() - 1.0, omega.sin()));
+            let (i, j) = (layout.states + r.condition, column_of(layout, r.unknown));
+            self.lu.room(size)[size * j + i] += returned;
         }
         let mut units = assembled.units.clone();
         if !units.is_empty() {
             units.resize(size, 0.0);
-            units.extend_from_within(..);
         }
-        self.lu.factor_in_units(&self.matrix, Border::NONE, &units)
+        self.lu.factor_room(&units)
     }
 
-    /// Adds to an entry of the complex matrix.
-    fn add(&mut self, size: usize, (i, j): (usize, usize), (re, im): (f64, f64)) {
-        self.matrix[2 * size * j + i] += re;
-        self.matrix[2 * size * (size + j) + size + i] += re;
-        self.matrix[2 * size * j + size + i] += im;
-        self.matrix[2 * size * (size + j) + i] -= im;
-    }
-
-    /// An entry of the complex matrix: its last column is `b_r + i b_i`, its last row `c_r − i c_i`.
-    fn complex_entry(&self, i: usize, j: usize, last: usize) -> (f64, f64) {
-        let entry = |i, j| self.factors.entry(i, j);
-        match (i == last, j == last) {
-            (false, false) => (entry(i, j), 0.0),
-            (false, true) => (entry(i, last), entry(i, last + 1)),
-            (true, false) => (entry(last, j), -entry(last + 1, j)),
-            (true, true) => (
-                entry(last, last) + entry(last + 1, last + 1),
-                entry(last, last + 1) - entry(last + 1, last),
-            ),
+    /// `i e^{iω} v` in the rows of the returns.
+    pub fn frequency_derivative(&self, layout: &Layout, v: &[f64], out: &mut [f64]) {
+        let (length, first) = (v.len() / 2, layout.conditions());
+        let (sine, cosine) = self.omega.sin_cos();
+        out.fill(0.0);
+        for r in &layout.returns {
+            let z = layout.position(r.unknown);
+            let (re, im) = (v[z], v[length + z]);
+            out[first + r.condition] = -sine * re - cosine * im;
+            out[length + first + r.condition] = cosine * re - sine * im;
         }
     }
 
@@ -104,31 +101,28 @@ impl Rotating {
         let last = left[0].len() - 2;
         let [a, b] = &*left;
         dense.clear();
-        dense.extend_from_slice(&a[..last]);
-        dense.push(g[0] + a[last] + b[last + 1]);
-        dense.extend_from_slice(&b[..last]);
-        dense.push(g[1] + b[last] - a[last + 1]);
+        dense.extend(a[..last].iter().zip(b).map(|(re, im)| c64::new(*re, *im)));
+        dense.push(c64::new(g[0] + a[last] + b[last + 1], g[1] + b[last] - a[last + 1]));
         match transposed {
             true => lu.solve_transposed(dense),
             false => lu.solve(dense),
         }
-        let (re, im) = dense.split_at(last + 1);
+        let g = dense[last];
         for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
             if transposed {
                 // The chains remember one elimination only.
                 factors.forward_transposed(layout, part);
             }
-            let (own, pair) =
-                if k == 0 { (re, [re[last], -im[last]]) } else { (im, [im[last], re[last]]) };
+            let own = |value: &c64| if k == 0 { value.re } else { value.im };
             let ends = factors.dense();
-            ends[..last].copy_from_slice(&own[..last]);
-            ends[last..].copy_from_slice(&pair);
+            ends.iter_mut().zip(&*dense).for_each(|(end, value)| *end = own(value));
+            ends[last + 1] = if k == 0 { -g.im } else { g.re };
             match transposed {
                 true => factors.back_transposed(layout, part),
                 false => factors.back(layout, part),
             }
             out[..length - 1].copy_from_slice(&part[..length - 1]);
-            out[length - 1] = own[last];
+            out[length - 1] = own(&g);
         }
     }
 }

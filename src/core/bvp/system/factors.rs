@@ -1,0 +1,98 @@
+//! Factored linearisations as values, which know the layout that they belong to.
+
+use super::factorisation::{Bordered, Factorisation, Form as Kept, form_of};
+use super::layout::Layout;
+use super::rotating::Rotating;
+use super::{BoundarySystem, periodic};
+use crate::core::failure::Failure;
+use crate::core::linear::{self, Factors};
+use crate::core::zero::{Border, Form};
+use std::sync::Arc;
+
+/// The factors of a real linearisation.
+struct Condensed {
+    layout: Arc<Layout>,
+    factors: Factorisation,
+}
+
+impl linear::Factorisation for Condensed {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.factors.solve(&self.layout, right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.factors.solve_transposed(&self.layout, right);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        self.factors.determinant_sign()
+    }
+}
+
+/// The factors of the linearisation of a multiplier `e^{iω}`.
+struct Complex {
+    layout: Arc<Layout>,
+    factors: Rotating,
+}
+
+impl linear::Factorisation for Complex {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.factors.solve(&self.layout, right, false);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.factors.solve(&self.layout, right, true);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        1.0
+    }
+
+    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
+        self.factors.frequency_derivative(&self.layout, v, out);
+    }
+}
+
+impl BoundarySystem {
+    /// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
+    pub(super) fn factor_form(
+        &mut self,
+        form: Form,
+        border: Border,
+        into: &mut Factors,
+    ) -> Result<(), Failure> {
+        if form != Form::Jacobian && !self.is_periodic() {
+            return Err(Failure::Unsupported("the solutions are not periodic orbits".into()));
+        }
+        let shared = &self.equations.layout;
+        let (layout, assembled): (&Layout, _) = (shared, &self.linearisation);
+        if let Form::Oscillation(omega) = form {
+            if border.width != 1 {
+                let reason = "a complex linearisation of orbits takes a border of width 1";
+                return Err(Failure::Unsupported(reason.into()));
+            }
+            let complex = into.reuse(
+                |known: &Complex| Arc::ptr_eq(&known.layout, shared),
+                || Complex { layout: shared.clone(), factors: Rotating::new(layout) },
+            );
+            return complex.factors.factor(layout, assembled, omega, border);
+        }
+        let condensed = into.reuse(
+            |known: &Condensed| Arc::ptr_eq(&known.layout, shared),
+            || Condensed { layout: shared.clone(), factors: Factorisation::new(layout) },
+        );
+        let factors = &mut condensed.factors;
+        let outcome = if form == Form::Antiperiodic {
+            periodic::twist(layout, assembled, -1.0, &mut self.twisted);
+            let of = Bordered { layout, assembled, form: form_of(layout), border };
+            factors.factor(of, &self.twisted)
+        } else {
+            let of = Bordered { layout, assembled, form: Kept::Jacobian, border };
+            factors.factor(of, &assembled.boundary)
+        };
+        if layout.closes() && factors.pencil(layout, assembled, &mut self.pencil) {
+            self.pencil_of = assembled.count;
+        }
+        outcome
+    }
+}
