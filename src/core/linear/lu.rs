@@ -4,10 +4,9 @@ use crate::core::failure::{Failure, SINGULAR, unusable};
 use crate::core::zero::Border;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::traits::ComplexField;
 use faer::{MatMut, Par, c64};
+use nalgebra::ComplexField;
 use std::iter::Sum;
-use std::ops::{Div, Mul, MulAssign, Sub, SubAssign};
 
 /// From this size on faer's blocked factorisation is faster than plain loops.
 const BLOCKED_FROM: usize = 40;
@@ -50,58 +49,11 @@ pub struct BorderedLu<E = f64> {
 
 /// An entry of a matrix, real or complex.
 pub(super) trait Entry:
-    ComplexField
-    + Copy
-    + Default
-    + Div<Output = Self>
-    + Mul<Output = Self>
-    + MulAssign
-    + Sub<Output = Self>
-    + SubAssign
-    + Sum
+    faer::traits::ComplexField + ComplexField<RealField = f64> + Copy + Default + Sum
 {
-    fn from_real(real: f64) -> Self;
-    fn modulus(self) -> f64;
-    fn conjugate(self) -> Self;
-    /// The sign of a real number, 1 of a complex one.
-    fn sign(self) -> f64;
 }
-
-impl Entry for f64 {
-    fn from_real(real: f64) -> Self {
-        real
-    }
-
-    fn modulus(self) -> f64 {
-        self.abs()
-    }
-
-    fn conjugate(self) -> Self {
-        self
-    }
-
-    fn sign(self) -> f64 {
-        self.signum()
-    }
-}
-
-impl Entry for c64 {
-    fn from_real(real: f64) -> Self {
-        c64::new(real, 0.0)
-    }
-
-    fn modulus(self) -> f64 {
-        self.norm()
-    }
-
-    fn conjugate(self) -> Self {
-        self.conj()
-    }
-
-    fn sign(self) -> f64 {
-        1.0
-    }
-}
+impl Entry for f64 {}
+impl Entry for c64 {}
 
 impl BorderedLu {
     /// Factors `A` (one column after the other) within a border.
@@ -321,7 +273,7 @@ impl<E: Entry> BorderedLu<E> {
         let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
         for k in 0..self.size {
             let pivot = self.factors[k * self.size + k];
-            self.sign *= pivot.sign();
+            self.sign *= pivot.signum().real();
             let size = pivot.modulus();
             // What follows a pivot of zero is not a number.
             if size.is_nan() {

@@ -29,30 +29,6 @@ impl linear::Factorisation for Condensed {
     }
 }
 
-/// The factors of the linearisation of a multiplier `e^{iω}`.
-struct Complex {
-    layout: Arc<Layout>,
-    factors: Rotating,
-}
-
-impl linear::Factorisation for Complex {
-    fn solve(&mut self, right: &mut [f64]) {
-        self.factors.solve(&self.layout, right, false);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.factors.solve(&self.layout, right, true);
-    }
-
-    fn determinant_sign(&self) -> f64 {
-        1.0
-    }
-
-    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
-        self.factors.frequency_derivative(&self.layout, v, out);
-    }
-}
-
 impl BoundarySystem {
     /// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
     pub(super) fn factor_form(
@@ -71,11 +47,9 @@ impl BoundarySystem {
                 let reason = "a complex linearisation of orbits takes a border of width 1";
                 return Err(Failure::Unsupported(reason.into()));
             }
-            let complex = into.reuse(
-                |known: &Complex| Arc::ptr_eq(&known.layout, shared),
-                || Complex { layout: shared.clone(), factors: Rotating::new(layout) },
-            );
-            return complex.factors.factor(layout, assembled, omega, border);
+            let fits = |known: &Rotating| Arc::ptr_eq(&known.layout, shared);
+            let rotating = into.reuse(fits, || Rotating::new(shared));
+            return rotating.factor(assembled, omega, border);
         }
         let condensed = into.reuse(
             |known: &Condensed| Arc::ptr_eq(&known.layout, shared),

@@ -4,16 +4,17 @@ use super::factorisation::{Bordered, Factorisation, column_of, form_of};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use crate::core::failure::Failure;
-use crate::core::linear::BorderedLu;
+use crate::core::linear::{self, BorderedLu};
 use crate::core::zero::Border;
 use faer::c64;
+use std::sync::Arc;
 
 /// The factored linearisation of a complex multiplier, within a complex column and row.
 ///
 /// A complex column `b` is two real ones, `b_r` and `b_i`, which the chains eliminate independently:
 /// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`. So is the row `c*`.
-#[derive(Default)]
 pub(super) struct Rotating {
+    pub layout: Arc<Layout>,
     factors: Factorisation,
     omega: f64,
     lu: BorderedLu<c64>,
@@ -24,18 +25,20 @@ pub(super) struct Rotating {
 }
 
 impl Rotating {
-    pub fn new(layout: &Layout) -> Self {
-        Rotating { factors: Factorisation::new(layout), ..Default::default() }
+    pub fn new(layout: &Arc<Layout>) -> Self {
+        let (factors, layout) = (Factorisation::new(layout), layout.clone());
+        let (lu, right, parts, left) = Default::default();
+        Rotating { layout, factors, omega: 0.0, lu, right, parts, left }
     }
 
     pub fn factor(
         &mut self,
-        layout: &Layout,
         assembled: &Linearisation,
         omega: f64,
         border: Border,
     ) -> Result<(), Failure> {
         self.omega = omega;
+        let layout = &*self.layout;
         let border = Border { width: 2, corner: &[0.0; 4], ..border };
         let of = Bordered { layout, assembled, form: form_of(layout), border };
         self.factors.condense(of)?;
@@ -68,22 +71,9 @@ impl Rotating {
         self.lu.factor_room(&units)
     }
 
-    /// `i e^{iω} v` in the rows of the returns.
-    pub fn frequency_derivative(&self, layout: &Layout, v: &[f64], out: &mut [f64]) {
-        let (length, first) = (v.len() / 2, layout.conditions());
-        let (sine, cosine) = self.omega.sin_cos();
-        out.fill(0.0);
-        for r in &layout.returns {
-            let z = layout.position(r.unknown);
-            let (re, im) = (v[z], v[length + z]);
-            out[first + r.condition] = -sine * re - cosine * im;
-            out[length + first + r.condition] = cosine * re - sine * im;
-        }
-    }
-
     /// Solves with the matrix, or with its conjugate transposed, in place.
-    pub fn solve(&mut self, layout: &Layout, right: &mut [f64], transposed: bool) {
-        let Rotating { factors, lu, right: dense, parts, left, .. } = self;
+    fn solve_with(&mut self, right: &mut [f64], transposed: bool) {
+        let Rotating { layout, factors, lu, right: dense, parts, left, .. } = self;
         let length = right.len() / 2;
         let (real, imaginary) = right.split_at_mut(length);
         let g = [real[length - 1], imaginary[length - 1]];
@@ -123,6 +113,34 @@ impl Rotating {
             }
             out[..length - 1].copy_from_slice(&part[..length - 1]);
             out[length - 1] = own(&g);
+        }
+    }
+}
+
+impl linear::Factorisation for Rotating {
+    fn solve(&mut self, right: &mut [f64]) {
+        self.solve_with(right, false);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.solve_with(right, true);
+    }
+
+    fn determinant_sign(&self) -> f64 {
+        1.0
+    }
+
+    /// `i e^{iω} v` in the rows of the returns.
+    fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
+        let layout = &self.layout;
+        let (length, first) = (v.len() / 2, layout.conditions());
+        let (sine, cosine) = self.omega.sin_cos();
+        out.fill(0.0);
+        for r in &layout.returns {
+            let z = layout.position(r.unknown);
+            let (re, im) = (v[z], v[length + z]);
+            out[first + r.condition] = -sine * re - cosine * im;
+            out[length + first + r.condition] = cosine * re - sine * im;
         }
     }
 }
