@@ -127,7 +127,7 @@ impl Cycles for BoundarySystem {
 impl BoundarySystem {
     /// The extras of a solution that begins with a later segment instead, near those of another one in time.
     fn rotated(&self, x: &[f64], segments: usize, near: &[f64]) -> Option<Vec<f64>> {
-        let Layout { dimension, .. } = self.equations.layout;
+        let Layout { dimension, .. } = *self.equations.layout;
         let extras = self.equations.layout.values()..dimension;
         let q = [&x[dimension..], &x[extras.clone()]].concat();
         self.problem().rotated(segments, &q, &near[extras])
@@ -140,7 +140,7 @@ impl BoundarySystem {
         x: &[f64],
         shift: f64,
     ) -> Result<Vec<f64>, Failure> {
-        let Layout { dimension, .. } = from.equations.layout;
+        let Layout { dimension, .. } = *from.equations.layout;
         let extras = x[from.equations.layout.values()..dimension].to_vec();
         self.taken_over(from, x, &extras, (0, shift))
     }
