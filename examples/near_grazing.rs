@@ -12,7 +12,7 @@ use tangency::core::flow::Scheme;
 use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
 use tangency::core::hybrid::{HybridSystem, virtual_point};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
-use tangency::core::zero::System;
+use tangency::core::zero::{Discretised, System};
 use tangency::output::{Figure, Series, Style, draw, write_atomically};
 use tangency::problems::mita::Actuator;
 
@@ -50,7 +50,7 @@ fn first(branch: &Branch, kind: Kind) -> Found<usize> {
 /// The local map at a grazing that a branch or a curve has found.
 fn map(orbits: &mut Orbits, branch: &Branch, label: usize) -> Found<LocalMap> {
     let grazing = branch.labelled(label).ok_or("no such point")?;
-    orbits.adopt(&branch.solution(grazing))?;
+    orbits.resume_from(&branch.solution(grazing))?;
     let point = GrazingPoint::at(orbits, &grazing.state, &grazing.parameters)?;
     let point = point.located(&Actuator, "voltage")?;
     let settings = MapSettings { order: *ORDERS.end(), ..MapSettings::default() };
@@ -64,7 +64,7 @@ fn fine() -> Settings {
 
 /// Fixed points with an impact at voltages: `y` and the phase of their virtual points, by what tells them of a state and
 /// the parameters.
-fn fixed_points<S: System>(
+fn fixed_points<S: System + Discretised>(
     orbits: &mut S,
     voltages: &[f64],
     virtual_of: impl Fn(&mut S, &[f64], &[f64]) -> Found<[f64; 2]>,
@@ -77,7 +77,7 @@ fn fixed_points<S: System>(
     let marks: Vec<_> = branch.of_kind(Kind::UZ).cloned().collect();
     // The trace has left the system as it was: it takes over each point.
     let take = |mark: &tangency::core::continuation::SpecialPoint| {
-        orbits.adopt(&branch.solution(mark))?;
+        orbits.resume_from(&branch.solution(mark))?;
         virtual_of(orbits, &mark.state, &mark.parameters)
     };
     marks.iter().map(take).collect()

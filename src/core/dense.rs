@@ -114,6 +114,11 @@ impl<P: ZeroProblem> Dense<P> {
         &self.problem
     }
 
+    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    pub fn jacobian(&self, out: &mut [f64]) {
+        out.copy_from_slice(&self.jacobian);
+    }
+
     /// `F_z` by dual numbers.
     fn differentiate(&mut self, x: &[f64]) {
         let n = self.names.dimension();
@@ -198,10 +203,6 @@ impl<P: ZeroProblem> System for Dense<P> {
                 "the unknowns of a `ZeroProblem` are no periodic orbit".into(),
             )),
         }
-    }
-
-    fn jacobian(&mut self, out: &mut [f64]) {
-        out.copy_from_slice(&self.jacobian);
     }
 
     fn derivative(

@@ -209,7 +209,9 @@ impl<'a> Extended<'a> {
     pub(crate) fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
-        self.system.follow(&mut self.x, directions);
+        if let Some(system) = self.system.discretised() {
+            system.on_accepted(&mut self.x, directions);
+        }
         unknowns[..n].copy_from_slice(&self.x[..n]);
     }
 
@@ -221,8 +223,10 @@ impl<'a> Extended<'a> {
     /// From now on the problem may err by as much as this, as a solution is only approached; conditions are
     /// not stated for what errs.
     pub(crate) fn allow(&mut self, error: f64) {
-        if error == 0.0 || self.conditions.is_empty() {
-            self.system.allow(error);
+        if (error == 0.0 || self.conditions.is_empty())
+            && let Some(system) = self.system.discretised()
+        {
+            system.set_inexactness(error);
         }
     }
 

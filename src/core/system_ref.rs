@@ -15,10 +15,12 @@ impl SystemRef<'_> {
     /// Replaces a borrowed system by a duplicate, where it can be duplicated.
     pub fn duplicated(self) -> Self {
         match self {
-            SystemRef::Borrowed(system) => match system.duplicate() {
-                Some(own) => SystemRef::Owned(own),
-                None => SystemRef::Borrowed(system),
-            },
+            SystemRef::Borrowed(system) => {
+                match system.discretised().and_then(|system| system.duplicate()) {
+                    Some(own) => SystemRef::Owned(own),
+                    None => SystemRef::Borrowed(system),
+                }
+            }
             SystemRef::Owned(_) => self,
         }
     }

@@ -169,8 +169,7 @@ pub trait System: Send {
     /// [`Failure`] where the equations have no meaning at `x` or a component is not finite.
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
-    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor),
-    /// [`spectrum`](System::spectrum) and [`jacobian`](System::jacobian). Conditions, monitors and
+    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and [`spectrum`](System::spectrum). Conditions, monitors and
     /// Newton's iteration each ask for it at the same `x`: a second call there should cost no more
     /// than the comparison with the `x` of the first.
     ///
@@ -178,20 +177,12 @@ pub trait System: Send {
     /// [`Failure`] as for the residual.
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
-    /// From now on residuals and matrices may err by as much as this (in units of the unknowns' sizes), since
-    /// a solution is only approached; 0 asks for all digits again. Monitors that are asked for meanwhile may
-    /// err likewise.
-    fn allow(&mut self, _error: f64) {}
-
     /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and puts the factors into `into`.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the bordered matrix is, to working accuracy, and [`Failure::Unsupported`] for a form that
     /// the system does not have.
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
-
-    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
-    fn jacobian(&mut self, out: &mut [f64]);
 
     /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three directions (each as
     /// long as `x`), into `out`.
@@ -251,26 +242,6 @@ pub trait System: Send {
         Ok(values[monitor])
     }
 
-    /// Refuses a solution that a branch is to start from, though it solves the equations: what is decided, not
-    /// solved for, comes out otherwise on it. Not asked where a solution grazes, where nothing can be decided.
-    ///
-    /// # Errors
-    /// [`Failure`] with what is decided otherwise.
-    fn check_start(&mut self, _x: &[f64]) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
-    /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
-    fn grazings(&self) -> &[usize] {
-        &[]
-    }
-
-    /// The typical size of a monitor of [`grazings`](System::grazings), which tolerances are relative to.
-    fn grazing_scale(&self, _monitor: usize, _p: &[f64]) -> f64 {
-        1.0
-    }
-
     /// Typical sizes of the groups of unknowns at parameters `p`; empty if all are 1.
     fn unknown_scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
@@ -298,25 +269,28 @@ pub trait System: Send {
         Vec::new()
     }
 
-    /// Whether the equations are exact as they stand: no discretisation of something else that
-    /// [`refined`](System::refined) could improve.
-    fn exact(&self) -> bool {
-        true
-    }
-
-    /// The same problem on a finer discretisation: special points are finished on it, and the
-    /// difference is the discretisation's share of their `error`. `None` where there is none finer.
-    fn refined(&self, _x: &[f64]) -> Option<Refinement> {
+    /// The system as a discretisation; `None` if the equations are exact as they stand.
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
         None
     }
 
-    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
-    fn itinerary(&self) -> String {
-        String::new()
+    /// Which solutions are admissible; `None` if all are.
+    fn admissible(&self) -> Option<&dyn Admissible> {
+        None
     }
+}
 
-    /// The same system, to be changed without changing this one; `None` for systems that no branch changes: neither
-    /// [`adopt`](System::adopt) nor [`follow`](System::follow) does anything to them.
+/// A system that discretises something else: finer ones, and the mesh, which may follow a branch.
+pub trait Discretised {
+    /// The same problem on a finer discretisation: special points are finished on it, and the
+    /// difference is the discretisation's share of their `error`. `None` where there is none finer.
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
+
+    /// The error (in units of the unknowns' sizes) tolerated from now on in residuals and matrices, and in monitors
+    /// evaluated meanwhile, since a solution is only approached; 0 restores full accuracy.
+    fn set_inexactness(&mut self, _error: f64) {}
+
+    /// The same system, to be changed without changing this one; `None` for systems that no branch changes.
     fn duplicate(&self) -> Option<Box<dyn System>> {
         None
     }
@@ -326,12 +300,55 @@ pub trait System: Send {
         Vec::new()
     }
 
-    /// Takes over a solution from which a branch is to start. The system may change its mesh, and with
-    /// it the number of its unknowns.
+    /// Prepares the start of a branch from a saved solution. The system may change its mesh, and with it the number
+    /// of its unknowns. `None` if the solution is that of the present mesh as it is.
     ///
     /// # Errors
     /// [`Failure`] if this system cannot start there.
-    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+    fn resume_from(&mut self, _solution: &Solution) -> Result<Option<Adopted>, Failure> {
+        Ok(None)
+    }
+
+    /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
+    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new mesh
+    /// with the same number of intervals.
+    fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
+}
+
+/// Which solutions are admissible, where events of motions decide that.
+pub trait Admissible {
+    /// Checks what is decided, not solved for, at the start of a branch. Not called where a solution grazes, where
+    /// nothing can be decided.
+    ///
+    /// # Errors
+    /// [`Failure::Mismatch`] with what is decided otherwise.
+    fn check_start(&self, x: &[f64]) -> Result<(), Failure>;
+
+    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
+    /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
+    fn grazings(&self) -> &[usize];
+
+    /// The typical size of a monitor of [`grazings`](Self::grazings), which tolerances are relative to.
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
+
+    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
+    fn itinerary(&self) -> String;
+}
+
+/// What holds of systems without a facet.
+impl dyn System + '_ {
+    /// The mesh; empty without one.
+    pub(crate) fn mesh(&mut self) -> Vec<f64> {
+        self.discretised().map_or_else(Vec::new, |system| system.mesh())
+    }
+
+    /// Prepares the start of a branch from a saved solution.
+    pub(crate) fn resume_from(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
+        if let Some(system) = self.discretised()
+            && let Some(adopted) = system.resume_from(solution)?
+        {
+            return Ok(adopted);
+        }
         let n = self.names().dimension();
         if solution.state.len() != n {
             return Err(Failure::Mismatch(format!(
@@ -344,8 +361,18 @@ pub trait System: Send {
         Ok(Adopted { z, tangent, leaving: Leaving::Along })
     }
 
-    /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
-    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new mesh
-    /// with the same number of intervals.
-    fn follow(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
+    /// What solutions go through; empty if that is the same for all.
+    pub(crate) fn itinerary(&self) -> String {
+        self.admissible().map_or_else(String::new, |system| system.itinerary())
+    }
+
+    /// Monitors that are positive on admissible solutions.
+    pub(crate) fn grazings(&self) -> &[usize] {
+        self.admissible().map_or(&[], |system| system.grazings())
+    }
+
+    /// The typical size of a monitor of grazings.
+    pub(crate) fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.admissible().map_or(1.0, |system| system.grazing_scale(monitor, p))
+    }
 }

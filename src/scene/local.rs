@@ -113,6 +113,7 @@ fn grazing_point(
         tangent: None,
         switch: false,
     };
-    let z = orbits.adopt(&solution)?.z;
+    let system: &mut dyn System = &mut orbits;
+    let z = system.resume_from(&solution)?.z;
     GrazingPoint::at(&mut orbits, &z, &special.parameters)
 }

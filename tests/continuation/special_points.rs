@@ -7,7 +7,7 @@ use tangency::core::dense::Dense;
 use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{
-    Border, Dynamics, Failure, Form, Names, Refinement, Spectrum, System, ZeroProblem,
+    Border, Discretised, Dynamics, Failure, Form, Names, Refinement, Spectrum, System, ZeroProblem,
 };
 use tangency::problems::classic::Hyperbola;
 
@@ -210,9 +210,6 @@ impl System for Refinable {
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         self.0.factor(form, border, into)
     }
-    fn jacobian(&mut self, out: &mut [f64]) {
-        self.0.jacobian(out);
-    }
     fn derivative(
         &mut self,
         x: &[f64],
@@ -248,7 +245,13 @@ impl System for Refinable {
     ) -> Result<(), Failure> {
         self.0.monitor_gradient(monitor, x, released, out)
     }
-    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
+        Some(self)
+    }
+}
+
+impl Discretised for Refinable {
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let Grid { n, middle_first } = self.1;
         if n > 100 {
             return None;

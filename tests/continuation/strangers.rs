@@ -8,7 +8,7 @@ use tangency::core::field::{Equilibria, Forcing, VectorField};
 use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
 use tangency::core::orbit::{Smooth, from_cycle, periodic_orbits};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Dynamics, Names, System, ZeroProblem};
+use tangency::core::zero::{Discretised, Dynamics, Names, System, ZeroProblem};
 use tangency::problems::classic::Lure;
 
 fn step(max_step: f64) -> Settings {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use tangency::core::continuation::{Kind, Settings};
 use tangency::core::linear::{Factorisation, Factors};
 use tangency::core::zero::{
-    Border, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
+    Border, Discretised, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
 };
 use tangency::problems::plate::{InPlane, Orders};
 
@@ -68,9 +68,6 @@ impl System for Counted {
         let own = into.reuse(|_: &Solved| true, || Solved { factors: Factors::default(), counts });
         self.count(|counts| &mut counts.factorisations).factor(form, border, &mut own.factors)
     }
-    fn jacobian(&mut self, out: &mut [f64]) {
-        self.inner.jacobian(out);
-    }
     fn derivative(
         &mut self,
         x: &[f64],
@@ -109,9 +106,16 @@ impl System for Counted {
     fn profiles(&mut self, x: &[f64]) -> Vec<Profile> {
         self.inner.profiles(x)
     }
-    /// Evaluations of finer plates count as well.
-    fn refined(&self, x: &[f64]) -> Option<Refinement> {
-        let Refinement { system, x } = self.inner.refined(x)?;
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
+        let exact = self.inner.discretised().is_none();
+        if exact { None } else { Some(self) }
+    }
+}
+
+/// Evaluations of finer plates count as well.
+impl Discretised for Counted {
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
+        let Refinement { system, x } = self.inner.discretised()?.refined(x)?;
         let counts = Arc::clone(&self.counts);
         Some(Refinement { system: Box::new(Counted { inner: system, counts }), x })
     }

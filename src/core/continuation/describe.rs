@@ -91,7 +91,7 @@ impl Stepper<'_> {
         if converged
             && self.settings.refinement > 0.0
             && !self.refine(event, &mut special, &from.point, rungs)
-            && !self.equations.system().exact()
+            && self.equations.system().discretised().is_some()
         {
             // Nothing is known of the discretisation's share: no digit is promised.
             special.converged = false;

@@ -41,7 +41,7 @@ impl<'a> Continuation<'a> {
         let Some(mut solution) = self.origin.solution.take() else { return Ok(Leaving::Along) };
         solution.parameters = self.x[self.system.names().dimension()..].to_vec();
         solution.switch = self.origin.switched;
-        let adopted = self.system.adopt(&solution);
+        let adopted = self.system.resume_from(&solution);
         let Adopted { z, tangent, leaving } = adopted.map_err(|cause| self.not_started(cause))?;
         self.x = [&z[..], &solution.parameters].concat();
         self.origin.tangent = tangent;

@@ -39,7 +39,7 @@ impl Stepper<'_> {
         let sizes: Vec<f64> = here.iter().zip(&there).map(|(a, b)| a.abs().max(b.abs())).collect();
         let mut series: Vec<Vec<f64>> = here.into_iter().map(|value| vec![value]).collect();
         let at = self.equations.at();
-        let mut refinement = at.system.refined(at.x);
+        let mut refinement = at.system.discretised().and_then(|system| system.refined(at.x));
         let mut found = None;
         for rung in 1.. {
             let Some(Refinement { mut system, x }) = refinement else { break };
@@ -53,7 +53,7 @@ impl Stepper<'_> {
             if settled || rung >= rungs {
                 break;
             }
-            refinement = system.refined(&x);
+            refinement = system.discretised().and_then(|system| system.refined(&x));
         }
         let Some((Point { parameters, monitors, .. }, error)) = found else { return false };
         (special.parameters, special.monitors) = (parameters, monitors);

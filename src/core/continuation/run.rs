@@ -146,7 +146,7 @@ impl Tracer<'_> {
         let solution =
             Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: false };
         // It was a solution on this mesh; if it is none any more, the first step says so.
-        let _ = equations.system().adopt(&solution);
+        let _ = equations.system().resume_from(&solution);
     }
 
     /// Nothing but the start, as an end of the branch.

@@ -340,7 +340,7 @@ impl Stepper<'_> {
         if system.grazings().iter().all(clear) {
             self.equations.load(&start.unknowns);
             let at = self.equations.at();
-            at.system.check_start(at.x)?;
+            at.system.admissible().map_or(Ok(()), |system| system.check_start(at.x))?;
         }
         Ok(start)
     }

@@ -9,7 +9,7 @@ use super::{domain, monitors, profile, shape, tensor::dot};
 use crate::core::failure::unknown_order;
 use crate::core::linear::{BorderedLu, Factors};
 use crate::core::zero::{
-    Border, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
+    Border, Discretised, Dynamics, Failure, Form, Names, Profile, Refinement, Spectrum, System,
 };
 use faer::Mat;
 use num_dual::Dual64;
@@ -72,6 +72,11 @@ impl Ritz {
         let mut carried = prolonged(&self.model, &finer.model, z);
         carried.extend_from_slice(p);
         carried
+    }
+
+    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    pub fn jacobian(&self, out: &mut [f64]) {
+        out.copy_from_slice(&self.assembly.matrix);
     }
 
     /// The lowest `ω²` about `x`; its mode is left in `self.mode`.
@@ -177,10 +182,6 @@ impl System for Ritz {
         lu.factor(&self.assembly.matrix, border)
     }
 
-    fn jacobian(&mut self, out: &mut [f64]) {
-        out.copy_from_slice(&self.assembly.matrix);
-    }
-
     fn derivative(
         &mut self,
         x: &[f64],
@@ -278,11 +279,13 @@ impl System for Ritz {
         profile::profiles(q, shape.map(Vec::as_slice), |q, x| self.deflection(q, x, 0.5))
     }
 
-    fn exact(&self) -> bool {
-        false
+    fn discretised(&mut self) -> Option<&mut dyn Discretised> {
+        Some(self)
     }
+}
 
-    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+impl Discretised for Ritz {
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let orders = self.model.orders.finer();
         if orders.transverse[0] * orders.transverse[1] > LARGEST_RUNG {
             return None;

@@ -9,7 +9,9 @@ use crate::core::cycles::Cycles;
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Solution};
-use crate::core::zero::{Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System};
+use crate::core::zero::{
+    self, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
+};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
 /// Gradients of conditions may err by this much, relatively: they decide how fast Newton's iteration
@@ -17,6 +19,11 @@ use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 const GRADIENT: f64 = 1e-8;
 
 impl BoundarySystem {
+    /// The assembled `F_z` as a dense matrix, one column after the other (`n × n`).
+    pub fn jacobian(&self, out: &mut [f64]) {
+        self.linearisation.dense(&self.equations.layout, out);
+    }
+
     /// The first point at which the equations are evaluated is the reference of the phase condition, where
     /// none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
@@ -85,10 +92,6 @@ impl System for BoundarySystem {
         Ok(())
     }
 
-    fn allow(&mut self, error: f64) {
-        self.equations.rough = self.equations.method.allow(error);
-    }
-
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.is_assembled(x) {
             return Ok(());
@@ -104,10 +107,6 @@ impl System for BoundarySystem {
 
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure> {
         self.factor_form(form, border, into)
-    }
-
-    fn jacobian(&mut self, out: &mut [f64]) {
-        self.linearisation.dense(&self.equations.layout, out);
     }
 
     /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which provides it
@@ -191,19 +190,6 @@ impl System for BoundarySystem {
         if self.is_periodic() { Some(self) } else { None }
     }
 
-    fn check_start(&mut self, x: &[f64]) -> Result<(), Failure> {
-        self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.check_ends(&mut self.plain)
-    }
-
-    fn grazings(&self) -> &[usize] {
-        &self.grazings
-    }
-
-    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
-        self.equations.problem.grazing_scale(monitor, p)
-    }
-
     fn unknown_scales(&self, p: &[f64]) -> Vec<f64> {
         let extras = vec![0.0; self.equations.layout.extras];
         self.equations.unknown_scales(&[p, &extras].concat())
@@ -249,35 +235,17 @@ impl System for BoundarySystem {
         self.equations.profiles(&mut self.plain).unwrap_or_default()
     }
 
-    fn exact(&self) -> bool {
-        false
+    fn discretised(&mut self) -> Option<&mut dyn zero::Discretised> {
+        Some(self)
     }
 
-    fn duplicate(&self) -> Option<Box<dyn System>> {
-        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-        let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;
-        own.equations.phase.clone_from(&self.equations.phase);
-        own.refinements = self.refinements;
-        Some(Box::new(own))
+    fn admissible(&self) -> Option<&dyn Admissible> {
+        Some(self)
     }
+}
 
-    fn itinerary(&self) -> String {
-        self.problem().itinerary()
-    }
-
-    fn mesh(&self) -> Vec<f64> {
-        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
-    }
-
-    fn adopt(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
-        self.take_over(solution)
-    }
-
-    fn follow(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
-        self.follow_to(x, directions);
-    }
-
-    fn refined(&self, x: &[f64]) -> Option<Refinement> {
+impl zero::Discretised for BoundarySystem {
+    fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
         let (method, parts) = self.equations.method.finer()?;
         let meshes: Vec<Mesh> = self.meshes().iter().map(|mesh| mesh.divided(parts)).collect();
         let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
@@ -289,6 +257,50 @@ impl System for BoundarySystem {
         system.linearisation.active.clone_from(&self.linearisation.active);
         let x = self.equations.carried(&system.equations, x).ok()?;
         Some(Refinement { system: Box::new(system), x })
+    }
+
+    fn set_inexactness(&mut self, error: f64) {
+        self.equations.rough = self.equations.method.allow(error);
+    }
+
+    fn duplicate(&self) -> Option<Box<dyn System>> {
+        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
+        let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;
+        own.equations.phase.clone_from(&self.equations.phase);
+        own.refinements = self.refinements;
+        Some(Box::new(own))
+    }
+
+    fn mesh(&self) -> Vec<f64> {
+        self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
+    }
+
+    fn resume_from(&mut self, solution: &Solution) -> Result<Option<Adopted>, Failure> {
+        self.take_over(solution).map(Some)
+    }
+
+    fn on_accepted(&mut self, x: &mut [f64], directions: &mut [&mut [f64]]) {
+        self.follow_to(x, directions);
+    }
+}
+
+impl Admissible for BoundarySystem {
+    fn check_start(&self, x: &[f64]) -> Result<(), Failure> {
+        let mut work = Work::new(&self.equations.layout);
+        work.load(&self.equations.layout, |i| x[i]);
+        self.equations.check_ends(&mut work)
+    }
+
+    fn grazings(&self) -> &[usize] {
+        &self.grazings
+    }
+
+    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64 {
+        self.equations.problem.grazing_scale(monitor, p)
+    }
+
+    fn itinerary(&self) -> String {
+        self.problem().itinerary()
     }
 }
 
