@@ -196,9 +196,9 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or `∇ₓ (wᵀ F_xx[v, v])` for 2, into `out` (as long as `x`): all components of
-    /// the unknowns, and those of the parameters listed in `released`; other parameters' components are
-    /// unspecified.
+    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or `∇ₓ (wᵀ F_xx[v, v])` for 2, into
+    /// `out` (as long as `x`): all components of the unknowns, and those of the parameters listed in `released`;
+    /// other parameters' components are unspecified.
     ///
     /// # Errors
     /// [`Failure`] as for [`derivative`](System::derivative), or for another order.
