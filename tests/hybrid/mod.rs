@@ -5,6 +5,7 @@ mod failures;
 mod fleets;
 mod grazing;
 mod integrals;
+mod legs;
 mod mita_laws;
 mod orbits;
 mod recorded;

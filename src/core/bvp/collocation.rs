@@ -18,7 +18,7 @@ mod linearise;
 
 use super::erased::Number;
 use super::interpolation::lagrange;
-use super::interval::{Block, Interval, MonitoredFunctions, placed};
+use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
@@ -191,6 +191,34 @@ impl Collocation {
             r.iter_mut().zip(&work.f).for_each(|(r, f)| *r -= step * *f);
         }
         Ok(())
+    }
+
+    /// The combinations of nodes at which the field is evaluated: the states at the Gauss points.
+    pub(super) fn arguments(&self) -> &[f64] {
+        &self.basis.values
+    }
+
+    /// `−h L wᵀf` at a Gauss point, and the share of the integral conditions there.
+    pub(super) fn nonlinear<T: Number>(
+        &self,
+        interval: Interval<T>,
+        c: usize,
+        [weights, closing]: [&[f64]; 2],
+        r: &mut [T],
+    ) -> Result<T, Failure> {
+        let Interval { problem, span, nodes, q } = interval;
+        let (x, f) = (&nodes[..weights.len()], &mut r[..weights.len()]);
+        let (duration, h) = (interval.duration(), interval.length());
+        let t = duration * (span.start + h * self.basis.gauss[c]);
+        interval.field().slope(t, x, q, f);
+        let mut sum = -weighted(f, weights);
+        if !closing.is_empty() {
+            let g = &mut r[..closing.len()];
+            g.fill(T::zero());
+            T::residual(problem).integrand_in(span.segment, t, x, q, g);
+            sum += weighted(g, closing) * self.basis.weights[c];
+        }
+        Ok(sum * duration * h)
     }
 
     /// The states at a place in an interval (from 0 to 1).

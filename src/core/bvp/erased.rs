@@ -4,7 +4,7 @@
 //! [`Equations`], one scalar at a time, so that they are compiled once and not for every problem. [`Number`]
 //! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
 
-use super::terms::{Ends, Monitor, Return, Watched};
+use super::terms::{Ends, Legs, Monitor, Return, Watched};
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// The residual of a problem in one scalar.
 pub trait Residual<T: Scalar>: Fields<T> {
-    /// The field of a segment at time `t` from its beginning, and the numbers on which it depends.
+    /// The field of a segment, whose numbers are `q`, at time `t` from its beginning, and how many of them it depends on.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
 
     /// The duration of a segment.
@@ -24,6 +24,17 @@ pub trait Residual<T: Scalar>: Fields<T> {
 
     /// The left sides of the boundary conditions, written into `b`.
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
+
+    /// Where a leg that ends at time `t` with the states `x` leads, for problems with [`Legs`]: the states with which the
+    /// next one begins are written into `after`; what is returned vanishes.
+    fn leg_end_in(&self, _segment: usize, _t: T, _x: &[T], _p: &[T], _after: &mut [T]) -> T {
+        T::zero()
+    }
+
+    /// How long all legs last together under forcing.
+    fn cycle_in(&self, _p: &[T]) -> T {
+        T::zero()
+    }
 
     /// The integrands of the integral conditions, written into `g`.
     fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]);
@@ -74,6 +85,10 @@ pub trait Equations:
     fn moves(&self) -> bool;
     /// Whether a phase condition is needed.
     fn phase(&self) -> bool;
+    /// Whether segments are the legs of an orbit.
+    fn legs(&self) -> Option<Legs> {
+        None
+    }
     /// The conditions by which a period leads to the next.
     fn returns(&self) -> Vec<Return>;
     /// Positions of the monitors that are positive on admissible solutions.

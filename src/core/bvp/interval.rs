@@ -3,6 +3,7 @@
 use super::erased::{Equations, Number, Watching};
 use super::terms::Watched;
 use crate::core::failure::Failure;
+use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldRef;
 use crate::core::watch::Observable;
 
@@ -87,6 +88,11 @@ impl MonitoredFunctions<'_> {
     pub fn is_empty(&self) -> bool {
         self.extrema.is_empty() && self.rises.is_empty()
     }
+}
+
+/// `Σ w_i x_i`.
+pub(super) fn weighted<T: Scalar>(x: &[T], weights: &[f64]) -> T {
+    x.iter().zip(weights).fold(T::zero(), |sum, (x, weight)| sum + *x * *weight)
 }
 
 /// The cause with the segment and the time at which it happened.

@@ -87,6 +87,32 @@ impl Method {
         }
     }
 
+    /// What the nonlinear parts of an interval's equations depend on, as combinations of the values at its nodes: one row
+    /// of `m + 1` coefficients for each.
+    pub(super) fn arguments(&self) -> &[f64] {
+        match self {
+            Method::Collocation(method) => method.arguments(),
+            Method::Shooting(_) => &[1.0, 0.0],
+        }
+    }
+
+    /// The nonlinear part of the equations that belong to one of the [`arguments`](Self::arguments), and of the integral
+    /// conditions' share, summed with weights. The interval has the argument's value at its first node; `r` has room for
+    /// all states, and for all integrands.
+    pub(super) fn nonlinear<T: Number>(
+        &self,
+        interval: Interval<T>,
+        argument: usize,
+        weights: [&[f64]; 2],
+        work: &mut MethodWork<T>,
+        r: &mut [T],
+    ) -> Result<T, Failure> {
+        match self {
+            Method::Collocation(method) => method.nonlinear(interval, argument, weights, r),
+            Method::Shooting(method) => method.nonlinear(interval, weights, &mut work.flow, r),
+        }
+    }
+
     /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start on, for
     /// drawing.
     pub(super) fn trajectory(

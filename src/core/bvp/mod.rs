@@ -28,4 +28,4 @@ pub use method::Method;
 pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
 pub use system::BoundarySystem;
-pub use terms::{Ends, Monitor, Return, Unknown, Watched};
+pub use terms::{Ends, Legs, Monitor, Return, Unknown, Watched};

@@ -4,7 +4,7 @@ mod extremum_search;
 mod variation;
 
 use super::erased::Number;
-use super::interval::{Block, Interval, MonitoredFunctions};
+use super::interval::{Block, Interval, MonitoredFunctions, weighted};
 use crate::core::failure::Failure;
 use crate::core::flow::{Flow, Scheme, Settings, SettingsError};
 use extremum_search::{ExtremumSearch, Observers};
@@ -117,6 +117,28 @@ impl Shooting {
         let right = &interval.nodes[r.len()..];
         r.iter_mut().zip(right).for_each(|(r, right)| *r -= *right);
         Ok(())
+    }
+
+    /// The end of the flow from a left end, and the share of the integral conditions on its way, summed with weights.
+    pub(super) fn nonlinear<T: Number>(
+        &self,
+        interval: Interval<T>,
+        [weights, closing]: [&[f64]; 2],
+        work: &mut Flow<T>,
+        r: &mut [T],
+    ) -> Result<T, Failure> {
+        let end = &mut r[..weights.len()];
+        self.value(interval, 1.0, work, end)?;
+        let mut sum = weighted(end, weights);
+        if !closing.is_empty() {
+            let (problem, g) = (T::residual(interval.problem), &mut r[..closing.len()]);
+            self.quadrature(interval, work, &mut |weight, t, x| {
+                g.fill(T::zero());
+                problem.integrand_in(interval.span.segment, t, x, interval.q, g);
+                sum += weighted(g, closing) * weight;
+            })?;
+        }
+        Ok(sum)
     }
 
     /// The states at a place in an interval (from 0 to 1).

@@ -8,6 +8,8 @@ mod extremes;
 mod face;
 mod factorisation;
 mod factors;
+mod joined;
+mod joints;
 mod layout;
 mod linearisation;
 mod local;
@@ -26,7 +28,7 @@ use equations::{Discretised, Work};
 use factorisation::{Bordered, Factorisation, Form};
 use layout::Layout;
 use linearisation::Linearisation;
-use local::Passes;
+use local::{Numbers, Passes};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::sync::Arc;
 
@@ -69,8 +71,6 @@ pub struct BoundarySystem {
     pencil: [Vec<f64>; 2],
     /// The count of the assembly that the pencil was reduced from; 0 for none.
     pencil_of: usize,
-    /// Rows of the boundary conditions for a multiplier.
-    twisted: Vec<f64>,
     /// How the returns depend on each other, one row after the other, and the right side of a solution.
     returned: Vec<f64>,
     right: Vec<f64>,
@@ -87,8 +87,8 @@ pub struct BoundarySystem {
     nested_twice: Passes<Dual2<Chunk>>,
     /// Monitors that are positive on admissible solutions.
     grazings: Vec<usize>,
-    /// Components of `q` by which a gradient is taken.
-    numbers: Vec<usize>,
+    /// What a gradient is taken by.
+    numbers: Numbers,
     /// How many points of a branch were followed.
     followed: usize,
     /// How often the system was refined to become this one.
@@ -107,7 +107,7 @@ impl BoundarySystem {
     ) -> Result<Self, BoundaryError> {
         let equations = Discretised::new(problem.into_equations(), method.into(), meshes)?;
         let Discretised { problem, method, layout, .. } = &equations;
-        let active = (layout.parameters..layout.numbers()).collect();
+        let active = (layout.parameters..layout.parameters + layout.own()).collect();
         let names = names_of(&**problem, method, layout);
         Ok(BoundarySystem {
             names,
@@ -115,7 +115,6 @@ impl BoundarySystem {
             condensed: Factorisation::new(layout),
             pencil: Default::default(),
             pencil_of: 0,
-            twisted: Vec::new(),
             returned: Vec::new(),
             right: Vec::new(),
             orientation: 1.0,
@@ -128,7 +127,7 @@ impl BoundarySystem {
             nested: Passes::new(layout),
             nested_twice: Passes::new(layout),
             grazings: equations.problem.grazings(),
-            numbers: Vec::new(),
+            numbers: Numbers::default(),
             followed: 0,
             refinements: 0,
             equations,

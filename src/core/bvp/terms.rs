@@ -106,6 +106,19 @@ impl Return {
     }
 }
 
+/// Segments that follow one another in time, each up to an event that leads to the next one, the last to the first: the
+/// legs of a periodic orbit.
+///
+/// Extras are the time of the start (under forcing) and the durations. A segment depends on parameters, the time at which
+/// it begins, and its duration: these are the numbers `q` with which its equations are evaluated. Conditions are what
+/// [`leg_end_in`](super::Residual::leg_end_in) says: the states at which segments begin, what vanishes where they
+/// end, and under forcing `cycle − Σ durations`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Legs {
+    /// Whether the time of the start is unknown.
+    pub forced: bool,
+}
+
 /// An unknown of a boundary-value problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {

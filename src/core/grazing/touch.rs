@@ -31,9 +31,10 @@ impl Orbit<'_> {
     /// The state at the end of a leg.
     fn end(&self, leg: usize) -> Result<Vec<f64>, GrazingError> {
         let mut x = self.starts[self.problem.of_leg(leg)].to_vec();
-        let field = Residual::<f64>::on_segment(self.problem, leg, self.q);
+        let q = self.problem.numbers_of(leg, self.q);
+        let field = Residual::<f64>::on_segment(self.problem, leg, &q);
         Flow::<f64>::default()
-            .advance(&field, 0.0, self.times().1[leg], &mut x, self.q)
+            .advance(&field, 0.0, self.times().1[leg], &mut x, &q)
             .map_err(Failure::from)?;
         Ok(x)
     }

@@ -115,7 +115,7 @@ impl HybridOrbit {
                 let place = (self.time(leg, q), start);
                 let scale = guard_scale(self.system(), (guard, mode), place, p);
                 let watch = OnLeg { orbit: self, leg, guard, scale };
-                let found = self.dip(&watch, start, q)?;
+                let found = self.dip(&watch, start, &self.numbers_of(leg, q))?;
                 let nearer =
                     |f: &Touch| nearest.as_ref().is_none_or(|n| f.value.abs() < n.value.abs());
                 if let Some(found) = found.filter(nearer) {

@@ -4,7 +4,8 @@ use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::measures::{APPROACH, SHORTEST};
 use crate::core::bvp::{
-    Birth, Ends, Equations, IntoEquations, Monitor, Residual, Return, Unknown, Watched, Watches,
+    Birth, Ends, Equations, IntoEquations, Legs, Monitor, Residual, Return, Unknown, Watched,
+    Watches,
 };
 use crate::core::condition::Failure;
 use crate::core::domain::OutOfDomain;
@@ -52,40 +53,32 @@ impl<T: EventNumber> Residual<T> for HybridOrbit {
     /// The field of the leg's mode, whose time begins with the leg.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (mode, numbers) = (self.legs()[segment].mode, self.parameters.len());
-        FieldRef { numbers, ..T::in_mode(&*self.system, mode, self.time(segment, q)) }
+        FieldRef { numbers, ..T::in_mode(&*self.system, mode, self.begin(q)) }
     }
 
-    fn duration_in(&self, segment: usize, q: &[T]) -> T {
-        let (p, extras) = self.split(q);
+    fn duration_in(&self, _segment: usize, q: &[T]) -> T {
         match (self.smooth(), self.forced) {
-            (true, true) => self.cycle(p),
-            _ => self.durations(extras)[segment],
+            (true, true) => self.cycle(self.split(q).0),
+            _ => q[q.len() - 1],
         }
     }
 
-    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        if self.smooth() {
-            let ends = ends.start.iter().zip(ends.end);
-            return b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
-        }
-        let (p, extras) = self.split(q);
-        let (count, all) = (self.legs().len(), self.places[self.legs().len()]);
-        for (s, leg) in self.legs().iter().enumerate() {
-            let Some(exit) = leg.exit else { continue };
-            let (next, x) = ((s + 1) % count, &ends.end[self.of_leg(s)]);
-            let time = self.time(s, q) + self.durations(extras)[s];
-            let after = &mut b[self.of_leg(next)];
-            let modes = (leg.mode, self.legs()[next].mode);
-            self.system.reset(exit, modes, time, x, p, after);
-            for (b, start) in after.iter_mut().zip(&ends.start[self.of_leg(next)]) {
-                *b = *start - *b;
-            }
-            b[all + s] = self.system.guard(exit, leg.mode, time, x, p);
-        }
-        if self.forced {
-            let cycle = self.cycle(p);
-            b[all + count] = self.durations(extras).iter().fold(cycle, |rest, l| rest - *l);
-        }
+    /// An orbit without events closes; legs have [`Legs`].
+    fn boundary_in(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        let ends = ends.start.iter().zip(ends.end);
+        b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
+    }
+
+    fn leg_end_in(&self, segment: usize, t: T, x: &[T], p: &[T], after: &mut [T]) -> T {
+        let legs = self.legs();
+        let Leg { mode, exit: Some(exit) } = legs[segment] else { return T::zero() };
+        let modes = (mode, legs[(segment + 1) % legs.len()].mode);
+        self.system.reset(exit, modes, t, x, p, after);
+        self.system.guard(exit, mode, t, x, p)
+    }
+
+    fn cycle_in(&self, p: &[T]) -> T {
+        self.cycle(p)
     }
 
     fn integrand_in(&self, _segment: usize, _t: T, _x: &[T], _q: &[T], _g: &mut [T]) {}
@@ -127,6 +120,10 @@ impl Equations for HybridOrbit {
 
     fn moves(&self) -> bool {
         true
+    }
+
+    fn legs(&self) -> Option<Legs> {
+        (!self.smooth()).then_some(Legs { forced: self.forced })
     }
 
     fn phase(&self) -> bool {
@@ -240,10 +237,11 @@ impl Equations for HybridOrbit {
     /// nothing can be told.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
+        let mut time = self.time(0, q);
         for (s, leg) in legs.iter().enumerate() {
             let Some(guard) = leg.exit else { continue };
-            let (x, time) =
-                (&ends.end[self.of_leg(s)], self.time(s, q) + self.durations(extras)[s]);
+            time += self.durations(extras)[s];
+            let x = &ends.end[self.of_leg(s)];
             let at = Moment { system: self.system(), mode: leg.mode, t: time, x, p };
             let approach = -at.rate(guard);
             let meant = legs[(s + 1) % legs.len()].mode;

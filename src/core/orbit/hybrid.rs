@@ -123,7 +123,7 @@ impl HybridOrbit {
         x: &[T],
         q: &[T],
     ) -> T {
-        let (mode, t, p) = (self.legs()[leg].mode, self.time(leg, q) + t, self.split(q).0);
+        let (mode, t, p) = (self.legs()[leg].mode, self.begin(q) + t, self.split(q).0);
         match function.checked_sub(self.guards.len()) {
             None => self.system.guard(function, mode, t, x, p),
             Some(monitor) => self.system.observe(Observable::Function(monitor), mode, t, x, p),
@@ -151,6 +151,20 @@ impl HybridOrbit {
     /// The durations among the further unknowns.
     pub(super) fn durations<'q, T>(&self, extras: &'q [T]) -> &'q [T] {
         &extras[usize::from(self.forced && !self.smooth())..]
+    }
+
+    /// The numbers of a leg: parameters, its beginning and its duration; all where there are no events.
+    pub(in crate::core) fn numbers_of(&self, leg: usize, q: &[f64]) -> Vec<f64> {
+        let (p, extras) = self.split(q);
+        match self.smooth() {
+            true => q.to_vec(),
+            false => [p, &[self.time(leg, q), self.durations(extras)[leg]]].concat(),
+        }
+    }
+
+    /// When a leg with the numbers `q` begins.
+    pub(super) fn begin<T: Scalar>(&self, q: &[T]) -> T {
+        if self.smooth() { T::zero() } else { q[self.parameters.len()] }
     }
 
     /// When a leg begins.

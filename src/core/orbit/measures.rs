@@ -73,8 +73,10 @@ impl HybridOrbit {
     ) -> impl Iterator<Item = (usize, Moment<'a, T>)> + 'a {
         let ((p, extras), system) = (self.split(q), self.system());
         let durations = self.durations(extras);
+        let mut t = self.time(0, q);
         self.legs().iter().enumerate().filter_map(move |(s, leg)| {
-            let (t, x) = (self.time(s, q) + durations[s], &ends.end[self.of_leg(s)]);
+            t += durations[s];
+            let x = &ends.end[self.of_leg(s)];
             Some((leg.exit?, Moment { system, mode: leg.mode, t, x, p }))
         })
     }

@@ -5,11 +5,9 @@ use super::impact_oscillator::ClosedForm;
 use super::reference::Reference;
 use crate::common::solved;
 use std::f64::consts::{PI, TAU};
-use tangency::core::bvp::{
-    BoundarySystem, Collocation, IntoEquations, Mesh, Method, Number, Shooting,
-};
+use tangency::core::bvp::{BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use tangency::core::continuation::{Branch, Continuation, Kind};
-use tangency::core::flow::{Flow, Scheme};
+use tangency::core::flow::Scheme;
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::zero::{Spectrum, System};
 
@@ -42,7 +40,7 @@ pub fn by_both(
     let collocation = discretised(orbit.clone(), Collocation::new(7).unwrap(), 16);
     let shooting = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
     let shooting = discretised(orbit, shooting, 2);
-    let z = [sampled(&collocation, starts, extras, p), sampled(&shooting, starts, extras, p)];
+    let z = [&collocation, &shooting].map(|s| s.flowed(&starts.concat(), extras, p).unwrap());
     let systems: [(&str, Box<dyn System>); 2] =
         [("collocation", Box::new(collocation)), ("shooting", Box::new(shooting))];
     let mut z = z.into_iter();
@@ -88,19 +86,6 @@ fn discretised(
     let problem = problem.into_equations();
     let meshes = problem.segments().iter().map(|_| Mesh::uniform(intervals)).collect();
     BoundarySystem::new(problem, method, meshes).unwrap()
-}
-
-/// Unknowns on trajectories from the states where legs begin.
-fn sampled(system: &BoundarySystem, starts: &[&[f64]], extras: &[f64], p: &[f64]) -> Vec<f64> {
-    let q = [p, extras].concat();
-    let problem = f64::residual(&**system.problem());
-    let mut flow = Flow::<f64>::default();
-    system.sampled(extras, |segment, tau, x| {
-        x.copy_from_slice(starts[segment]);
-        let (field, length) =
-            (problem.on_segment(segment, &q), tau * problem.duration_in(segment, &q));
-        flow.advance(&field, 0.0, length, x, &q).unwrap();
-    })
 }
 
 /// A solved orbit.

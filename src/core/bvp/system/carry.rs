@@ -49,7 +49,8 @@ impl Discretised {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
-        let interval = self.interval((segment, interval), nodes, &work.q);
+        let q = &work.numbers[self.layout.local(segment)];
+        let interval = self.interval((segment, interval), nodes, q);
         self.method.value(interval, place, &mut work.local.method, out)
     }
 

@@ -116,7 +116,9 @@ impl Cycles for BoundarySystem {
     fn period(&mut self, x: &[f64]) -> f64 {
         let layout = &self.equations.layout;
         let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
-        self.equations.duration(&q, |_| true)
+        let mut numbers = Vec::new();
+        layout.spread(&q, &mut numbers);
+        self.equations.duration(&numbers, |_| true)
     }
 
     fn mesh_error(&mut self, x: &[f64]) -> f64 {

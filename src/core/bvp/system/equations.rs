@@ -6,7 +6,7 @@ use crate::core::bvp::interpolation::{highest_derivative, node_weights};
 use crate::core::bvp::interval::placed;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
-    BoundaryError, Ends, Equations, Interval, Mesh, Method, Monitor, Number, Span,
+    BoundaryError, Ends, Equations, Interval, Legs, Mesh, Method, Monitor, Number, Span,
 };
 use crate::core::failure::{Failure, not_finite};
 use crate::core::scalar::Scalar;
@@ -46,6 +46,8 @@ pub(super) struct Work<T: Scalar> {
     pub nodes: Vec<T>,
     /// `q = (p, e)`.
     pub q: Vec<T>,
+    /// The numbers of all segments.
+    pub numbers: Vec<T>,
     pub r: Vec<T>,
     pub ends: Vec<T>,
     pub local: Local<T>,
@@ -72,6 +74,7 @@ impl<T: Scalar> Work<T> {
         Work {
             nodes: zeros(layout.values()),
             q: zeros(layout.numbers()),
+            numbers: Vec::new(),
             r: zeros(layout.dimension),
             ends: zeros(2 * layout.states),
             local: Local::new(layout),
@@ -84,6 +87,7 @@ impl<T: Scalar> Work<T> {
         for (k, q) in self.q.iter_mut().enumerate() {
             *q = argument(layout.number(k));
         }
+        layout.spread(&self.q, &mut self.numbers);
     }
 }
 
@@ -130,7 +134,7 @@ impl Discretised {
         scales
     }
 
-    /// An interval of a segment with values at its nodes, and numbers.
+    /// An interval of a segment with values at its nodes, and the segment's numbers.
     pub fn interval<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
@@ -149,7 +153,7 @@ impl Discretised {
     /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
     pub fn residual_watching(&mut self, work: &mut Work<f64>) -> Result<(), Failure> {
         if self.method.watches_with_residual() {
-            self.find_extremes(&work.nodes, &work.q, Some(&mut work.r))?;
+            self.find_extremes(&work.nodes, (&work.q, &work.numbers), Some(&mut work.r))?;
         } else {
             self.residual_inside(work)?;
         }
@@ -158,9 +162,10 @@ impl Discretised {
 
     /// Left sides of the equations of all intervals.
     fn residual_inside<T: Number>(&self, work: &mut Work<T>) -> Result<(), Failure> {
-        let Work { nodes, q, r, local, .. } = work;
+        let Work { nodes, numbers, r, local, .. } = work;
         for (s, j) in self.layout.intervals() {
-            let interval = self.interval((s, j), &nodes[self.layout.interval(s, j)], q);
+            let (nodes, q) = (&nodes[self.layout.interval(s, j)], &numbers[self.layout.local(s)]);
+            let interval = self.interval((s, j), nodes, q);
             let r = &mut r[self.layout.equations(s, j)];
             self.method.residual(interval, &mut local.method, r)?;
         }
@@ -176,7 +181,8 @@ impl Discretised {
         self.boundary(&work.ends, &work.q, boundary);
         closing.fill(T::zero());
         for (s, j) in layout.intervals() {
-            let interval = self.interval((s, j), &work.nodes[layout.interval(s, j)], &work.q);
+            let (nodes, q) = (&work.nodes[layout.interval(s, j)], &work.numbers[layout.local(s)]);
+            let interval = self.interval((s, j), nodes, q);
             self.integrals(interval, &mut work.local, &mut closing[..layout.integrals])?;
         }
         if layout.phase {
@@ -188,8 +194,25 @@ impl Discretised {
     /// The left sides of the boundary conditions; `ends` holds the states where all segments begin, then
     /// those where they end.
     pub fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
-        let (start, end) = ends.split_at(self.layout.states);
-        T::residual(&*self.problem).boundary_in(Ends { start, end }, q, b);
+        let (layout, problem) = (&self.layout, T::residual(&*self.problem));
+        let (start, end) = ends.split_at(layout.states);
+        let Some(Legs { forced }) = layout.legs else {
+            return problem.boundary_in(Ends { start, end }, q, b);
+        };
+        let (p, extras) = q.split_at(layout.parameters);
+        let (begin, durations) = extras.split_at(usize::from(forced));
+        let mut time = begin.first().copied().unwrap_or_else(T::zero);
+        for (s, (leg, duration)) in layout.segments.iter().zip(durations).enumerate() {
+            let (next, x) = (layout.after(s), &end[leg.ends..leg.ends + leg.states]);
+            let next = next.ends..next.ends + next.states;
+            time += *duration;
+            b[layout.states + s] = problem.leg_end_in(s, time, x, p, &mut b[next.clone()]);
+            let starts = b[next.clone()].iter_mut().zip(&start[next]);
+            starts.for_each(|(b, start)| *b = *start - *b);
+        }
+        if let (true, Some(last)) = (forced, b.last_mut()) {
+            *last = durations.iter().fold(problem.cycle_in(p), |rest, l| rest - *l);
+        }
     }
 
     /// Adds an interval's share of the integral conditions.
@@ -211,7 +234,7 @@ impl Discretised {
         })
     }
 
-    /// The duration of a segment.
+    /// The duration of a segment with the numbers `q`.
     pub fn duration_of(&self, segment: usize, q: &[f64]) -> f64 {
         f64::residual(&*self.problem).duration_in(segment, q)
     }
@@ -242,8 +265,9 @@ impl Discretised {
         let mut motion = vec![0.0; layout.values()];
         for (s, j) in layout.intervals() {
             let (span, n) = (self.span(s, j), layout.segments[s].states);
-            let duration = self.duration_of(s, &work.q);
-            let field = f64::residual(&*self.problem).on_segment(s, &work.q);
+            let q = &work.numbers[layout.local(s)];
+            let duration = self.duration_of(s, q);
+            let field = f64::residual(&*self.problem).on_segment(s, q);
             let f = &mut work.local.x[..n];
             let nodes = layout.interval(s, j);
             let values = work.nodes[nodes.clone()].chunks_exact(n);
@@ -251,8 +275,8 @@ impl Discretised {
                 places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
             {
                 let t = duration * (span.start + (span.end - span.start) * place);
-                field.domain(x, &work.q).map_err(|cause| placed(cause, s, t))?;
-                field.slope(t, x, &work.q, f);
+                field.domain(x, q).map_err(|cause| placed(cause, s, t))?;
+                field.slope(t, x, q, f);
                 if let Some(i) = not_finite(f) {
                     return Err(placed(self.not_finite(s, i, f[i]), s, t));
                 }
@@ -313,7 +337,9 @@ impl Discretised {
         let segment = &layout.segments[s];
         let inside = row - segment.equations;
         let span = self.span(s, inside / (layout.degree * segment.states));
-        let t = span.start * self.duration_of(s, q);
+        let mut numbers = Vec::new();
+        layout.spread(q, &mut numbers);
+        let t = span.start * self.duration_of(s, &numbers[layout.local(s)]);
         placed(self.not_finite(s, inside % segment.states, value), s, t)
     }
 

@@ -1,7 +1,7 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
 use super::equations::{Discretised, Work};
-use super::local::Weighted;
+use super::local::{Arguments, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
 use crate::core::chunk::Chunk;
@@ -52,9 +52,14 @@ impl BoundarySystem {
     /// Prepares a gradient by the unknowns and the released parameters.
     fn release(&mut self, released: &[usize], out: &mut [f64]) {
         let layout = &self.equations.layout;
-        self.numbers.clear();
-        self.numbers.extend(layout.parameters..layout.numbers());
-        self.numbers.extend_from_slice(released);
+        let of_segments = layout.parameters..layout.parameters + layout.own();
+        let own = [of_segments, layout.parameters..layout.numbers()];
+        for (numbers, own) in [&mut self.numbers.local, &mut self.numbers.all].into_iter().zip(own)
+        {
+            numbers.clear();
+            numbers.extend(own);
+            numbers.extend_from_slice(released);
+        }
         out[..layout.dimension].fill(0.0);
         released.iter().for_each(|p| out[layout.dimension + p] = 0.0);
     }
@@ -152,17 +157,21 @@ impl System for BoundarySystem {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.release(released, out);
-        let (numbers, zero) = (&self.numbers, Chunk::from(0.0));
+        let numbers = &self.numbers;
         match order {
             1 => {
-                let make = |i: usize, seeded: Chunk| Dual::new(seeded, Chunk::from(v[i]));
-                let weighted = Weighted { x, w, numbers, make: &make, take: |r| r.eps };
+                let make = |seeded: Chunk, along: f64| Dual::new(seeded, Chunk::from(along));
+                let at = Arguments { x, v, make };
+                let weighted = Weighted { at, w, numbers, take: |r| r.eps };
                 let passes = &mut self.nested;
                 self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
             }
             2 => {
-                let make = |i: usize, seeded: Chunk| Dual2::new(seeded, Chunk::from(v[i]), zero);
-                let weighted = Weighted { x, w, numbers, make: &make, take: |r| r.v2 };
+                let make = |seeded: Chunk, along: f64| {
+                    Dual2::new(seeded, Chunk::from(along), Chunk::from(0.0))
+                };
+                let at = Arguments { x, v, make };
+                let weighted = Weighted { at, w, numbers, take: |r| r.v2 };
                 let passes = &mut self.nested_twice;
                 self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
             }

@@ -1,7 +1,7 @@
 //! The factored Jacobian within a border.
 //!
-//! Each segment's chain of intervals is condensed to the states at its ends, the extras and the border. What
-//! is left is a small dense matrix:
+//! Each segment's chain of intervals is condensed to the states at its ends, the extras and the border, and
+//! legs of an orbit one to the next. What is left is a small dense matrix:
 //!
 //! ```text
 //!            x(0)   x(1)   extras and border
@@ -11,9 +11,9 @@
 //!     ⎣  rows of the border                 ⎦
 //! ```
 
-use super::layout::Layout;
+use super::joined::Joined;
+use super::layout::{Layout, Rest};
 use super::linearisation::Linearisation;
-use crate::core::bvp::Unknown;
 use crate::core::failure::Failure;
 use crate::core::linear::{BorderedLu, Chain};
 use crate::core::zero::Border;
@@ -41,6 +41,8 @@ pub(super) struct Bordered<'a> {
 #[derive(Default)]
 pub(super) struct Factorisation {
     chains: Vec<Chain>,
+    /// Where segments are legs: all of them.
+    joined: Joined,
     /// The factors of the dense matrix, and the matrix, one column after the other.
     lu: BorderedLu,
     matrix: Vec<f64>,
@@ -48,13 +50,21 @@ pub(super) struct Factorisation {
     units: Vec<f64>,
     columns: Vec<f64>,
     rows: Vec<f64>,
-    /// Right side, then solution, of the dense matrix.
-    dense: Vec<f64>,
+    left: Left,
     reduced: Vec<f64>,
     /// Values at all nodes, node by node.
     nodes: Vec<f64>,
     /// The count of the assembly whose chains were factored last; 0 where that failed.
     condensed: usize,
+}
+
+/// What is left of a right side.
+#[derive(Default)]
+pub(super) struct Left {
+    /// Right side, then solution, of the dense matrix.
+    pub dense: Vec<f64>,
+    /// What belongs to legs.
+    pub joined: Vec<f64>,
 }
 
 impl Factorisation {
@@ -63,34 +73,45 @@ impl Factorisation {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
         Factorisation {
             chains: layout.segments.iter().map(chain).collect(),
+            joined: Joined::new(layout),
             nodes: vec![0.0; layout.values()],
             ..Default::default()
         }
     }
 
-    /// Factors what is assembled, with these rows of boundary conditions (by the states where all segments
-    /// begin, by those where they end, and by the active numbers).
-    pub fn factor(&mut self, of: Bordered, boundary: &[f64]) -> Result<(), Failure> {
+    /// Factors what is assembled, `μ y − Y` in place of returns.
+    pub fn factor(&mut self, of: Bordered, mu: f64) -> Result<(), Failure> {
         self.condense(of)?;
-        self.place(of, boundary);
+        self.place(of, mu);
         self.units.clone_from(&of.assembled.units);
         if !self.units.is_empty() {
-            self.units.resize(self.dense.len(), 0.0);
+            self.units.resize(self.left.dense.len(), 0.0);
         }
         self.lu.factor_in_units(&self.matrix, Border::NONE, &self.units)
     }
 
     /// Puts the dense matrix together from condensed chains.
-    pub fn place(&mut self, of: Bordered, boundary: &[f64]) {
-        self.place_reduced(of);
-        self.place_boundary(of, boundary);
-        self.place_closing(of);
+    pub fn place(&mut self, of: Bordered, mu: f64) {
+        let (layout, size) = (of.layout, self.left.dense.len());
+        self.matrix.clear();
+        self.matrix.resize(size * size, 0.0);
+        if layout.legs.is_some() {
+            self.joined.place(of, size, &mut self.matrix);
+        } else {
+            self.place_reduced(of);
+            self.place_boundary(of);
+            self.place_closing(of);
+        }
+        for r in &layout.returns {
+            let (row, column) = layout.place(r);
+            self.matrix[column * size + row] += mu - 1.0;
+        }
     }
 
     /// Condenses all chains.
     pub fn condense(&mut self, of: Bordered) -> Result<(), Failure> {
         let Bordered { layout, assembled, form, border } = of;
-        let (k, l) = (layout.extras + border.width, layout.closing() + border.width);
+        let (k, l) = (layout.own() + border.width, layout.closing() + border.width);
         self.condensed = 0;
         for s in 0..layout.segments.len() {
             self.fill_columns(of, s);
@@ -100,8 +121,12 @@ impl Factorisation {
             }
             self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
         }
+        if layout.legs.is_some() {
+            self.joined.condense(of, &self.chains)?;
+        }
         self.condensed = assembled.count;
-        self.dense.resize(2 * layout.states + k, 0.0);
+        let Rest { states, extras, .. } = layout.rest();
+        self.left.dense.resize(2 * states + extras + border.width, 0.0);
         Ok(())
     }
 
@@ -111,7 +136,7 @@ impl Factorisation {
         let (numbers, active) = (&assembled.numbers[s], assembled.active.len());
         self.columns.clear();
         for row in 0..segment.intervals * layout.degree * segment.states {
-            self.columns.extend_from_slice(&numbers[row * active..row * active + layout.extras]);
+            self.columns.extend_from_slice(&numbers[row * active..row * active + layout.own()]);
             let equation = segment.equations + row;
             let entry = |c: usize| border.columns[c * layout.dimension + equation];
             self.columns.extend((0..border.width).map(entry));
@@ -140,12 +165,10 @@ impl Factorisation {
         self.rows[..layout.closing() * length].fill(0.0);
     }
 
-    /// The chains' equations and shares of the rows below them, in a matrix that is zero elsewhere.
+    /// The chains' equations and shares of the rows below them.
     fn place_reduced(&mut self, Bordered { layout, border, .. }: Bordered) {
         let (all, width) = (layout.states, layout.extras + border.width);
         let size = 2 * all + width;
-        self.matrix.clear();
-        self.matrix.resize(size * size, 0.0);
         for (s, chain) in layout.segments.iter().zip(&self.chains) {
             let n = s.states;
             for (i, row) in chain.reduced().chunks_exact(2 * n + width).enumerate() {
@@ -163,12 +186,12 @@ impl Factorisation {
     }
 
     /// Rows of the boundary conditions.
-    fn place_boundary(&mut self, of: Bordered, boundary: &[f64]) {
+    fn place_boundary(&mut self, of: Bordered) {
         let Bordered { layout, assembled, border, .. } = of;
-        let (all, size) = (layout.states, self.dense.len());
+        let (all, size) = (layout.states, self.left.dense.len());
         let by_states = 2 * all + assembled.active.len();
         for i in 0..layout.boundary {
-            let row = &boundary[i * by_states..(i + 1) * by_states];
+            let row = &assembled.boundary[i * by_states..(i + 1) * by_states];
             for (j, entry) in row[..2 * all + layout.extras].iter().enumerate() {
                 self.matrix[j * size + all + i] = *entry;
             }
@@ -185,7 +208,7 @@ impl Factorisation {
 
     /// The corner: integral, phase and border rows by the extras and the border's unknowns.
     fn place_closing(&mut self, Bordered { layout, assembled, form, border }: Bordered) {
-        let (size, extras, active) = (self.dense.len(), layout.extras, assembled.active.len());
+        let (size, extras, active) = (self.left.dense.len(), layout.extras, assembled.active.len());
         let (closing, below) = (layout.closing(), layout.conditions() + layout.boundary);
         let (first_row, first_column) = (layout.states + layout.boundary, 2 * layout.states);
         let mut add = |row: usize, column: usize, entry: f64| {
@@ -220,8 +243,9 @@ impl Factorisation {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
         };
-        let n = layout.segments[0].states;
-        let width = 2 * n + self.dense.len() - 2 * layout.states;
+        let (n, rest) = (layout.segments[0].states, layout.rest());
+        let border = self.left.dense.len() - 2 * rest.states - rest.extras;
+        let width = 2 * n + layout.own() + border;
         out.iter_mut().for_each(Vec::clear);
         for row in chain.reduced().chunks_exact(width).take(n) {
             out[0].extend_from_slice(&row[..n]);
@@ -234,107 +258,143 @@ impl Factorisation {
     /// followed by what belongs to the border.
     pub fn solve(&mut self, layout: &Layout, right: &mut [f64]) {
         self.forward(layout, right);
-        self.lu.solve(&mut self.dense);
+        self.lu.solve(&mut self.left.dense);
         self.back(layout, right);
     }
 
-    /// Eliminates what is inside the chains from a right side: what is left, in the order of the rows of
-    /// the dense matrix, is [`dense`](Self::dense).
+    /// Eliminates what is inside the chains from a right side: what is left is [`left`](Self::left).
     pub fn forward(&mut self, layout: &Layout, right: &mut [f64]) {
-        let (all, below) = (layout.states, layout.states + layout.boundary);
-        self.dense[all..].copy_from_slice(&right[layout.conditions()..]);
-        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+        let Rest { states, boundary, .. } = layout.rest();
+        let (below, legs) = (states + boundary, layout.legs.is_some());
+        let Left { dense, joined } = &mut self.left;
+        match legs {
+            true => self.joined.load(layout, right, joined, &mut dense[states..]),
+            false => dense[states..].copy_from_slice(&right[layout.conditions()..]),
+        }
+        for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
             let equations = &mut right[s.equations..s.equations + (s.nodes - 1) * s.states];
             self.reduced.clear();
             self.reduced.resize(s.states, 0.0);
-            self.reduced.extend_from_slice(&self.dense[below..]);
+            self.reduced.extend_from_slice(&dense[below..]);
             chain.forward(equations, &mut self.reduced);
             let (left, rows) = self.reduced.split_at(s.states);
-            self.dense[s.ends..s.ends + s.states].copy_from_slice(left);
-            self.dense[below..].copy_from_slice(rows);
+            match legs {
+                true => self.joined.equations(joined, k)[..s.states].copy_from_slice(left),
+                false => dense[s.ends..s.ends + s.states].copy_from_slice(left),
+            }
+            dense[below..].copy_from_slice(rows);
+        }
+        if legs {
+            self.joined.forward(joined, dense);
         }
     }
 
-    /// From states at the ends, extras and the border's unknowns, which are in [`dense`](Self::dense), to all
-    /// unknowns. `right` is what [`forward`](Self::forward) has left of it.
+    /// From what is left to all unknowns. `right` is what [`forward`](Self::forward) has left of it.
     pub fn back(&mut self, layout: &Layout, right: &mut [f64]) {
-        let all = layout.states;
-        let (ends, y) = self.dense.split_at(2 * all);
-        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+        let all = layout.rest().states;
+        let Left { dense, joined } = &mut self.left;
+        if layout.legs.is_some() {
+            self.joined.back(joined, dense);
+        }
+        let y = &dense[2 * all..];
+        for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
             let equations = &right[s.equations..s.equations + (s.nodes - 1) * s.states];
             let nodes = &mut self.nodes[s.values..s.values + s.nodes * s.states];
-            let (start, end) = (&ends[s.ends..s.ends + s.states], &ends[all + s.ends..]);
-            chain.back(equations, start, &end[..s.states], y, nodes);
+            if layout.legs.is_some() {
+                let (x_0, x_n, own) = self.joined.leg(k, s.states);
+                self.reduced.clear();
+                self.reduced.extend(own);
+                self.reduced.extend_from_slice(y);
+                chain.back(equations, x_0, x_n, &self.reduced, nodes);
+                continue;
+            }
+            let (x_0, x_n) = (&dense[s.ends..], &dense[all + s.ends..]);
+            chain.back(equations, &x_0[..s.states], &x_n[..s.states], y, nodes);
         }
         self.nodes.iter().zip(&layout.order).for_each(|(value, &z)| right[z] = *value);
-        right[layout.values()..].copy_from_slice(y);
+        match layout.legs {
+            Some(_) => self.joined.unload(layout, y, &mut right[layout.values()..]),
+            None => right[layout.values()..].copy_from_slice(y),
+        }
     }
 
     /// Solves with the transposed matrix, in place.
     pub fn solve_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
         self.forward_transposed(layout, right);
-        self.lu.solve_transposed(&mut self.dense);
+        self.lu.solve_transposed(&mut self.left.dense);
         self.back_transposed(layout, right);
     }
 
     /// As [`forward`](Self::forward) for the transposed matrix.
     pub fn forward_transposed(&mut self, layout: &Layout, right: &[f64]) {
-        let all = layout.states;
+        let (all, legs) = (layout.rest().states, layout.legs.is_some());
+        let Left { dense, .. } = &mut self.left;
         self.nodes.iter_mut().zip(&layout.order).for_each(|(value, &z)| *value = right[z]);
-        self.dense[2 * all..].copy_from_slice(&right[layout.values()..]);
-        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
-            let nodes = &self.nodes[s.values..s.values + s.nodes * s.states];
-            let columns = &self.dense[2 * all..];
+        match legs {
+            true => self.joined.load_transposed(layout, right, &mut dense[2 * all..]),
+            false => dense[2 * all..].copy_from_slice(&right[layout.values()..]),
+        }
+        let own = if legs { 2 } else { 0 };
+        for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
+            let (nodes, n) = (&self.nodes[s.values..s.values + s.nodes * s.states], s.states);
+            self.columns.clear();
+            self.columns.resize(own, 0.0);
+            self.columns.extend_from_slice(&dense[2 * all..]);
             self.reduced.clear();
-            self.reduced.resize(2 * s.states + columns.len(), 0.0);
-            chain.forward_transposed(nodes, columns, &mut self.reduced);
-            let (ends, columns) = self.reduced.split_at(2 * s.states);
-            self.dense[s.ends..s.ends + s.states].copy_from_slice(&ends[..s.states]);
-            let last = all + s.ends;
-            self.dense[last..last + s.states].copy_from_slice(&ends[s.states..]);
-            self.dense[2 * all..].copy_from_slice(columns);
+            self.reduced.resize(2 * n + self.columns.len(), 0.0);
+            chain.forward_transposed(nodes, &self.columns, &mut self.reduced);
+            let (ends, columns) = self.reduced.split_at(2 * n);
+            dense[2 * all..].copy_from_slice(&columns[own..]);
+            if legs {
+                self.joined.add_transposed(k, ends, &columns[..own]);
+                continue;
+            }
+            dense[s.ends..s.ends + n].copy_from_slice(&ends[..n]);
+            dense[all + s.ends..all + s.ends + n].copy_from_slice(&ends[n..]);
+        }
+        if legs {
+            self.joined.forward_transposed(dense);
         }
     }
 
     /// As [`back`](Self::back) for the transposed matrix. The chains remember what was eliminated last.
     pub fn back_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
-        let (all, below) = (layout.states, layout.states + layout.boundary);
-        for (s, chain) in layout.segments.iter().zip(&mut self.chains) {
+        let Rest { states, boundary, .. } = layout.rest();
+        let Left { dense, joined } = &mut self.left;
+        match layout.legs {
+            Some(_) => self.joined.back_transposed(layout, joined, dense, right),
+            None => right[layout.conditions()..].copy_from_slice(&dense[states..]),
+        }
+        for (k, (s, chain)) in layout.segments.iter().zip(&mut self.chains).enumerate() {
             self.reduced.clear();
-            self.reduced.extend_from_slice(&self.dense[s.ends..s.ends + s.states]);
-            self.reduced.extend_from_slice(&self.dense[below..]);
+            match layout.legs {
+                Some(_) => self.reduced.extend(&self.joined.equations(joined, k)[..s.states]),
+                None => self.reduced.extend(&dense[s.ends..s.ends + s.states]),
+            }
+            self.reduced.extend_from_slice(&dense[states + boundary..]);
             let equations = &mut right[s.equations..s.equations + (s.nodes - 1) * s.states];
             chain.back_transposed(&self.reduced, equations);
         }
-        right[layout.conditions()..].copy_from_slice(&self.dense[all..]);
     }
 
     /// What was left of a right side, or is to be put into all unknowns.
-    pub fn dense(&mut self) -> &mut Vec<f64> {
-        &mut self.dense
+    pub fn left(&mut self) -> &mut Left {
+        &mut self.left
     }
 
     /// An entry of the dense matrix.
     pub fn entry(&self, row: usize, column: usize) -> f64 {
-        self.matrix[column * self.dense.len() + row]
+        self.matrix[column * self.left.dense.len() + row]
     }
 
     /// The sign of the determinant, up to one that depends on the numbers of unknowns only.
     pub fn determinant_sign(&self) -> f64 {
-        self.chains.iter().map(Chain::determinant_sign).product::<f64>()
-            * self.lu.determinant_sign()
+        let chains: f64 = self.chains.iter().map(Chain::determinant_sign).product();
+        chains * self.joined.determinant_sign() * self.lu.determinant_sign()
     }
 }
 
 /// What becomes of integral and phase conditions.
 pub(super) fn form_of(layout: &Layout) -> Form {
     if layout.closes() { Form::Twisted } else { Form::Jacobian }
-}
-
-/// The column of an unknown in the rows of boundary conditions, and in the dense matrix.
-pub(super) fn column_of(layout: &Layout, unknown: Unknown) -> usize {
-    match unknown {
-        Unknown::Start(i) => i,
-        Unknown::Extra(e) => 2 * layout.states + e,
-    }
 }

@@ -1,9 +1,9 @@
 //! Factored linearisations as values, which know the layout that they belong to.
 
+use super::BoundarySystem;
 use super::factorisation::{Bordered, Factorisation, Form as Kept, form_of};
 use super::layout::Layout;
 use super::rotating::Rotating;
-use super::{BoundarySystem, periodic};
 use crate::core::failure::Failure;
 use crate::core::linear::{self, Factors};
 use crate::core::zero::{Border, Form};
@@ -56,14 +56,11 @@ impl BoundarySystem {
             || Condensed { layout: shared.clone(), factors: Factorisation::new(layout) },
         );
         let factors = &mut condensed.factors;
-        let outcome = if form == Form::Antiperiodic {
-            periodic::twist(layout, assembled, -1.0, &mut self.twisted);
-            let of = Bordered { layout, assembled, form: form_of(layout), border };
-            factors.factor(of, &self.twisted)
-        } else {
-            let of = Bordered { layout, assembled, form: Kept::Jacobian, border };
-            factors.factor(of, &assembled.boundary)
+        let (form, mu) = match form {
+            Form::Antiperiodic => (form_of(layout), -1.0),
+            _ => (Kept::Jacobian, 1.0),
         };
+        let outcome = factors.factor(Bordered { layout, assembled, form, border }, mu);
         if layout.closes() && factors.pencil(layout, assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }

@@ -1,6 +1,9 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
-use crate::core::bvp::{BoundaryError, Equations, Mesh, Method, Return, Span, Unknown, Watched};
+use crate::core::bvp::{
+    BoundaryError, Equations, Legs, Mesh, Method, Return, Span, Unknown, Watched,
+};
+use crate::core::scalar::Scalar;
 
 /// The places of one segment's unknowns and equations.
 #[derive(Clone, Debug)]
@@ -37,6 +40,8 @@ pub(super) struct Layout {
     pub boundary: usize,
     pub integrals: usize,
     pub phase: bool,
+    /// Whether segments are legs of an orbit.
+    pub legs: Option<Legs>,
     /// The conditions by which a period leads to the next.
     pub returns: Vec<Return>,
     closes: bool,
@@ -85,6 +90,7 @@ impl Layout {
                 .ok_or(BoundaryError::Conditions { unknowns: ends + extras, closing })?,
             integrals,
             phase,
+            legs: problem.legs(),
             returns: problem.returns(),
             closes: false,
             dimension: values + extras,
@@ -149,6 +155,97 @@ impl Layout {
         }
     }
 
+    /// How many numbers besides the parameters a segment depends on.
+    pub fn own(&self) -> usize {
+        if self.legs.is_some() { 2 } else { self.extras }
+    }
+
+    /// The numbers of a segment among those of all of them, as [`spread`](Self::spread) writes them.
+    pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
+        let (width, leg) = (self.parameters + self.own(), self.legs.map_or(0, |_| segment));
+        leg * width..(leg + 1) * width
+    }
+
+    /// The numbers of all segments from `q = (p, e)`.
+    pub fn spread<T: Scalar>(&self, q: &[T], out: &mut Vec<T>) {
+        out.clear();
+        let Some(Legs { forced }) = self.legs else { return out.extend_from_slice(q) };
+        let (p, extras) = q.split_at(self.parameters);
+        let (start, durations) = extras.split_at(usize::from(forced));
+        let mut time = start.first().copied().unwrap_or_else(T::zero);
+        for duration in durations {
+            out.extend_from_slice(p);
+            out.extend([time, *duration]);
+            time += *duration;
+        }
+    }
+
+    /// The numbers of a segment from `x = (z, p)`, behind others.
+    pub fn numbers_of(&self, segment: usize, x: &[f64], out: &mut Vec<f64>) {
+        let (q, p) = (|k: usize| x[self.number(k)], self.parameters);
+        let Some(Legs { forced }) = self.legs else {
+            return out.extend((0..self.numbers()).map(q));
+        };
+        let duration = p + usize::from(forced) + segment;
+        out.extend((0..p).map(q).chain([(p..duration).map(q).sum(), q(duration)]));
+    }
+
+    /// Adds the derivative by one of a segment's numbers to a gradient as long as `x`.
+    pub fn scatter(&self, segment: usize, number: usize, slope: f64, out: &mut [f64]) {
+        let Some((Legs { forced }, own)) = self.legs.zip(number.checked_sub(self.parameters))
+        else {
+            out[self.number(number)] += slope;
+            return;
+        };
+        let (extras, duration) = (&mut out[self.values()..], usize::from(forced) + segment);
+        match own {
+            0 => extras[..duration].iter_mut().for_each(|extra| *extra += slope),
+            _ => extras[duration] += slope,
+        }
+    }
+
+    /// Adds the derivatives of an equation by a leg's start and duration to a dense Jacobian, one column after the other.
+    pub fn place_numbers(&self, leg: usize, slopes: &[f64], equation: usize, out: &mut [f64]) {
+        let forced = usize::from(self.legs == Some(Legs { forced: true }));
+        let first = self.values();
+        for extra in 0..=forced + leg {
+            let slope = if extra == forced + leg { slopes[1] } else { slopes[0] };
+            out[(first + extra) * self.dimension + equation] += slope;
+        }
+    }
+
+    /// The condition that belongs to a state with which the segment after another one begins, or after all of these to the
+    /// event.
+    pub fn joint(&self, segment: usize, i: usize) -> usize {
+        let next = self.after(segment);
+        self.conditions() + if i < next.states { next.ends + i } else { self.states + segment }
+    }
+
+    /// The segment after another one.
+    pub fn after(&self, segment: usize) -> &Segment {
+        &self.segments[(segment + 1) % self.segments.len()]
+    }
+
+    /// What is left between the ends once everything inside is eliminated.
+    pub fn rest(&self) -> Rest {
+        if self.legs.is_some() {
+            let most = self.segments.iter().map(|s| s.states).max().unwrap_or(0);
+            return Rest { states: most + 1, boundary: most + 1, extras: 0 };
+        }
+        Rest { states: self.states, boundary: self.boundary, extras: self.extras }
+    }
+
+    /// The row and the column of a return in the dense matrix of what is left.
+    pub fn place(&self, of: &Return) -> (usize, usize) {
+        let Rest { states, .. } = self.rest();
+        match (of.unknown, self.legs) {
+            (Unknown::Start(i), None) => (states + of.condition, i),
+            (Unknown::Extra(e), None) => (states + of.condition, 2 * states + e),
+            (Unknown::Start(i), Some(_)) => (states + i, i),
+            (Unknown::Extra(_), Some(_)) => (2 * states - 1, states - 1),
+        }
+    }
+
     fn tabulate(&mut self) {
         for s in &self.segments {
             let at = |k: usize, i: usize| s.values + i * s.nodes + k;
@@ -207,6 +304,14 @@ impl Layout {
         let segments = self.segments.iter().enumerate();
         segments.flat_map(|(s, segment)| (0..segment.intervals).map(move |j| (s, j)))
     }
+}
+
+/// The unknowns and equations of the dense matrix that is left: states at both ends, and conditions.
+#[derive(Clone, Copy)]
+pub(super) struct Rest {
+    pub states: usize,
+    pub boundary: usize,
+    pub extras: usize,
 }
 
 /// An interval of a mesh.

@@ -3,7 +3,7 @@
 
 use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
-use super::local::{Dependence, Passes};
+use super::local::{Arguments, Dependence, Passes};
 use crate::core::bvp::{Block, Interval, MonitoredFunctions};
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::failure::{Failure, not_finite};
@@ -18,17 +18,19 @@ pub(super) struct Linearisation {
     /// Derivatives by the active numbers, for each segment one row for each equation of its intervals.
     pub numbers: Vec<Vec<f64>>,
     /// Derivatives of the boundary conditions by the states where all segments begin, then by those where
-    /// they end, then by the active numbers: one row for each condition.
+    /// they end, then by the active numbers: one row for each condition. Those of legs are in [`joints`](super::joints).
     pub boundary: Vec<f64>,
     /// Rows of the integral conditions and the phase condition by all values, node by node.
     pub closing: Vec<f64>,
     /// The same by the active numbers.
     pub closing_numbers: Vec<f64>,
-    /// Components of `q` by which derivatives are taken: the extras, then parameters as they are asked for.
+    /// Which of the segments' numbers derivatives are taken by: all but parameters, then parameters as they are asked for.
     pub active: Vec<usize>,
     /// Typical sizes of the states where all segments begin, of those where they end, and of the extras; empty if all
     /// are 1.
     pub units: Vec<f64>,
+    /// Room for the states at the ends.
+    pub ends: Vec<f64>,
     /// Where everything was assembled last; empty where that failed.
     pub at: Vec<f64>,
     /// Whether it may err by more than what is allowed at a solution.
@@ -51,7 +53,9 @@ impl Linearisation {
             blocks.resize(rows * (layout.degree + 1) * s.states, 0.0);
             numbers.resize(rows * active, 0.0);
         }
-        self.boundary.resize(layout.boundary * (2 * layout.states + active), 0.0);
+        if layout.legs.is_none() {
+            self.boundary.resize(layout.boundary * (2 * layout.states + active), 0.0);
+        }
         self.closing.resize(layout.closing() * layout.values(), 0.0);
         self.closing_numbers.resize(layout.closing() * active, 0.0);
     }
@@ -67,13 +71,30 @@ impl Linearisation {
         self.count += 1;
         self.resize(equations);
         self.units = equations.unknown_scales(&work.q);
-        let states = equations.layout.states.min(self.units.len());
-        self.units.extend_from_within(..states);
-        self.units[states..].rotate_right(states);
+        self.arrange_units(&equations.layout);
         self.intervals(equations, work)?;
-        self.boundary(equations, x, passes);
+        match equations.layout.legs {
+            Some(_) => self.assemble_joints(equations, x, work, passes),
+            None => self.boundary(equations, x, passes),
+        }
         self.closing(equations, x, work, passes)?;
         self.check(equations, &work.q)
+    }
+
+    /// From sizes of all states and extras to those of what is left.
+    fn arrange_units(&mut self, layout: &Layout) {
+        let Some(last) = self.units.last().copied() else { return };
+        let states = match layout.legs {
+            Some(_) => {
+                self.units.truncate(layout.segments[0].states);
+                self.units.resize(layout.rest().states - 1, 1.0);
+                self.units.push(last);
+                self.units.len()
+            }
+            None => layout.states,
+        };
+        self.units.extend_from_within(..states);
+        self.units[states..].rotate_right(states);
     }
 
     fn intervals(&mut self, equations: &mut Discretised, work: &Work<f64>) -> Result<(), Failure> {
@@ -93,7 +114,8 @@ impl Linearisation {
                     numbers: &mut self.numbers[s][j * rows * active..(j + 1) * rows * active],
                 };
                 let (span, nodes) = (span(meshes, s, j), &work.nodes[layout.interval(s, j)]);
-                let interval = Interval { problem: &**problem, span, nodes, q: &work.q };
+                let q = &work.numbers[layout.local(s)];
+                let interval = Interval { problem: &**problem, span, nodes, q };
                 let (watched, mut visit) = extremes.visitor(s, j);
                 let watched = if watching { watched } else { MonitoredFunctions::default() };
                 method.linearise(interval, &self.active, block, watched, &mut visit)?;
@@ -108,10 +130,11 @@ impl Linearisation {
     /// Derivatives of the boundary conditions.
     fn boundary(&mut self, equations: &Discretised, x: &[f64], passes: &mut Passes<Chunk>) {
         let layout = &equations.layout;
-        let dependence = Dependence { unknowns: &layout.ends, numbers: &self.active };
+        let dependence =
+            Dependence { unknowns: &layout.ends, segment: None, numbers: &self.active };
         let (width, first) = (dependence.len(), layout.conditions());
         for start in (0..width.max(1)).step_by(CHUNK) {
-            passes.load(layout, dependence, start, x, |_, seeded| seeded);
+            passes.load(layout, dependence, start, Arguments::plain(x));
             let b = &mut passes.r[..layout.boundary];
             equations.boundary(&passes.unknowns, &passes.q, b);
             for (i, b) in b.iter().enumerate() {
@@ -158,11 +181,11 @@ impl Linearisation {
         let (layout, active) = (&equations.layout, self.active.len());
         let (values, local) = (layout.values(), layout.interval(s, j));
         let first = layout.conditions() + layout.boundary;
-        let dependence =
-            Dependence { unknowns: &layout.order[local.clone()], numbers: &self.active };
+        let unknowns = &layout.order[local.clone()];
+        let dependence = Dependence { unknowns, segment: None, numbers: &self.active };
         for start in (0..dependence.len()).step_by(CHUNK) {
-            passes.load(layout, dependence, start, x, |_, seeded| seeded);
-            let Passes { unknowns, q, r, local: buffers } = &mut *passes;
+            passes.load(layout, dependence, start, Arguments::plain(x));
+            let Passes { unknowns, q, r, local: buffers, .. } = &mut *passes;
             let sums = &mut r[..layout.integrals];
             sums.fill(Chunk::from(0.0));
             equations.integrals(equations.interval((s, j), unknowns, q), buffers, sums)?;
@@ -189,6 +212,9 @@ impl Linearisation {
             let rows = numbers.chunks_exact(active);
             out[s.equations..].iter_mut().zip(rows).for_each(|(out, row)| *out = row[k]);
         }
+        if layout.legs.is_some() {
+            return self.joint_column(layout, k, out);
+        }
         let width = 2 * layout.states + active;
         let conditions = &mut out[layout.conditions()..];
         for (out, row) in conditions.iter_mut().zip(self.boundary.chunks_exact(width)) {
@@ -211,6 +237,15 @@ impl Linearisation {
             for (row, entries) in rows.zip(block.chunks_exact(places.len())) {
                 places.iter().zip(entries).for_each(|(z, entry)| out[z * size + row] = *entry);
             }
+        }
+        if layout.legs.is_some() {
+            for (s, segment) in layout.segments.iter().enumerate() {
+                let rows = self.numbers[s].chunks_exact(self.active.len()).enumerate();
+                rows.for_each(|(k, row)| {
+                    layout.place_numbers(s, row, segment.equations + k, out);
+                });
+            }
+            return self.dense_joints(layout, out);
         }
         let width = 2 * layout.states + self.active.len();
         for (i, row) in self.boundary.chunks_exact(width).enumerate() {
@@ -239,6 +274,12 @@ impl Linearisation {
             if let Some((row, value)) = by_nodes.or(by_numbers) {
                 return Err(equations.refusal(s.equations + row, value, q));
             }
+        }
+        if layout.legs.is_some() {
+            // Rows of legs are as good as any of theirs.
+            let condition = not_finite(&self.boundary).map(|k| self.boundary[k]);
+            let refused = |value| Err(equations.refusal(layout.conditions(), value, q));
+            return condition.map_or(Ok(()), refused);
         }
         let width = 2 * layout.states + self.active.len();
         let conditions = not_finite(&self.boundary).map(|k| (k / width, self.boundary[k]));

@@ -3,6 +3,7 @@
 use super::equations::{Discretised, Local};
 use super::layout::Layout;
 use crate::core::bvp::Number;
+use crate::core::bvp::interval::weighted as summed;
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
@@ -12,7 +13,9 @@ use crate::core::scalar::Scalar;
 pub(super) struct Dependence<'a> {
     /// Positions in `z`.
     pub unknowns: &'a [usize],
-    /// Components of `q`.
+    /// The segment to which the part belongs, if it is one.
+    pub segment: Option<usize>,
+    /// Among the segment's numbers, or of `q`.
     pub numbers: &'a [usize],
 }
 
@@ -22,12 +25,43 @@ impl Dependence<'_> {
         self.unknowns.len() + self.numbers.len()
     }
 
-    /// The position in `x` of a direction.
-    pub fn position(&self, layout: &Layout, k: usize) -> usize {
-        match self.unknowns.get(k) {
-            Some(&z) => z,
-            None => layout.number(self.numbers[k - self.unknowns.len()]),
+    /// Adds the slope in a direction to a gradient as long as `x`.
+    fn scatter(&self, layout: &Layout, k: usize, slope: f64, out: &mut [f64]) {
+        let Some(number) = k.checked_sub(self.unknowns.len()) else {
+            out[self.unknowns[k]] += slope;
+            return;
+        };
+        match self.segment {
+            Some(segment) => layout.scatter(segment, self.numbers[number], slope, out),
+            None => out[layout.number(self.numbers[number])] += slope,
         }
+    }
+}
+
+/// Numbers by which derivatives are taken.
+#[derive(Default)]
+pub(super) struct Numbers {
+    /// Among those of each segment.
+    pub local: Vec<usize>,
+    /// Of all components of `q`.
+    pub all: Vec<usize>,
+}
+
+/// Where derivatives are taken, and along what: arguments are made of a value that is seeded, and its component of the
+/// direction.
+#[derive(Clone, Copy)]
+pub(super) struct Arguments<'a, T> {
+    /// Where.
+    pub x: &'a [f64],
+    /// The direction, as long as `x`.
+    pub v: &'a [f64],
+    pub make: fn(Chunk, f64) -> T,
+}
+
+impl<'a> Arguments<'a, Chunk> {
+    /// Derivatives of values.
+    pub fn plain(x: &'a [f64]) -> Self {
+        Arguments { x, v: x, make: |seeded, _| seeded }
     }
 }
 
@@ -37,115 +71,169 @@ pub(super) struct Passes<T: Scalar> {
     pub q: Vec<T>,
     pub r: Vec<T>,
     pub local: Local<T>,
+    /// `q`, or a segment's part of it, of the point and of the direction.
+    real: [Vec<f64>; 2],
+    slopes: Vec<f64>,
 }
 
 impl<T: Scalar> Passes<T> {
     pub fn new(layout: &Layout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
-        let most = each.max(layout.boundary).max(layout.integrals);
+        let most = (each + 1).max(layout.boundary).max(layout.integrals);
         Passes {
             unknowns: Vec::new(),
             q: Vec::new(),
             r: vec![T::zero(); most],
             local: Local::new(layout),
+            real: Default::default(),
+            slopes: Vec::new(),
         }
     }
 
-    /// Takes arguments: `make` is handed the position of each in `x`, and its value, seeded if it is one of
-    /// the directions of the chunk that begins at `start`.
+    /// Takes arguments, seeded if they are among the directions of the chunk that begins at `start`.
     pub fn load(
         &mut self,
         layout: &Layout,
         dependence: Dependence,
         start: usize,
-        x: &[f64],
-        make: impl Fn(usize, Chunk) -> T,
+        at: Arguments<T>,
     ) {
+        let Arguments { x, v, make } = at;
         let unknowns = dependence.unknowns.iter().enumerate();
         self.unknowns.clear();
-        self.unknowns.extend(unknowns.map(|(k, &z)| make(z, seeded(x[z], k, start))));
-        let numbers = (0..layout.numbers()).map(|k| layout.number(k));
-        self.q.clear();
-        self.q.extend(numbers.map(|i| make(i, Chunk::from(x[i]))));
-        for (k, &number) in dependence.numbers.iter().enumerate() {
-            let i = layout.number(number);
-            self.q[number] = make(i, seeded(x[i], dependence.unknowns.len() + k, start));
+        self.unknowns.extend(unknowns.map(|(k, &z)| make(seeded(x[z], k, start), v[z])));
+        self.take_numbers(layout, dependence.segment, at);
+        self.seed(dependence.numbers, dependence.unknowns.len(), start, make);
+    }
+
+    /// Takes the numbers of a segment, or all.
+    fn take_numbers(&mut self, layout: &Layout, segment: Option<usize>, at: Arguments<T>) {
+        for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
+            real.clear();
+            match segment {
+                Some(segment) => layout.numbers_of(segment, from, real),
+                None => real.extend((0..layout.numbers()).map(|k| from[layout.number(k)])),
+            }
         }
     }
-    /// Adds the gradient of a function of some unknowns and numbers at `x` to `out` (as long as `x`), with
-    /// arguments as [`load`](Self::load) takes them.
+
+    /// Makes numbers, of which some are directions from `first` on.
+    fn seed(&mut self, numbers: &[usize], first: usize, start: usize, make: fn(Chunk, f64) -> T) {
+        let [x, v] = &self.real;
+        self.q.clear();
+        self.q.extend(x.iter().zip(v).map(|(x, v)| make(Chunk::from(*x), *v)));
+        for (k, &number) in numbers.iter().enumerate() {
+            self.q[number] = make(seeded(x[number], first + k, start), v[number]);
+        }
+    }
+
+    /// Adds the gradient of a function of some unknowns and numbers to `out` (as long as `x`), with arguments as
+    /// [`load`](Self::load) takes them.
     pub fn add_gradient(
         &mut self,
         layout: &Layout,
         dependence: Dependence,
-        (x, make): (&[f64], &dyn Fn(usize, Chunk) -> T),
+        at: Arguments<T>,
         out: &mut [f64],
         mut function: impl FnMut(&mut Self) -> Result<Chunk, Failure>,
     ) -> Result<(), Failure> {
         for start in (0..dependence.len()).step_by(CHUNK) {
-            self.load(layout, dependence, start, x, make);
+            self.load(layout, dependence, start, at);
             let slopes = function(self)?.eps;
             for (k, slope) in (start..dependence.len()).zip(slopes) {
-                out[dependence.position(layout, k)] += slope;
+                dependence.scatter(layout, k, slope, out);
             }
         }
         Ok(())
     }
 }
 
-/// An argument of a function as [`Passes::load`] seeds it.
-pub(super) fn plain(_position: usize, seeded: Chunk) -> Chunk {
-    seeded
-}
-
-/// `wᵀ F(x)` as a scalar that carries derivatives, whose gradient is wanted.
+/// A derivative of `wᵀ F(x)` along a direction, whose gradient is wanted.
 pub(super) struct Weighted<'a, T> {
-    /// Where.
-    pub x: &'a [f64],
+    pub at: Arguments<'a, T>,
     /// One weight for each equation.
     pub w: &'a [f64],
-    /// The components of `q` by which derivatives are wanted.
-    pub numbers: &'a [usize],
-    /// An argument from its position in `x` and its seeded value.
-    pub make: &'a dyn Fn(usize, Chunk) -> T,
-    /// The derivative, along a direction, whose gradient is wanted.
+    /// The numbers by which derivatives are wanted.
+    pub numbers: &'a Numbers,
+    /// The derivative along the direction.
     pub take: fn(&T) -> Chunk,
 }
 
 impl Discretised {
-    /// Adds the gradient of a weighted sum of all left sides to `out` (as long as `x`).
+    /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as `x`).
     pub fn add_gradient<T: Number>(
         &self,
-        &Weighted { x, w, numbers, make, take }: &Weighted<T>,
+        weighted: &Weighted<T>,
         passes: &mut Passes<T>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
         let layout = &self.layout;
-        let (boundary, closing) = w[layout.conditions()..].split_at(layout.boundary);
-        let weighted = |values: &[T], weights: &[f64]| {
-            let terms = values.iter().zip(weights);
-            terms.fold(Chunk::from(0.0), |sum, (value, weight)| sum + take(value) * *weight)
-        };
-        for (s, j) in layout.intervals() {
-            let rows = layout.equations(s, j);
-            let unknowns = &layout.order[layout.interval(s, j)];
-            let dependence = Dependence { unknowns, numbers };
-            passes.add_gradient(layout, dependence, (x, make), out, |passes| {
-                let Passes { unknowns, q, r, local } = passes;
-                let interval = self.interval((s, j), unknowns, q);
-                self.method.residual(interval, &mut local.method, &mut r[..rows.len()])?;
-                let sum = weighted(&r[..rows.len()], &w[rows.clone()]);
-                let sums = &mut r[..layout.integrals];
-                sums.fill(T::zero());
-                self.integrals(interval, local, sums)?;
-                Ok(sum + weighted(sums, &closing[..layout.integrals]))
-            })?;
+        for s in 0..layout.segments.len() {
+            passes.take_numbers(layout, Some(s), weighted.at);
+            passes.slopes.clear();
+            passes.slopes.resize(weighted.numbers.local.len(), 0.0);
+            for j in 0..layout.segments[s].intervals {
+                self.add_gradient_inside((s, j), weighted, passes, out)?;
+            }
+            for (&number, &slope) in weighted.numbers.local.iter().zip(&passes.slopes) {
+                layout.scatter(s, number, slope, out);
+            }
         }
-        let dependence = Dependence { unknowns: &layout.ends, numbers };
-        passes.add_gradient(layout, dependence, (x, make), out, |passes| {
+        if layout.legs.is_some() {
+            return self.add_gradient_of_joints(weighted, passes, out);
+        }
+        let &Weighted { at, w, numbers, take } = weighted;
+        let dependence =
+            Dependence { unknowns: &layout.ends, segment: None, numbers: &numbers.all };
+        passes.add_gradient(layout, dependence, at, out, |passes| {
             let b = &mut passes.r[..layout.boundary];
             self.boundary(&passes.unknowns, &passes.q, b);
-            Ok(weighted(b, boundary))
+            Ok(take(&summed(b, &w[layout.conditions()..])))
         })
+    }
+
+    /// The share of an interval: its equations are linear but for functions of few arguments each, which are
+    /// combinations of the values at its nodes.
+    fn add_gradient_inside<T: Number>(
+        &self,
+        (s, j): (usize, usize),
+        &Weighted { at: Arguments { x, v, make }, w, numbers, take }: &Weighted<T>,
+        passes: &mut Passes<T>,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let (layout, n, numbers) = (&self.layout, self.layout.segments[s].states, &numbers.local);
+        let (order, rows) = (&layout.order[layout.interval(s, j)], layout.equations(s, j));
+        let closing = &w[layout.conditions() + layout.boundary..][..layout.integrals];
+        let combined = |coefficients: &[f64], of: &[f64], i: usize| -> f64 {
+            let nodes = order[i..].iter().step_by(n);
+            coefficients.iter().zip(nodes).map(|(c, &z)| c * of[z]).sum()
+        };
+        passes.unknowns.clear();
+        passes.unknowns.resize(2 * n, T::zero());
+        for start in (0..n + numbers.len()).step_by(CHUNK) {
+            passes.seed(numbers, n, start, make);
+            let Passes { unknowns, q, r, local, slopes, .. } = &mut *passes;
+            let each = self.method.arguments().chunks_exact(layout.degree + 1).enumerate();
+            for (c, coefficients) in each {
+                for (i, argument) in unknowns[..n].iter_mut().enumerate() {
+                    let value = seeded(combined(coefficients, x, i), i, start);
+                    *argument = make(value, combined(coefficients, v, i));
+                }
+                let interval = self.interval((s, j), unknowns, q);
+                let weights = [&w[rows.start + c * n..][..n], closing];
+                let sum = self.method.nonlinear(interval, c, weights, &mut local.method, r)?;
+                for (k, slope) in (start..n + numbers.len()).zip(take(&sum).eps) {
+                    match k.checked_sub(n) {
+                        Some(number) => slopes[number] += slope,
+                        None => order[k..]
+                            .iter()
+                            .step_by(n)
+                            .zip(coefficients)
+                            .for_each(|(&z, coefficient)| out[z] += coefficient * slope),
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 }

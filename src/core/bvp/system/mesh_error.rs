@@ -12,7 +12,7 @@
 //! polynomials may be alike, and as wrong. Where the mesh resolves the solution, it is negligible.
 
 use super::equations::{Discretised, Work};
-use super::local::{Dependence, Passes, plain};
+use super::local::{Arguments, Dependence, Passes};
 use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
@@ -137,8 +137,9 @@ impl Discretised {
         positions.extend(start + first..=start + last);
         positions
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
-        let dependence = Dependence { unknowns: &positions, numbers: &[] };
-        let outcome = passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
+        let dependence = Dependence { unknowns: &positions, segment: None, numbers: &[] };
+        let at = Arguments::plain(x);
+        let outcome = passes.add_gradient(&self.layout, dependence, at, out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
             let size = largest * largest.re.signum();
             Ok(self.error(segment, interval, size, |k| passes.unknowns[k - first]))

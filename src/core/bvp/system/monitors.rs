@@ -3,7 +3,7 @@
 use super::equations::{Discretised, Work, gather_ends};
 use super::extremes::Sighting;
 use super::layout::span;
-use super::local::{Dependence, Passes, plain};
+use super::local::{Arguments, Dependence, Numbers, Passes};
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
@@ -31,7 +31,7 @@ impl Discretised {
     ) -> Result<f64, Failure> {
         self.watch_for(monitor, work)?;
         Ok(match self.monitors.get(monitor) {
-            Some(Monitor::Duration) => self.duration(&work.q, |_| true),
+            Some(Monitor::Duration) => self.duration(&work.numbers, |_| true),
             Some(Monitor::Ends(function)) => {
                 gather_ends(&self.layout, &work.nodes, &mut work.ends);
                 self.of_ends(*function, &work.ends, &work.q)
@@ -61,7 +61,7 @@ impl Discretised {
     pub(super) fn watch_for(&mut self, monitor: usize, work: &Work<f64>) -> Result<(), Failure> {
         match self.monitors.get(monitor) {
             None | Some(Monitor::Duration | Monitor::Ends(_) | Monitor::Integral(..)) => Ok(()),
-            Some(_) => self.find_extremes(&work.nodes, &work.q, None),
+            Some(_) => self.find_extremes(&work.nodes, (&work.q, &work.numbers), None),
         }
     }
 
@@ -70,22 +70,19 @@ impl Discretised {
     pub fn add_monitor_gradient(
         &mut self,
         monitor: usize,
-        (x, numbers): (&[f64], &[usize]),
+        (x, numbers): (&[f64], &Numbers),
         work: &mut Work<f64>,
         passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.watch_for(monitor, work)?;
         match self.monitors.get(monitor) {
-            Some(Monitor::Duration) => {
-                let dependence = Dependence { unknowns: &[], numbers };
-                passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
-                    Ok(self.duration(&passes.q, |_| true))
-                })
-            }
+            Some(Monitor::Duration) => self.add_duration(|_| true, 1.0, (x, numbers), passes, out),
             Some(Monitor::Ends(function)) => {
-                let dependence = Dependence { unknowns: &self.layout.ends, numbers };
-                passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
+                let unknowns = &self.layout.ends;
+                let dependence = Dependence { unknowns, segment: None, numbers: &numbers.all };
+                let at = Arguments::plain(x);
+                passes.add_gradient(&self.layout, dependence, at, out, |passes| {
                     Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
                 })
             }
@@ -112,11 +109,30 @@ impl Discretised {
         }
     }
 
-    /// The duration of some segments together.
-    pub fn duration<T: Number>(&self, q: &[T], counts: impl Fn(usize) -> bool) -> T {
-        let (each, problem) = (self.meshes.iter().enumerate(), T::residual(&*self.problem));
-        each.filter(|(s, _)| counts(*s))
-            .fold(T::zero(), |sum, (s, mesh)| sum + problem.duration_in(s, q) * mesh.end())
+    /// The duration of some segments together, from the numbers of all segments.
+    pub fn duration(&self, numbers: &[f64], counts: impl Fn(usize) -> bool) -> f64 {
+        let all = self.meshes.iter().enumerate().filter(|(s, _)| counts(*s));
+        all.map(|(s, mesh)| self.duration_of(s, &numbers[self.layout.local(s)]) * mesh.end()).sum()
+    }
+
+    /// Adds a multiple of its gradient.
+    fn add_duration(
+        &self,
+        counts: impl Fn(usize) -> bool,
+        factor: f64,
+        (x, numbers): (&[f64], &Numbers),
+        passes: &mut Passes<Chunk>,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        for (s, mesh) in self.meshes.iter().enumerate().filter(|(s, _)| counts(*s)) {
+            let dependence =
+                Dependence { unknowns: &[], segment: Some(s), numbers: &numbers.local };
+            passes.add_gradient(&self.layout, dependence, Arguments::plain(x), out, |passes| {
+                let duration = Chunk::residual(&*self.problem).duration_in(s, &passes.q);
+                Ok(duration * (mesh.end() * factor))
+            })?;
+        }
+        Ok(())
     }
 
     /// An integral of scalars at the arguments of `work`, and the time over which it goes.
@@ -126,13 +142,14 @@ impl Discretised {
         watched: &[Watched],
         work: &mut Work<f64>,
     ) -> Result<[f64; 2], Failure> {
-        let Work { nodes, q, local, .. } = work;
+        let Work { nodes, numbers, local, .. } = work;
         let mut sum = 0.0;
         for at in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
+            let q = &numbers[self.layout.local(at.0)];
             let interval = self.interval(at, &nodes[self.layout.interval(at.0, at.1)], q);
             sum += self.share(integral, watched, interval, &mut local.method)?;
         }
-        Ok([sum, self.duration(q, |s| on_segment(watched, s))])
+        Ok([sum, self.duration(numbers, |s| on_segment(watched, s))])
     }
 
     /// The share of an interval in an integral.
@@ -157,7 +174,7 @@ impl Discretised {
         &self,
         integral: Integral,
         watched: &[Watched],
-        (x, numbers): (&[f64], &[usize]),
+        (x, numbers): (&[f64], &Numbers),
         (work, passes): (&mut Work<f64>, &mut Passes<Chunk>),
         out: &mut [f64],
     ) -> Result<(), Failure> {
@@ -169,8 +186,8 @@ impl Discretised {
             let unknowns = &self.layout.order[self.layout.interval(s, j)];
             passes.add_gradient(
                 &self.layout,
-                Dependence { unknowns, numbers },
-                (x, &plain),
+                Dependence { unknowns, segment: Some(s), numbers: &numbers.local },
+                Arguments::plain(x),
                 out,
                 |passes| {
                     let Passes { unknowns, q, local, .. } = passes;
@@ -179,10 +196,8 @@ impl Discretised {
                 },
             )?;
         }
-        let dependence = Dependence { unknowns: &[], numbers };
-        passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
-            Ok(self.duration(&passes.q, |s| on_segment(watched, s)) * by_time)
-        })
+        let counts = |s| on_segment(watched, s);
+        self.add_duration(counts, by_time, (x, numbers), passes, out)
     }
 
     /// A function of states at the ends, those where segments begin coming first.
@@ -235,7 +250,7 @@ impl Discretised {
     pub(super) fn find_extremes(
         &mut self,
         nodes: &[f64],
-        q: &[f64],
+        (q, numbers): (&[f64], &[f64]),
         mut residual: Option<&mut [f64]>,
     ) -> Result<(), Failure> {
         let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
@@ -247,6 +262,7 @@ impl Discretised {
             let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
             let (span, nodes) = (span(meshes, s, j), &nodes[layout.interval(s, j)]);
             let (watched, mut visit) = extremes.visitor(s, j);
+            let q = &numbers[layout.local(s)];
             method.extrema(
                 Interval { problem: &**problem, span, nodes, q },
                 watched,
@@ -275,13 +291,14 @@ impl Discretised {
         let segment = watched[0].segment;
         let n = self.layout.segments[segment].states;
         let nodes = &work.nodes[self.layout.interval(segment, interval)];
-        let at = self.interval((segment, interval), nodes, &work.q);
+        let q = &work.numbers[self.layout.local(segment)];
+        let at = self.interval((segment, interval), nodes, q);
         let (mut x, mut f) = (vec![0.0; n], vec![0.0; n]);
         self.method.value(at, place, &mut work.local.method, &mut x)?;
         let t = at.duration() * (at.span.start + at.length() * place);
-        at.field().slope(t, &x, &work.q, &mut f);
+        at.field().slope(t, &x, q, &mut f);
         let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
-        let q: Vec<Dual64> = work.q.iter().map(|q| Dual64::from(*q)).collect();
+        let q: Vec<Dual64> = q.iter().map(|q| Dual64::from(*q)).collect();
         let problem = Dual64::watches(&*self.problem);
         Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
     }
@@ -291,15 +308,15 @@ impl Discretised {
     fn add_term(
         &self,
         (watched, sighting, factor): &Term,
-        (x, numbers): (&[f64], &[usize]),
+        (x, numbers): (&[f64], &Numbers),
         passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
         let (layout, segment) = (&self.layout, watched.segment);
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
-        let dependence = Dependence { unknowns, numbers };
-        passes.add_gradient(&self.layout, dependence, (x, &plain), out, |passes| {
+        let dependence = Dependence { unknowns, segment: Some(segment), numbers: &numbers.local };
+        passes.add_gradient(&self.layout, dependence, Arguments::plain(x), out, |passes| {
             let Passes { unknowns, q, local, .. } = passes;
             let (interval, x) = (self.interval(at, unknowns, q), &mut local.x[..n]);
             self.method.value(interval, sighting.place, &mut local.method, x)?;

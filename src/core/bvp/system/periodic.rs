@@ -12,9 +12,8 @@
 //! dense matrix, is complex for `μ = e^{iω}`.
 
 use super::BoundarySystem;
-use super::factorisation::{Bordered, column_of, form_of};
+use super::factorisation::{Bordered, form_of};
 use super::layout::Layout;
-use super::linearisation::Linearisation;
 use crate::core::bvp::{Number, Return};
 use crate::core::failure::Failure;
 use crate::core::linear::{Chain, multipliers, undetermined};
@@ -207,11 +206,10 @@ impl BoundarySystem {
     fn return_matrix(&mut self, mu: f64) -> Result<f64, Failure> {
         let Self { equations, linearisation: assembled, condensed, returned, right, .. } = self;
         let layout: &Layout = &equations.layout;
-        twist(layout, assembled, mu, &mut self.twisted);
         let of = Bordered { layout, assembled, form: form_of(layout), border: Border::NONE };
-        condensed.factor(of, &self.twisted)?;
+        condensed.factor(of, mu)?;
         let (k, units) = (layout.returns.len(), &assembled.units);
-        let unit = |r: &Return| units.get(column_of(layout, r.unknown)).copied().unwrap_or(1.0);
+        let unit = |r: &Return| units.get(layout.place(r).1).copied().unwrap_or(1.0);
         returned.clear();
         returned.resize(k * k, 0.0);
         for (column, r) in layout.returns.iter().enumerate() {
@@ -224,15 +222,6 @@ impl BoundarySystem {
             }
         }
         Ok(returned.iter().fold(0.0, |size: f64, q| size.max(q.abs())))
-    }
-}
-
-/// The rows of the boundary conditions for a multiplier.
-pub(super) fn twist(layout: &Layout, assembled: &Linearisation, mu: f64, rows: &mut Vec<f64>) {
-    let width = 2 * layout.states + assembled.active.len();
-    rows.clone_from(&assembled.boundary);
-    for r in &layout.returns {
-        rows[r.condition * width + column_of(layout, r.unknown)] += mu - 1.0;
     }
 }
 

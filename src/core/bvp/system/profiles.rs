@@ -48,8 +48,8 @@ impl Discretised {
         begin: f64,
         work: &mut Work<f64>,
     ) -> Result<Vec<Vec<f64>>, Failure> {
-        let s = &self.layout.segments[segment];
-        let duration = self.duration_of(segment, &work.q);
+        let (s, q) = (&self.layout.segments[segment], &work.numbers[self.layout.local(segment)]);
+        let duration = self.duration_of(segment, q);
         let each = FEWEST_POINTS.div_ceil(s.intervals).max(self.layout.degree);
         let mut history = Vec::with_capacity(s.intervals * each + 1);
         for interval in 0..s.intervals {
@@ -58,7 +58,7 @@ impl Discretised {
             let time =
                 |place: f64| begin + duration * (span.start + (span.end - span.start) * place);
             let mut visit = |place: f64, x: &[f64]| history.push([&[time(place)], x].concat());
-            let place = self.interval((segment, interval), nodes, &work.q);
+            let place = self.interval((segment, interval), nodes, q);
             self.method.trajectory(place, each, &mut work.local.method, &mut visit)?;
             if interval + 1 == s.intervals {
                 visit(1.0, &nodes[nodes.len() - s.states..]);

@@ -1,6 +1,6 @@
 //! Linearisations of complex multipliers.
 
-use super::factorisation::{Bordered, Factorisation, column_of, form_of};
+use super::factorisation::{Bordered, Factorisation, Left, form_of};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use crate::core::failure::Failure;
@@ -21,7 +21,7 @@ pub(super) struct Rotating {
     right: Vec<c64>,
     /// Real and imaginary parts of a right side, and what the chains leave of them.
     parts: [Vec<f64>; 2],
-    left: [Vec<f64>; 2],
+    left: [Left; 2],
 }
 
 impl Rotating {
@@ -42,8 +42,8 @@ impl Rotating {
         let border = Border { width: 2, corner: &[0.0; 4], ..border };
         let of = Bordered { layout, assembled, form: form_of(layout), border };
         self.factors.condense(of)?;
-        self.factors.place(of, &assembled.boundary);
-        let last = self.factors.dense().len() - 2;
+        self.factors.place(of, 1.0);
+        let last = self.factors.left().dense.len() - 2;
         let size = last + 1;
         // The last column is `b_r + i b_i`, the last row `c_r − i c_i`.
         let entry = |i, j| self.factors.entry(i, j);
@@ -61,7 +61,7 @@ impl Rotating {
         }
         let returned = c64::new(omega.cos() - 1.0, omega.sin());
         for r in &layout.returns {
-            let (i, j) = (layout.states + r.condition, column_of(layout, r.unknown));
+            let (i, j) = layout.place(r);
             self.lu.room(size)[size * j + i] += returned;
         }
         let mut units = assembled.units.clone();
@@ -86,10 +86,11 @@ impl Rotating {
                 true => factors.forward_transposed(layout, part),
                 false => factors.forward(layout, part),
             }
-            left.clone_from(factors.dense());
+            left.dense.clone_from(&factors.left().dense);
+            left.joined.clone_from(&factors.left().joined);
         }
-        let last = left[0].len() - 2;
-        let [a, b] = &*left;
+        let last = left[0].dense.len() - 2;
+        let [a, b] = [&left[0].dense, &left[1].dense];
         dense.clear();
         dense.extend(a[..last].iter().zip(b).map(|(re, im)| c64::new(*re, *im)));
         dense.push(c64::new(g[0] + a[last] + b[last + 1], g[1] + b[last] - a[last + 1]));
@@ -104,7 +105,8 @@ impl Rotating {
                 factors.forward_transposed(layout, part);
             }
             let own = |value: &c64| if k == 0 { value.re } else { value.im };
-            let ends = factors.dense();
+            factors.left().joined.clone_from(&left[k].joined);
+            let ends = &mut factors.left().dense;
             ends.iter_mut().zip(&*dense).for_each(|(end, value)| *end = own(value));
             ends[last + 1] = if k == 0 { -g.im } else { g.re };
             match transposed {

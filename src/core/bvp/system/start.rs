@@ -128,7 +128,8 @@ impl BoundarySystem {
     /// # Errors
     /// [`Failure`] where a trajectory leaves the domain of its field.
     pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
-        let (problem, q) = (self.problem(), [p, extras].concat());
+        let (problem, mut numbers) = (self.problem(), Vec::new());
+        self.equations.layout.spread(&[p, extras].concat(), &mut numbers);
         let mut flow = Flow::<f64>::default();
         let mut at = (usize::MAX, 0.0, Vec::new());
         let mut outcome = Ok(());
@@ -137,13 +138,14 @@ impl BoundarySystem {
                 let s = &self.equations.layout.segments[segment];
                 at = (segment, 0.0, starts[s.ends..s.ends + s.states].to_vec());
             }
-            let equations = f64::residual(&**problem);
-            let field = equations.on_segment(segment, &q);
-            let duration = equations.duration_in(segment, &q);
+            let (equations, q) =
+                (f64::residual(&**problem), &numbers[self.equations.layout.local(segment)]);
+            let field = equations.on_segment(segment, q);
+            let duration = equations.duration_in(segment, q);
             let (from, x) = (at.1, &mut at.2);
             if outcome.is_ok() && tau > from {
                 let length = (tau - from) * duration;
-                outcome = flow.advance(&field, from * duration, length, x, &q).map(|_| ());
+                outcome = flow.advance(&field, from * duration, length, x, q).map(|_| ());
             }
             at.1 = tau;
             out.copy_from_slice(&at.2);

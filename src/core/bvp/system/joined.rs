@@ -1,0 +1,290 @@
+//! The legs of an orbit, condensed one to the next.
+//!
+//! What is left of a leg's chain are `n` equations by the states `x(0)`, `x(1)` at its ends, the time `T` at which it
+//! begins and its duration `L`. With the conditions where it leads to the next leg,
+//!
+//! ```text
+//!     x⁺ − r(x(1), T + L) = 0,    h(x(1), T + L) = 0,    T⁺ − T − L = 0,
+//! ```
+//!
+//! they are an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`: so legs are condensed as intervals
+//! are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`, and under forcing `T⁺ − T` is the cycle.
+//! Legs with fewer states than others have further ones that are zero.
+
+use super::factorisation::Bordered;
+use super::layout::Layout;
+use crate::core::bvp::Legs;
+use crate::core::failure::Failure;
+use crate::core::linear::Chain;
+
+/// The chain of legs.
+#[derive(Default)]
+pub(super) struct Joined {
+    /// The numbers of legs, and of unknowns at a node.
+    legs: usize,
+    n: usize,
+    chain: Chain,
+    blocks: Vec<f64>,
+    columns: Vec<f64>,
+    rows: Vec<f64>,
+    /// Shares of the legs in the border's corner.
+    corner: Vec<f64>,
+    nodes: Vec<f64>,
+    reduced: Vec<f64>,
+}
+
+impl Joined {
+    pub fn new(layout: &Layout) -> Self {
+        if layout.legs.is_none() {
+            return Joined::default();
+        }
+        let (legs, n) = (layout.segments.len(), layout.rest().states);
+        let (chain, nodes) = (Chain::new(legs, 2, n), vec![0.0; (2 * legs + 1) * n]);
+        Joined { legs, n, chain, nodes, ..Joined::default() }
+    }
+
+    /// 1 where there are no legs.
+    pub fn determinant_sign(&self) -> f64 {
+        if self.legs > 0 { self.chain.determinant_sign() } else { 1.0 }
+    }
+
+    /// Condenses all legs, whose chains are condensed.
+    pub fn condense(&mut self, of: Bordered, chains: &[Chain]) -> Result<(), Failure> {
+        let (legs, n, width) = (self.legs, self.n, of.border.width);
+        for (numbers, length) in [
+            (&mut self.blocks, legs * 6 * n * n),
+            (&mut self.columns, legs * 2 * n * width),
+            (&mut self.rows, width * (2 * legs + 1) * n),
+            (&mut self.corner, width * width),
+        ] {
+            numbers.clear();
+            numbers.resize(length, 0.0);
+        }
+        for (leg, joint) in of.assembled.joints(of.layout) {
+            self.fill_chain(of, leg, chains[leg].reduced());
+            self.fill_joint(of, leg, joint);
+        }
+        self.fill_border(of);
+        self.chain.factor(&self.blocks, &self.columns, width, &self.rows, width)
+    }
+
+    /// Equations and shares of the border's rows that are left of a leg's chain.
+    fn fill_chain(
+        &mut self,
+        Bordered { layout, border, .. }: Bordered,
+        leg: usize,
+        reduced: &[f64],
+    ) {
+        let (n, m, width) = (self.n, layout.segments[leg].states, border.width);
+        let length = (2 * self.legs + 1) * n;
+        for (i, row) in reduced.chunks_exact(2 * m + 2 + width).enumerate() {
+            let (ends, others) = row.split_at(2 * m);
+            let (own, columns) = others.split_at(2);
+            let (target, last) = match i.checked_sub(m) {
+                None => (
+                    &mut self.blocks[(leg * 2 * n + i) * 3 * n..][..2 * n],
+                    &mut self.columns[(leg * 2 * n + i) * width..][..width],
+                ),
+                Some(r) => (
+                    &mut self.rows[r * length + leg * 2 * n..][..2 * n],
+                    &mut self.corner[r * width..(r + 1) * width],
+                ),
+            };
+            for half in 0..2 {
+                let node = &mut target[half * n..(half + 1) * n];
+                add(node, &ends[half * m..(half + 1) * m]);
+                node[n - 1] += own[half];
+            }
+            add(last, columns);
+        }
+    }
+
+    /// The conditions where a leg leads to the next one, and states that it does not have.
+    fn fill_joint(&mut self, of: Bordered, leg: usize, joint: &[f64]) {
+        let Bordered { layout, assembled, border, .. } = of;
+        let (n, m, next) = (self.n, layout.segments[leg].states, layout.after(leg).states);
+        let first = leg * 2 * n + m;
+        let mut rows = self.blocks[first * 3 * n..].chunks_exact_mut(3 * n);
+        let given = joint.chunks_exact(assembled.joint_width(layout, leg));
+        for ((i, given), row) in given.enumerate().zip(&mut rows) {
+            row[n..n + m].copy_from_slice(&given[..m]);
+            (row[n - 1], row[2 * n - 1]) = (given[m], given[m + 1]);
+            if i < next {
+                row[2 * n + i] = 1.0;
+            }
+            let condition = layout.joint(leg, i);
+            for c in 0..border.width {
+                self.columns[(first + i) * border.width + c] =
+                    border.columns[c * layout.dimension + condition];
+            }
+        }
+        if let Some(time) = rows.next() {
+            (time[n - 1], time[2 * n - 1], time[3 * n - 1]) = (-1.0, -1.0, 1.0);
+        }
+        let missing = (n + m..2 * n - 1).chain(2 * n + next..3 * n - 1);
+        missing.zip(rows).for_each(|(column, row)| row[column] = 1.0);
+    }
+
+    /// The border's rows by start and durations, and its corner.
+    fn fill_border(&mut self, Bordered { layout, border, .. }: Bordered) {
+        let (n, length) = (self.n, (2 * self.legs + 1) * self.n);
+        let forced = usize::from(layout.legs == Some(Legs { forced: true }));
+        for r in 0..border.width {
+            let extras = &border.rows[r * layout.dimension..][layout.values()..layout.dimension];
+            let row = &mut self.rows[r * length..(r + 1) * length];
+            let (start, durations) = extras.split_at(forced);
+            row[n - 1] += start.first().copied().unwrap_or(0.0);
+            for (leg, duration) in durations.iter().enumerate() {
+                row[(2 * leg + 2) * n - 1] += duration;
+            }
+        }
+        add(&mut self.corner, &border.corner[..border.width * border.width]);
+    }
+
+    /// What is left, and how it closes, into a dense matrix that is zero.
+    pub fn place(
+        &self,
+        Bordered { layout, border, .. }: Bordered,
+        size: usize,
+        matrix: &mut [f64],
+    ) {
+        let (n, width) = (self.n, border.width);
+        let mut add = |row: usize, column: usize, entry: f64| matrix[column * size + row] += entry;
+        for (i, row) in self.chain.reduced().chunks_exact(size).enumerate() {
+            let target = if i < n { i } else { n + i };
+            row.iter().enumerate().for_each(|(column, entry)| add(target, column, *entry));
+        }
+        for i in 0..n {
+            add(n + i, i, 1.0);
+            // Without forcing, time begins at 0.
+            if i + 1 < n || layout.legs == Some(Legs { forced: true }) {
+                add(n + i, n + i, -1.0);
+            }
+        }
+        for c in 0..width {
+            if layout.legs == Some(Legs { forced: true }) {
+                let cycle = border.columns[(c + 1) * layout.dimension - 1];
+                add(2 * n - 1, 2 * n + c, cycle);
+            }
+            (0..width).for_each(|r| add(2 * n + r, 2 * n + c, self.corner[r * width + c]));
+        }
+    }
+
+    /// A leg's part of a right side.
+    pub fn equations<'a>(&self, right: &'a mut [f64], leg: usize) -> &'a mut [f64] {
+        &mut right[leg * 2 * self.n..(leg + 1) * 2 * self.n]
+    }
+
+    /// Takes the conditions' part of a right side: that of the legs, and how they close, with the border.
+    pub fn load(&self, layout: &Layout, from: &[f64], right: &mut Vec<f64>, closing: &mut [f64]) {
+        right.clear();
+        right.resize(self.legs * 2 * self.n, 0.0);
+        for leg in 0..self.legs {
+            let (m, next) = (layout.segments[leg].states, layout.after(leg).states);
+            for i in 0..=next {
+                self.equations(right, leg)[m + i] = from[layout.joint(leg, i)];
+            }
+        }
+        closing[..self.n].fill(0.0);
+        if layout.legs == Some(Legs { forced: true }) {
+            closing[self.n - 1] = from[layout.dimension - 1];
+        }
+        closing[self.n..].copy_from_slice(&from[layout.dimension..]);
+    }
+
+    /// Eliminates what is inside.
+    pub fn forward(&mut self, right: &mut [f64], dense: &mut [f64]) {
+        let n = self.n;
+        self.reduced.clear();
+        self.reduced.resize(n, 0.0);
+        self.reduced.extend_from_slice(&dense[2 * n..]);
+        self.chain.forward(right, &mut self.reduced);
+        dense[..n].copy_from_slice(&self.reduced[..n]);
+        dense[2 * n..].copy_from_slice(&self.reduced[n..]);
+    }
+
+    /// From both ends and the border's unknowns to all nodes.
+    pub fn back(&mut self, right: &[f64], dense: &[f64]) {
+        let n = self.n;
+        let (x_0, x_n, y) = (&dense[..n], &dense[n..2 * n], &dense[2 * n..]);
+        self.chain.back(right, x_0, x_n, y, &mut self.nodes);
+    }
+
+    /// The states at the ends of a leg, its time and its duration.
+    pub fn leg(&self, leg: usize, states: usize) -> (&[f64], &[f64], [f64; 2]) {
+        let nodes = &self.nodes[leg * 2 * self.n..(leg + 1) * 2 * self.n];
+        let (left, inner) = nodes.split_at(self.n);
+        (&left[..states], &inner[..states], [left[self.n - 1], inner[self.n - 1]])
+    }
+
+    /// The extras, and the border's unknowns `y`.
+    pub fn unload(&self, layout: &Layout, y: &[f64], out: &mut [f64]) {
+        let forced = usize::from(layout.legs == Some(Legs { forced: true }));
+        out[..forced].copy_from_slice(&self.nodes[self.n - 1..][..forced]);
+        for leg in 0..self.legs {
+            out[forced + leg] = self.nodes[(2 * leg + 2) * self.n - 1];
+        }
+        out[layout.extras..].copy_from_slice(y);
+    }
+
+    /// Takes the extras' part of a right side of the transposed system, and the border's.
+    pub fn load_transposed(&mut self, layout: &Layout, right: &[f64], border: &mut [f64]) {
+        let forced = usize::from(layout.legs == Some(Legs { forced: true }));
+        let (extras, rest) = right[layout.values()..].split_at(layout.extras);
+        self.nodes.fill(0.0);
+        self.nodes[self.n - 1..][..forced].copy_from_slice(&extras[..forced]);
+        for leg in 0..self.legs {
+            self.nodes[(2 * leg + 2) * self.n - 1] = extras[forced + leg];
+        }
+        border.copy_from_slice(rest);
+    }
+
+    /// Adds what a leg's chain leaves by the states at its ends, and by its time and duration.
+    pub fn add_transposed(&mut self, leg: usize, ends: &[f64], own: &[f64]) {
+        let (n, m) = (self.n, ends.len() / 2);
+        for half in 0..2 {
+            let node = &mut self.nodes[(2 * leg + half) * n..][..n];
+            add(node, &ends[half * m..(half + 1) * m]);
+            node[n - 1] += own[half];
+        }
+    }
+
+    /// As [`forward`](Self::forward) for the transposed matrix.
+    pub fn forward_transposed(&mut self, dense: &mut [f64]) {
+        self.reduced.clear();
+        self.reduced.extend_from_slice(&dense[2 * self.n..]);
+        self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
+    }
+
+    /// As [`back`](Self::back) for the transposed matrix: into `joined` what the legs' chains go on with, and into `right`
+    /// what belongs to conditions and border.
+    pub fn back_transposed(
+        &mut self,
+        layout: &Layout,
+        joined: &mut Vec<f64>,
+        dense: &[f64],
+        right: &mut [f64],
+    ) {
+        let n = self.n;
+        self.reduced.clear();
+        self.reduced.extend_from_slice(&dense[..n]);
+        self.reduced.extend_from_slice(&dense[2 * n..]);
+        joined.resize(self.legs * 2 * n, 0.0);
+        self.chain.back_transposed(&self.reduced, joined);
+        for leg in 0..self.legs {
+            let (m, next) = (layout.segments[leg].states, layout.after(leg).states);
+            for i in 0..=next {
+                right[layout.joint(leg, i)] = self.equations(joined, leg)[m + i];
+            }
+        }
+        if layout.legs == Some(Legs { forced: true }) {
+            right[layout.dimension - 1] = dense[2 * n - 1];
+        }
+        right[layout.dimension..].copy_from_slice(&dense[2 * n..]);
+    }
+}
+
+/// Adds to the first entries.
+fn add(target: &mut [f64], source: &[f64]) {
+    target.iter_mut().zip(source).for_each(|(target, source)| *target += source);
+}

@@ -1,0 +1,158 @@
+//! Where each leg of an orbit leads to the next one: conditions that depend on the leg's end only.
+//!
+//! Derivatives of the conditions of a leg are rows by the states at its end and by its numbers: one for each state with
+//! which the next leg begins (of what the event makes of the end, with the opposite sign), then that of the event. The
+//! rows of all legs follow each other; those of the condition on the cycle, by numbers, come last.
+
+use super::equations::{Discretised, Work, gather_ends};
+use super::layout::Layout;
+use super::linearisation::Linearisation;
+use super::local::{Arguments, Dependence, Passes, Weighted};
+use crate::core::bvp::interval::weighted as summed;
+use crate::core::bvp::{Legs, Number};
+use crate::core::chunk::{CHUNK, Chunk};
+use crate::core::failure::Failure;
+
+/// What the conditions of a leg depend on: its states where it ends, and some of its numbers.
+fn dependence<'a>(layout: &'a Layout, leg: usize, numbers: &'a [usize]) -> Dependence<'a> {
+    let s = &layout.segments[leg];
+    let unknowns = &layout.ends[layout.states + s.ends..][..s.states];
+    Dependence { unknowns, segment: Some(leg), numbers }
+}
+
+impl Discretised {
+    /// What a leg leads to, then what vanishes there, at arguments of [`dependence`].
+    fn joint<'a, T: Number>(
+        &self,
+        leg: usize,
+        Passes { unknowns, q, r, .. }: &'a mut Passes<T>,
+    ) -> &'a [T] {
+        let (p, own) = q.split_at(self.layout.parameters);
+        let (problem, next) = (T::residual(&*self.problem), self.layout.after(leg).states);
+        let (after, rest) = r.split_at_mut(next);
+        rest[0] = problem.leg_end_in(leg, own[0] + own[1], unknowns, p, after);
+        &r[..=next]
+    }
+
+    /// The share of all conditions in a gradient.
+    pub fn add_gradient_of_joints<T: Number>(
+        &self,
+        &Weighted { at, w, numbers, take }: &Weighted<T>,
+        passes: &mut Passes<T>,
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        let layout = &self.layout;
+        for leg in 0..layout.segments.len() {
+            let dependence = dependence(layout, leg, &numbers.local);
+            passes.add_gradient(layout, dependence, at, out, |passes| {
+                let values = self.joint(leg, passes);
+                let (event, after) = (values.len() - 1, layout.joint(leg, 0));
+                let sum = values[event] * w[layout.joint(leg, event)];
+                Ok(take(&(sum - summed(&values[..event], &w[after..]))))
+            })?;
+        }
+        let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &numbers.local };
+        passes.add_gradient(layout, cycle, at, out, |passes| {
+            let p = &passes.q[..layout.parameters];
+            Ok(take(&(T::residual(&*self.problem).cycle_in(p) * w[layout.dimension - 1])))
+        })
+    }
+}
+
+impl Linearisation {
+    /// Where the rows of a leg begin.
+    fn joint_rows(&self, layout: &Layout, leg: usize) -> usize {
+        let length = |s: usize| self.joint_width(layout, s) * (layout.after(s).states + 1);
+        (0..leg).map(length).sum()
+    }
+
+    /// The length of a leg's rows.
+    pub fn joint_width(&self, layout: &Layout, leg: usize) -> usize {
+        layout.segments[leg].states + self.active.len()
+    }
+
+    /// The rows of each leg.
+    pub fn joints<'a>(&'a self, layout: &'a Layout) -> impl Iterator<Item = (usize, &'a [f64])> {
+        let mut rest = &self.boundary[..];
+        (0..layout.segments.len()).map(move |leg| {
+            let length = self.joint_width(layout, leg) * (layout.after(leg).states + 1);
+            let (rows, after) = rest.split_at(length);
+            rest = after;
+            (leg, rows)
+        })
+    }
+
+    /// Residual and derivatives of all conditions.
+    pub fn assemble_joints(
+        &mut self,
+        equations: &Discretised,
+        x: &[f64],
+        work: &Work<f64>,
+        passes: &mut Passes<Chunk>,
+    ) {
+        let (layout, active) = (&equations.layout, self.active.len());
+        let legs = layout.segments.len();
+        let length = self.joint_rows(layout, legs);
+        self.boundary.resize(length + active, 0.0);
+        self.ends.resize(2 * layout.states, 0.0);
+        gather_ends(layout, &work.nodes, &mut self.ends);
+        equations.boundary(&self.ends, &work.q, &mut self.residual[layout.conditions()..]);
+        let mut first = 0;
+        for leg in 0..legs {
+            let dependence = dependence(layout, leg, &self.active);
+            let width = dependence.len();
+            for start in (0..width).step_by(CHUNK) {
+                passes.load(layout, dependence, start, Arguments::plain(x));
+                let values = equations.joint(leg, passes);
+                for (i, value) in values.iter().enumerate() {
+                    let sign = if i + 1 < values.len() { -1.0 } else { 1.0 };
+                    let row = &mut self.boundary[first + i * width..][..width];
+                    let entries = row[start..].iter_mut().zip(value.eps);
+                    entries.for_each(|(entry, slope)| *entry = sign * slope);
+                }
+            }
+            first += width * (layout.after(leg).states + 1);
+        }
+        for start in (0..active).step_by(CHUNK) {
+            let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &self.active };
+            passes.load(layout, cycle, start, Arguments::plain(x));
+            let value =
+                Chunk::residual(&*equations.problem).cycle_in(&passes.q[..layout.parameters]);
+            let entries = self.boundary[first + start..].iter_mut().zip(value.eps);
+            entries.for_each(|(entry, slope)| *entry = slope);
+        }
+    }
+
+    /// The derivative of all conditions by an active parameter, the `k`-th active number.
+    pub fn joint_column(&self, layout: &Layout, k: usize, out: &mut [f64]) {
+        for (leg, rows) in self.joints(layout) {
+            let n = layout.segments[leg].states;
+            for (i, row) in rows.chunks_exact(self.joint_width(layout, leg)).enumerate() {
+                out[layout.joint(leg, i)] = row[n + k];
+            }
+        }
+        if layout.legs == Some(Legs { forced: true }) {
+            out[layout.dimension - 1] = self.boundary[self.boundary.len() - self.active.len() + k];
+        }
+    }
+
+    /// The conditions' part of the dense Jacobian, one column after the other.
+    pub fn dense_joints(&self, layout: &Layout, out: &mut [f64]) {
+        let size = layout.dimension;
+        for (leg, rows) in self.joints(layout) {
+            let (s, next) = (&layout.segments[leg], layout.after(leg));
+            let ends = &layout.ends[layout.states + s.ends..][..s.states];
+            for (i, row) in rows.chunks_exact(self.joint_width(layout, leg)).enumerate() {
+                let condition = layout.joint(leg, i);
+                if i < next.states {
+                    out[layout.ends[next.ends + i] * size + condition] += 1.0;
+                }
+                ends.iter().zip(row).for_each(|(z, entry)| out[z * size + condition] += entry);
+                layout.place_numbers(leg, &row[s.states..], condition, out);
+            }
+        }
+        if layout.legs == Some(Legs { forced: true }) {
+            (layout.values() + 1..size).for_each(|z| out[z * size + size - 1] = -1.0);
+        }
+    }
+}
