@@ -35,9 +35,10 @@ impl Tracer<'_> {
         let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
         let mut special = self.stepper.special(described);
         special.after = after;
-        // On a bound the continued parameter is what it is.
-        if self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. }) {
-            special.error = 0.0;
+        // On a bound the continued parameter is what it is; a start on a bound may be corrected by a little.
+        if let (true, End::ParameterBound { value, .. }) = (self.stepper.held.is_empty(), end) {
+            let continued = self.stepper.equations.released()[0];
+            special.error = (special.parameters[continued] - value).abs();
         }
         special
     }
