@@ -92,6 +92,68 @@ fn frequency_responses_have_their_points() {
     close(fastest, 3.2325e-5, 2e-7);
 }
 
+/// An impacting orbit is born on a surface that it touches, and is as far from the next contact by one method as by the other.
+#[test]
+fn distances_are_known_at_births() {
+    let changes = [
+        ("frequency", "0.5295"),
+        ("clearance", "0.46585"),
+        ("restitution", "0.81998"),
+        ("damping", "0.040558"),
+        ("static_friction", "0.47004"),
+        ("dynamic_friction", "0.25174"),
+        ("frame_mass", "4.2119"),
+        ("gravity", "10.883"),
+    ];
+    for (method, digits) in [("shooting", 1e-10), ("collocation", 1e-6)] {
+        let scene = with("mita-type-3", &[&changes[..], &[("method", method)]].concat());
+        let distance = column(&traced(&scene), "P(1,1)", Kind::EP, "distance")[0];
+        close(distance, 0.188435172856, digits);
+    }
+}
+
+/// On the curve of births one leg has no length. Its mesh causes no error, and the curve goes on to its bounds by both methods.
+#[test]
+fn births_have_one_curve() {
+    let mut scene = with("mita-near-grazing-1", &[]);
+    scene.runs.iter_mut().for_each(|run| run.shown = run.name == "births");
+    for method in ["shooting", "collocation"] {
+        scene.set("method", method).unwrap();
+        let document = traced(&scene);
+        for (kind, expected) in
+            [(Kind::EP, &[0.48, 0.493217623147][..]), (Kind::LP, &[0.487808700441])]
+        {
+            let mut found = column(&document, "births", kind, "frequency");
+            found.sort_by(f64::total_cmp);
+            assert_eq!(found.len(), expected.len(), "{method}, {kind}: {found:?}");
+            found.iter().zip(expected).for_each(|(f, e)| close(*f, *e, 1e-9));
+        }
+    }
+}
+
+/// A branch that starts at a mark on its bound states how far from the bound it starts.
+#[test]
+fn starts_on_bounds_state_their_error() {
+    let document = traced(&with("mita-band", &[("tolerance", "1e-8")]));
+    for name in ["P(0,1), ω = 0.45", "P(0,1), ω = 0.485"] {
+        let start = document.branch(name).unwrap().of_kind(Kind::EP).next().unwrap();
+        let apart = (start.parameters[0] - 0.16).abs();
+        assert!(apart <= start.error && start.error < 1e-11, "{apart:e} {:e}", start.error);
+    }
+}
+
+/// Where an impact vanishes with the leg behind it the branch ends for one reason, whatever the steps.
+#[test]
+fn ends_have_one_name() {
+    for step in ["0.01", "0.05", "0.1", "0.25"] {
+        let document = traced(&with("mita-frequency", &[("max_step", step)]));
+        for name in ["P(1,1), V = 0.18", "P(1,1), V = 0.175"] {
+            let ends = document.branch(name).unwrap().ends.each_ref().map(End::to_string);
+            assert_eq!(ends, ["the solution grazes: approach vanishes"; 2], "{step}, {name}");
+        }
+    }
+}
+
 /// Codimension-two points on the grazing curve, from both sides; and the curves of folds and of period doublings
 /// end in them.
 #[test]

@@ -25,9 +25,10 @@ impl Tracer<'_> {
         let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
         let kind = if failed { Kind::MX } else { Kind::EP };
         let mut special = self.saved_point(place, kind, &end.to_string(), after);
-        // On a bound the continued parameter is what it is.
-        if self.stepper.held.is_empty() && matches!(end, End::ParameterBound { .. }) {
-            special.error = 0.0;
+        // On a bound the continued parameter is what it is; a start on a bound may be corrected by a little.
+        if let (true, End::ParameterBound { value, .. }) = (self.stepper.held.is_empty(), end) {
+            let continued = self.stepper.equations.released()[0];
+            special.error = (special.parameters[continued] - value).abs();
         }
         special
     }

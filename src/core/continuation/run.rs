@@ -363,9 +363,12 @@ impl Tracer<'_> {
         let events = &self.stepper.events;
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
-        let index = found.iter().position(terminal)?;
-        found.truncate(index + 1);
-        let mut at = found.pop()?;
+        let first = found.iter().position(terminal)?;
+        // Of several at one point, as where an impact vanishes with the leg behind it, the first event names the end.
+        let reach = found[first].along + AT_START;
+        let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
+        let mut at = found.swap_remove(same.min_by_key(|&k| found[k].event)?);
+        found.truncate(first);
         let bound = at.event.filter(|event| *event < self.bounds.len());
         let end = bound.and_then(|event| self.bound(event));
         if let Some(end) = &end {

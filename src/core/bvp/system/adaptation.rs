@@ -1,5 +1,6 @@
 //! Meshes that follow the solution.
 
+use super::equations::Work;
 use super::{BoundarySystem, MOST_INTERVALS};
 use crate::core::bvp::{BoundaryError, Mesh};
 use crate::core::failure::Failure;
@@ -11,7 +12,8 @@ impl BoundarySystem {
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
     pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        self.equations.largest_error(&self.plain.nodes).map_or(0.0, |largest| largest.error)
+        let Work { nodes, q, .. } = &self.plain;
+        self.equations.largest_error(nodes, q).map_or(0.0, |largest| largest.error)
     }
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many

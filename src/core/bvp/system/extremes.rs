@@ -32,9 +32,12 @@ pub(super) struct Seen {
     risen: [bool; 2],
 }
 
-/// A scalar falls or rises if it changes by more than this, in units of its scale: where a segment begins or ends tangent to a surface,
-/// rounding makes minima of its own.
+/// A scalar falls or rises if it changes by more than this, in units of its scale, and by more than the mesh resolves: where
+/// a segment begins or ends tangent to a surface, rounding and coarse polynomials make minima of their own.
 const DEPTH: f64 = 1e-12;
+
+/// More of a scalar is resolved by any mesh.
+const UNRESOLVED: f64 = 1e-3;
 
 impl Seen {
     const NOTHING: Seen = {
@@ -160,14 +163,15 @@ impl Extremes {
         (rough || !self.rough) && self.at.iter().eq(nodes.iter().chain(q))
     }
 
-    /// Begins to look at a solution with the numbers `q`.
-    pub fn begin(&mut self, problem: &dyn Equations, q: &[f64]) {
+    /// Begins to look at a solution with the numbers `q`, whose mesh causes this error.
+    pub fn begin(&mut self, problem: &dyn Equations, q: &[f64], mesh_error: f64) {
+        let depth = mesh_error.clamp(DEPTH, UNRESOLVED);
         let Extremes { watched, scales, seen, .. } = self;
         for (segment, ((watched, scales), seen)) in watched.iter().zip(scales).zip(seen).enumerate()
         {
             for ((&observable, scale), seen) in watched.iter().zip(scales).zip(seen) {
                 *scale = problem.watch_scale(Watched { segment, observable }, q);
-                *seen = Seen { depth: DEPTH * *scale, ..Seen::NOTHING };
+                *seen = Seen { depth: depth * *scale, ..Seen::NOTHING };
             }
         }
         self.risen.iter_mut().for_each(|risen| risen.fill(None));

@@ -102,7 +102,7 @@ impl Linearisation {
         let Discretised { problem, method, meshes, layout, extremes, .. } = equations;
         let watching = method.watches_with_residual() && !self.rough;
         if watching {
-            extremes.begin(&**problem, &work.q);
+            extremes.begin(&**problem, &work.q, 0.0);
         }
         for (s, segment) in layout.segments.iter().enumerate() {
             let (rows, n) = (layout.degree * segment.states, segment.states);

@@ -32,6 +32,10 @@ const SMALL: f64 = 1e-9;
 /// A polynomial whose highest term is larger than this, compared with its values, is noise.
 const ROUGH: f64 = 0.5;
 
+/// On a segment shorter than this, compared with all of them, no solution changes by what a mesh could miss; states that
+/// begin at rest are rounding all along it.
+const SHORT: f64 = 1e-9;
+
 impl Discretised {
     /// The largest value of a state on a segment; `None` where it vanishes but for rounding: there its values are small
     /// and its polynomials, in most intervals, noise. `most` is the largest value of all states.
@@ -44,12 +48,15 @@ impl Discretised {
         (size > SMALL * most || size > 0.0 && !noise()).then_some(size)
     }
 
-    /// The largest estimated error; `None` if the method has none, or all states vanish.
-    pub fn largest_error(&self, nodes: &[f64]) -> Option<LargestError> {
+    /// The largest estimated error of a solution with the numbers `q`; `None` if the method has none, or all states vanish.
+    pub fn largest_error(&self, nodes: &[f64], q: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
-        let most = largest(nodes);
+        let (most, whole) = (largest(nodes), self.duration(q, |_| true));
         let mut largest: Option<LargestError> = None;
         for (segment, s) in self.layout.segments.iter().enumerate() {
+            if self.duration(q, |other| other == segment).abs() <= SHORT * whole.abs() {
+                continue;
+            }
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
                 let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
@@ -124,7 +131,8 @@ impl Discretised {
         passes: &mut Passes<Chunk>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        let Some(LargestError { segment, state, interval, .. }) = self.largest_error(&work.nodes)
+        let Some(LargestError { segment, state, interval, .. }) =
+            self.largest_error(&work.nodes, &work.q)
         else {
             return Ok(());
         };

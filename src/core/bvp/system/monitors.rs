@@ -46,7 +46,7 @@ impl Discretised {
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
             }
-            None => self.largest_error(&work.nodes).map_or(0.0, |largest| largest.error),
+            None => self.largest_error(&work.nodes, &work.q).map_or(0.0, |largest| largest.error),
         })
     }
 
@@ -253,11 +253,12 @@ impl Discretised {
         (q, numbers): (&[f64], &[f64]),
         mut residual: Option<&mut [f64]>,
     ) -> Result<(), Failure> {
-        let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
-        if residual.is_none() && extremes.known(nodes, q, *rough) {
+        if residual.is_none() && self.extremes.known(nodes, q, self.rough) {
             return Ok(());
         }
-        extremes.begin(&**problem, q);
+        let mesh_error = self.largest_error(nodes, q).map_or(0.0, |largest| largest.error);
+        let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
+        extremes.begin(&**problem, q, mesh_error);
         for (s, j) in layout.intervals() {
             let r = residual.as_deref_mut().map(|r| &mut r[layout.equations(s, j)]);
             let (span, nodes) = (span(meshes, s, j), &nodes[layout.interval(s, j)]);
