@@ -61,7 +61,7 @@ impl Continuation<'_> {
         let (system, x) = (&mut *self.system, &self.x);
         let mut values = vec![0.0; system.names().monitors.len()];
         let outcome = system.monitors(x, &mut values);
-        outcome.map_err(|left| self.not_started(left.into()))?;
+        outcome.map_err(|cause| self.not_started(cause))?;
         let (system, p) = (&*self.system, &self.x[self.system.names().dimension()..]);
         let vanishes = |m: &&usize| values[**m].abs() < VANISHES * system.grazing_scale(**m, p);
         Ok(system.grazings().iter().filter(vanishes).copied().collect())

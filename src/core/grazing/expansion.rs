@@ -14,7 +14,6 @@
 
 use super::error::GrazingError;
 use super::map::LocalMap;
-use crate::core::condition::Failure;
 use crate::core::jet::{Jet, Space};
 use crate::core::kind::Kind;
 use crate::core::linear::BorderedLu;
@@ -152,7 +151,7 @@ impl Curve<'_> {
         column[self.map.normal()] = 1.0;
         let border = Border { width: 1, columns: &column, rows: &self.scale, corner: &[0.0] };
         let mut lu = BorderedLu::default();
-        lu.factor(&matrix, border).map_err(Failure::from)?;
+        lu.factor(&matrix, border)?;
         let mut v = vec![0.0; n + 1];
         v[n] = 1.0;
         lu.solve(&mut v);
@@ -180,7 +179,7 @@ impl Curve<'_> {
         let n = self.scale.len();
         let start = [vec![0.0; n + 1], self.null_vector()?].concat();
         let mut lu = BorderedLu::default();
-        lu.factor(&self.jacobian(&start), Border::NONE).map_err(Failure::from)?;
+        lu.factor(&self.jacobian(&start), Border::NONE)?;
         let space = Space::of(1, order)?;
         let other = Series::variable(space, 0, 0.0)?;
         let mut u: Vec<Series> = start.iter().map(|u| Series::from(*u)).collect();

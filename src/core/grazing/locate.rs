@@ -4,7 +4,6 @@ use super::chart::{MapSettings, Source};
 use super::error::GrazingError;
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
-use crate::core::condition::Failure;
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
 use crate::core::linear::BorderedLu;
@@ -109,7 +108,7 @@ pub(super) fn solved(
     let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
     let mut x: Vec<f64> = (0..n).map(right).collect();
     let mut lu = BorderedLu::default();
-    lu.factor(&matrix, Border::NONE).map_err(Failure::from)?;
+    lu.factor(&matrix, Border::NONE)?;
     lu.solve(&mut x);
     Ok(x)
 }
