@@ -107,7 +107,7 @@ macro_rules! trajectory_settings {
             pub segments: usize,
             /// The integration scheme of shooting.
             pub scheme: Scheme,
-            /// The tolerance of the flow, absolute and relative (1e-13 to 1e-3: a finer flow tells the errors).
+            /// The tolerance of the flow, absolute and relative (1e-14 to 1e-3).
             pub flow_tolerance: f64,
             $($(#[$after_docs])* pub $after: $after_type,)*
         }
@@ -248,8 +248,8 @@ impl Discretisation {
         let degree = self.degree;
         in_range("degree", degree as f64, (2..=7).contains(&degree), "between 2 and 7")?;
         count("segments", self.segments)?;
-        let (tolerance, range) = (self.flow_tolerance, "between 1e-13 and 1e-3");
-        in_range("flow_tolerance", tolerance, (1e-13..=1e-3).contains(&tolerance), range)
+        let (tolerance, range) = (self.flow_tolerance, "between 1e-14 and 1e-3");
+        in_range("flow_tolerance", tolerance, (1e-14..=1e-3).contains(&tolerance), range)
     }
 
     /// The system of a problem.

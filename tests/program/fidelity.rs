@@ -141,7 +141,7 @@ fn orbits_with_impacts_are_as_accurate_as_asked_and_no_more() {
         let what = format!("{method}, frequency {frequency:.4}");
         let reference = [
             ("method", "shooting".to_string()),
-            ("flow_tolerance", "1e-13".into()),
+            ("flow_tolerance", "1e-14".into()),
             ("refinement", "0".into()),
         ];
         count.take(&what, accuracy, chosen_and_true(&with(MITA, &settings), accuracy, &reference));

@@ -214,7 +214,13 @@ fn the_page_is_what_the_command_has_printed() {
                 then.lines.iter().flat_map(|l| l.points.iter().map(move |p| (l, p)))
             {
                 let again = now.point(&line.name, &point.setting).expect("the same methods");
-                assert_eq!(again.failure.is_some(), point.failure.is_some());
+                let failures = [&point.failure, &again.failure];
+                let where_ = (&then.title, &line.name, &point.setting);
+                assert_eq!(
+                    failures[0].is_some(),
+                    failures[1].is_some(),
+                    "{where_:?}: {failures:?}"
+                );
                 let rounding = 1e-11;
                 let same = (point.error / again.error).ln().abs() < 0.7;
                 let both_small = point.error < rounding && again.error < rounding;

@@ -220,4 +220,12 @@ impl Method {
             Method::Shooting(method) => Some((method.finer()?.into(), 1)),
         }
     }
+
+    /// A method of the same accuracy and other errors, where there is none finer.
+    pub(super) fn other(&self) -> Option<(Self, usize)> {
+        match self {
+            Method::Collocation(_) => None,
+            Method::Shooting(method) => Some((method.by_other_steps().into(), 1)),
+        }
+    }
 }

@@ -272,6 +272,13 @@ impl Shooting {
         Ok(())
     }
 
+    /// The same tolerance by steps of a hundredth of an interval at most: where rounding leaves no finer method, its errors
+    /// are others.
+    pub(super) fn by_other_steps(&self) -> Self {
+        let settings = Settings { largest_step: 0.01, ..self.settings };
+        Shooting { settings, ..Shooting::default() }
+    }
+
     /// A hundredth of the tolerance, as far as rounding allows; `None` there.
     pub fn finer(&self) -> Option<Self> {
         // A power of ten remains one.

@@ -7,7 +7,6 @@ mod branch;
 mod checks;
 mod closing;
 mod crossing;
-
 mod describe;
 mod error;
 mod event;

@@ -12,8 +12,8 @@ impl BoundarySystem {
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
     pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
-        let Work { nodes, q, .. } = &self.plain;
-        self.equations.largest_error(nodes, q).map_or(0.0, |largest| largest.error)
+        let Work { nodes, numbers, .. } = &self.plain;
+        self.equations.largest_error(nodes, numbers).map_or(0.0, |largest| largest.error)
     }
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many

@@ -255,7 +255,8 @@ impl System for BoundarySystem {
 
 impl zero::Discretised for BoundarySystem {
     fn refined(&mut self, x: &[f64]) -> Option<Refinement> {
-        let (method, parts) = self.equations.method.finer()?;
+        let other = || self.equations.method.other().filter(|_| self.refinements == 0);
+        let (method, parts) = self.equations.method.finer().or_else(other)?;
         let meshes: Vec<Mesh> = self.meshes().iter().map(|mesh| mesh.divided(parts)).collect();
         let too_fine = meshes.iter().any(|mesh| mesh.intervals() > MOST_INTERVALS);
         if too_fine || self.refinements >= MOST_REFINEMENTS {

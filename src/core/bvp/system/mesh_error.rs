@@ -48,13 +48,13 @@ impl Discretised {
         (size > SMALL * most || size > 0.0 && !noise()).then_some(size)
     }
 
-    /// The largest estimated error of a solution with the numbers `q`; `None` if the method has none, or all states vanish.
-    pub fn largest_error(&self, nodes: &[f64], q: &[f64]) -> Option<LargestError> {
+    /// The largest estimated error of a solution with the numbers of all segments; `None` if the method has none, or all states vanish.
+    pub fn largest_error(&self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
-        let (most, whole) = (largest(nodes), self.duration(q, |_| true));
+        let (most, whole) = (largest(nodes), self.duration(numbers, |_| true));
         let mut largest: Option<LargestError> = None;
         for (segment, s) in self.layout.segments.iter().enumerate() {
-            if self.duration(q, |other| other == segment).abs() <= SHORT * whole.abs() {
+            if self.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
                 continue;
             }
             for state in 0..s.states {
@@ -132,7 +132,7 @@ impl Discretised {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         let Some(LargestError { segment, state, interval, .. }) =
-            self.largest_error(&work.nodes, &work.q)
+            self.largest_error(&work.nodes, &work.numbers)
         else {
             return Ok(());
         };

@@ -46,7 +46,9 @@ impl Discretised {
             Some(monitor) => {
                 self.terms(monitor).iter().flatten().map(|(_, s, factor)| factor * s.value).sum()
             }
-            None => self.largest_error(&work.nodes, &work.q).map_or(0.0, |largest| largest.error),
+            None => {
+                self.largest_error(&work.nodes, &work.numbers).map_or(0.0, |largest| largest.error)
+            }
         })
     }
 
@@ -256,7 +258,7 @@ impl Discretised {
         if residual.is_none() && self.extremes.known(nodes, q, self.rough) {
             return Ok(());
         }
-        let mesh_error = self.largest_error(nodes, q).map_or(0.0, |largest| largest.error);
+        let mesh_error = self.largest_error(nodes, numbers).map_or(0.0, |largest| largest.error);
         let Discretised { problem, method, meshes, layout, extremes, rough, .. } = self;
         extremes.begin(&**problem, q, mesh_error);
         for (s, j) in layout.intervals() {
