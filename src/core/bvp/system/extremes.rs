@@ -32,12 +32,12 @@ pub(super) struct Seen {
     risen: [bool; 2],
 }
 
-/// A scalar falls or rises if it changes by more than this, in units of its scale, and by more than the mesh resolves: where
-/// a segment begins or ends tangent to a surface, rounding and coarse polynomials make minima of their own.
+/// A scalar falls or rises if it changes by more than this, in units of its scale,
 const DEPTH: f64 = 1e-12;
 
-/// More of a scalar is resolved by any mesh.
-const UNRESOLVED: f64 = 1e-3;
+/// and by more than this share of the mesh's error: where a segment begins or ends tangent to a surface, rounding and
+/// polynomials make minima of their own, shallower than the error elsewhere.
+const FALSE_DIPS: f64 = 1e-3;
 
 impl Seen {
     const NOTHING: Seen = {
@@ -165,7 +165,7 @@ impl Extremes {
 
     /// Begins to look at a solution with the numbers `q`, whose mesh causes this error.
     pub fn begin(&mut self, problem: &dyn Equations, q: &[f64], mesh_error: f64) {
-        let depth = mesh_error.clamp(DEPTH, UNRESOLVED);
+        let depth = DEPTH.max(FALSE_DIPS * mesh_error);
         let Extremes { watched, scales, seen, .. } = self;
         for (segment, ((watched, scales), seen)) in watched.iter().zip(scales).zip(seen).enumerate()
         {
