@@ -1,7 +1,7 @@
 //! Ladders of discretisations, and the errors of values on their rungs.
 //!
 //! A problem has one definition of a finer discretisation. Special points climb by it from the
-//! discretisation of their branch ([`System::refined`](crate::core::zero::System::refined)). The
+//! discretisation of their branch ([`Discretised::refined`](crate::core::zero::Discretised::refined)). The
 //! [`ladder`] from which a scene takes the cheapest discretisation that is accurate enough has the
 //! same rungs, with one between each two and coarser ones below. Both estimate errors from the
 //! changes between rungs, by [`error_of_last`].

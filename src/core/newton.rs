@@ -10,9 +10,12 @@
 //! Each point costs one assembly and one factorisation: the matrix of the last correction serves the
 //! tangent as well, where it was evaluated near enough to the solution.
 
+mod error;
+
 use super::condition::Failure;
 use super::extended::{Closing, Extended};
 use super::vector::generic;
+pub use error::NewtonError;
 
 /// When Newton's iteration stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,100 +24,6 @@ pub struct Tolerances {
     pub tolerance: f64,
     /// The largest number of factorisations.
     pub max_iterations: usize,
-}
-
-/// Why Newton's iteration failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum NewtonError {
-    /// The corrections do not shrink, even when damped.
-    #[error(
-        "Newton stagnated after {iterations} iterations at a scaled correction of {correction:.1e} \
-         (damping {damping:.1e}): start nearer to a solution, or at a fold continue by arclength"
-    )]
-    Stagnation {
-        /// Factorisations spent.
-        iterations: usize,
-        /// The scaled norm of the last correction.
-        correction: f64,
-        /// The last damping factor.
-        damping: f64,
-    },
-    /// The equations or their matrix cannot be evaluated, or the matrix is singular.
-    #[error("{}", evaluation(*iteration, cause))]
-    Evaluation {
-        /// The iteration; 0 where it begins.
-        iteration: usize,
-        /// What failed.
-        #[source]
-        cause: Failure,
-    },
-    /// As many iterations as allowed.
-    #[error(
-        "Newton did not converge in {iterations} iterations: scaled correction {correction:.1e}, \
-         contraction {contraction:.2}; raise `max_iterations` or loosen `tolerance`"
-    )]
-    IterationLimit {
-        /// Factorisations spent.
-        iterations: usize,
-        /// The scaled norm of the last correction.
-        correction: f64,
-        /// The ratio of the last two corrections.
-        contraction: f64,
-    },
-    /// The tangent turned too far in one step.
-    #[error(
-        "the tangent turned by {angle:.2} where `max_angle` is {largest:.2}: the curve is sharper than \
-         the step; lower `min_step` or raise `max_angle`"
-    )]
-    Turned {
-        /// The angle in radians.
-        angle: f64,
-        /// The largest allowed.
-        largest: f64,
-    },
-    /// A step would have gone straight on where the curve turns away from another one, this far from it in scaled
-    /// arclength.
-    #[error(
-        "the step goes over to another branch, {0:.1e} beside this one where they come near each other: \
-         lower `min_step`, or the parameter that keeps them apart"
-    )]
-    Beside(f64),
-    /// The corrected point lies far from the predicted one, compared with the step: it may be of another branch.
-    #[error(
-        "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another branch \
-         is near, or the curve is sharper than the step; lower `min_step`"
-    )]
-    Far {
-        /// The distance in scaled arclength.
-        distance: f64,
-        /// The length of the step.
-        length: f64,
-    },
-    /// A step from a branch point came back to the branch that was to be left.
-    #[error(
-        "the branch that leaves the branch point is the one that leads to it, after a step of {0:.1e}: the other one \
-         is not determined by derivatives of second order"
-    )]
-    SameBranch(f64),
-}
-
-fn evaluation(iteration: usize, cause: &Failure) -> String {
-    match cause {
-        Failure::Singular { .. } => format!(
-            "{cause} in iteration {iteration}: the point is singular in the released parameters (a fold or branch \
-             point?)"
-        ),
-        Failure::Unsupported(_) | Failure::Mismatch(_) => cause.to_string(),
-        _ => format!("{cause} (in iteration {iteration})"),
-    }
-}
-
-/// An evaluation that failed where the iteration begins.
-impl From<Failure> for NewtonError {
-    fn from(cause: Failure) -> Self {
-        NewtonError::Evaluation { iteration: 0, cause }
-    }
 }
 
 /// How Newton's iteration went.

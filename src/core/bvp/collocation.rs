@@ -163,7 +163,7 @@ impl Collocation {
     /// The residual of an interval.
     ///
     /// # Errors
-    /// [`OutOfDomain`] where the trajectory leaves the domain of the field.
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field.
     pub fn residual<T: Number>(
         &self,
         interval: Interval<T>,

@@ -184,7 +184,7 @@ impl BoundarySystem {
     /// The states of a segment at a time in units of the segment's duration.
     ///
     /// # Errors
-    /// [`OutOfDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
     pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
         let layout = &self.equations.layout;
         let Some(s) = layout.segments.get(segment) else {
@@ -204,7 +204,7 @@ impl BoundarySystem {
     /// equations are evaluated.
     ///
     /// # Errors
-    /// [`OutOfDomain`] where the field has no meaning at the nodes.
+    /// [`Failure::OutOfDomain`] where the field has no meaning at the nodes.
     pub fn set_reference(&mut self, x: &[f64]) -> Result<(), Failure> {
         self.forget();
         self.equations.set_reference(x, &mut self.plain)

@@ -213,8 +213,8 @@ impl Branch {
         self.special.iter().find(|point| point.label == label)
     }
 
-    /// The solution at a special point, for [`System::adopt`](crate::core::zero::System::adopt): a trace does not change
-    /// the system that it is asked of, which may have another mesh, period or itinerary.
+    /// The solution at a special point, for [`Discretised::resume_from`](crate::core::zero::Discretised::resume_from): a
+    /// trace does not change the system of the caller, which may have another mesh, period or itinerary.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         Solution {
             kind: special.kind,

@@ -22,7 +22,7 @@ impl BoundarySystem {
     /// follows the values at nodes is left as it is. A method whose mesh causes no error keeps it.
     ///
     /// # Errors
-    /// [`OutOfDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};
