@@ -233,7 +233,7 @@ impl Event {
     /// let product = Event::when("x μ = 20", |at| at.state[0] * at.parameters[0] - 20.0);
     /// let branch = curve.along("mu", 0.0..=9.0).event(product).trace()?;
     /// let found = branch.of_kind(Kind::UZ).next().unwrap();
-    /// assert!((found.parameters[0] - 4.0).abs() < found.error && found.error < 1e-9);
+    /// assert!((found.parameters[0] - 4.0).abs() < found.error && found.error < 1e-8);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
     pub fn when(
