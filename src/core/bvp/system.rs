@@ -1,6 +1,7 @@
 //! A boundary-value problem, discretised, as a [`System`].
 
 mod adaptation;
+mod bordered;
 mod carry;
 mod closed;
 mod equations;
@@ -24,8 +25,9 @@ use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
 use crate::core::zero::{Border, Group, Names};
+use bordered::{Bordered, Form};
 use equations::{Discretised, Work};
-use factorisation::{Bordered, Factorisation, Form};
+use factorisation::Factorisation;
 use layout::Layout;
 use linearisation::Linearisation;
 use local::{Numbers, Passes};

@@ -2,7 +2,7 @@
 
 use super::Kind;
 use super::event::Test;
-use super::locate::Located;
+use super::found::Located;
 use super::run::Tracer;
 use super::stepper::{AT_START, Place, Step};
 

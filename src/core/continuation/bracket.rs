@@ -1,8 +1,8 @@
 //! Bracketing an event on the corrected branch.
 
 use super::event::Test;
+use super::found::Found;
 use super::hermite::{Knot, hermite};
-use super::locate::Found;
 use super::stepper::{Place, Stepper};
 use crate::core::extended::Closing;
 

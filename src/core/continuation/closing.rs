@@ -1,9 +1,8 @@
 //! Curves that come back to their start.
 
+use super::found::Located;
 use super::hermite::hermite;
-use super::locate::Located;
 use super::predictor::knots_of;
-use super::run::Tracer;
 use super::stepper::{Place, Step, Stepper};
 use crate::core::extended::Closing;
 use crate::core::kind::Kind;
@@ -20,56 +19,28 @@ pub(super) struct Reference {
     mesh_error: f64,
 }
 
-/// A branch point is singular: the curve is looked for so far behind it, in scaled arclength.
-const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
-
 /// A corrected point this near to the reference, in units of the tolerance, is the reference.
 const SAME: f64 = 1e3;
 
 /// Solutions on different meshes may differ by this many times their estimated errors.
 const MESHES: f64 = 5.0;
 
-impl Tracer<'_> {
-    /// The place that a half of the branch passes again if the curve is closed: its start, or where that is a branch point, a
-    /// place behind it, with no event between them. `None` where a branch begins.
-    pub fn reference(&mut self, start: &Place, backward: bool) -> Option<Reference> {
-        if !self.from_branch_point {
-            return Some(self.stepper.reference(start.clone()));
-        }
-        if !self.directions[0] {
-            return None;
-        }
-        let mut turned = start.clone();
-        self.stepper.turn(&mut turned);
-        let row = self.stepper.covector(&turned.tangent);
-        let step = BEHIND.iter().find_map(|&length| {
-            let step = self.stepper.try_step(&[], &turned, &row, length).ok()?;
-            self.events_between(&turned, &step, !backward, true).is_empty().then_some(step)
-        });
-        let mut place = step?.place;
-        self.stepper.turn(&mut place);
-        Some(self.stepper.reference(place))
-    }
-}
-
-impl Tracer<'_> {
+impl Stepper<'_> {
     /// Which of the events found is a branch point at which a branch of doubled orbits comes back to the orbits that they are
     /// doubles of: beyond it, it is the same branch, half a period later.
     pub fn returns_to_parent(&mut self, found: &[Located], from: &Place) -> Option<usize> {
         let is_crossing = |it: &Located| it.special.kind == Kind::BP && it.special.converged;
         let k = found.iter().position(is_crossing)?;
-        let equations = &mut self.stepper.equations;
+        let equations = &mut self.equations;
         let before = equations.load(&from.unknowns).to_vec();
         let n = equations.dimension();
         let there = [&found[k].special.state[..], &before[n..]].concat();
         let cycles = equations.system().cycles()?;
         (cycles.repeats(&there) && !cycles.repeats(&before)).then_some(k)
     }
-}
 
-impl Stepper<'_> {
     /// A place that a curve passes again if it is closed.
-    fn reference(&mut self, place: Place) -> Reference {
+    pub fn reference(&mut self, place: Place) -> Reference {
         let n = self.equations.dimension();
         let x = self.equations.load(&place.unknowns);
         let (state, parameters) = (x[..n].to_vec(), x[n..].to_vec());

@@ -1,24 +1,23 @@
 //! Branch points: the directions of the branches that cross there.
 
-use super::stepper::Stepper;
+use super::departure::Departure;
+use super::stepper::{Place, Stepper};
 use crate::core::bifurcation::branches_at;
 use crate::core::condition::Failure;
 use crate::core::newton::{NewtonError, scaled_norm};
 use crate::core::vector::{difference, dot};
-
-/// A branch point that a curve leaves, along a tangent that is not that of the branch which leads to it.
-pub(super) struct Departure {
-    pub unknowns: Vec<f64>,
-    /// Of scaled length 1, both.
-    pub tangent: Vec<f64>,
-    pub parent: Vec<f64>,
-}
 
 /// The part along the branch one comes from that a step from a branch point may have, compared with that along the
 /// branch that is traced.
 const MOST_OF_PARENT: f64 = 0.5;
 
 impl Stepper<'_> {
+    /// How a curve leaves a branch point that it starts from, to which a branch with the tangent `parent` leads.
+    pub fn departure(&self, start: &Place, mut parent: Vec<f64>) -> Departure {
+        self.rescale(&mut parent);
+        Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
+    }
+
     /// The tangents, of scaled length 1, of the branches that cross at a branch point where `F_z` has a null space of
     /// this dimension beyond that of a regular point.
     ///

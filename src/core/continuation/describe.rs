@@ -1,7 +1,6 @@
 //! What is recorded of a special point.
 
-use super::locate::{Found, Located};
-use super::run::Tracer;
+use super::found::{Found, Located};
 use super::stepper::{Place, Stepper};
 use super::{End, Kind, Point, SpecialPoint};
 use crate::core::motion::{Stability, criticality, deciding, without_critical};
@@ -19,15 +18,15 @@ pub(super) struct Described<'a> {
     pub profiles: Vec<Profile>,
 }
 
-impl Tracer<'_> {
+impl Stepper<'_> {
     /// An end of the branch.
     pub fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
         let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
         let kind = if failed { Kind::MX } else { Kind::EP };
         let mut special = self.saved_point(place, kind, &end.to_string(), after);
         // On a bound the continued parameter is what it is; a start on a bound may be corrected by a little.
-        if let (true, End::ParameterBound { value, .. }) = (self.stepper.held.is_empty(), end) {
-            let continued = self.stepper.equations.released()[0];
+        if let (true, End::ParameterBound { value, .. }) = (self.held.is_empty(), end) {
+            let continued = self.equations.released()[0];
             special.error = (special.parameters[continued] - value).abs();
         }
         special
@@ -41,19 +40,17 @@ impl Tracer<'_> {
         event: &str,
         after: usize,
     ) -> SpecialPoint {
-        let profiles = match self.stepper.equations.assemble(&place.unknowns) {
-            Ok(()) => self.stepper.profiles(),
+        let profiles = match self.equations.assemble(&place.unknowns) {
+            Ok(()) => self.profiles(),
             Err(_) => Vec::new(),
         };
         let Place { unknowns, tangent, point, spectrum, .. } = place;
         let spectrum = spectrum.as_deref().unwrap_or_default();
         let point = point.clone();
         let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
-        SpecialPoint { after, ..self.stepper.special(described) }
+        SpecialPoint { after, ..self.special(described) }
     }
-}
 
-impl Stepper<'_> {
     /// The special point with everything that is recorded of it; `between` are the places that enclose it, and how far
     /// they are apart.
     pub fn describe(

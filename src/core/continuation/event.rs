@@ -259,6 +259,17 @@ impl Event {
         }
     }
 
+    /// The value of the user's own test function.
+    pub(super) fn value(&self, at: &TestPoint) -> f64 {
+        self.function.as_ref().map_or(f64::NAN, |function| function(at))
+    }
+
+    /// The condition whose value is the test function.
+    pub(super) fn tested(&self) -> Option<Box<dyn Condition>> {
+        let condition = self.condition.as_ref().filter(|_| self.test == Test::Condition);
+        condition.map(|make| make())
+    }
+
     /// Whether a test function that goes from `before` to `after` passes this event, on the way that
     /// the branch takes or against it.
     pub(super) fn passed(&self, before: f64, after: f64, backward: bool) -> bool {

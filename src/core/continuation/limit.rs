@@ -2,8 +2,8 @@
 //! The curve goes back over itself beyond, and its equations are singular there, so that the values are limits.
 
 use super::event::Test;
+use super::found::Found;
 use super::hermite::hermite;
-use super::locate::Found;
 use super::predictor::knots_of;
 use super::stepper::{Place, Stepper};
 use crate::core::extended::Closing;

@@ -1,32 +1,13 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
-use super::SpecialPoint;
 use super::bracket::Bracket;
 use super::event::{Event, MakeCondition, Test};
+use super::found::{Found, Located};
 use super::stepper::{MATRIX_ERROR, Place, Stepper};
 use crate::core::condition::Failure;
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
 use crate::core::vector::{along, difference};
-
-/// A special point found between two points of the branch.
-pub(super) struct Located {
-    /// Which of the stepper's events it is; none of them, if it is unclassified.
-    pub event: Option<usize>,
-    /// How far behind the first point it lies, in scaled arclength.
-    pub along: f64,
-    pub special: SpecialPoint,
-}
-
-/// A special point found between two points of the branch, not described yet.
-pub(super) struct Found {
-    /// How far behind the first point it lies, in scaled arclength.
-    pub along: f64,
-    pub unknowns: Vec<f64>,
-    /// The estimated error of the continued parameter.
-    pub error: f64,
-    pub converged: bool,
-}
 
 /// An event is not farther beside the branch, in units of its bracket's length.
 const MOST_BESIDE: f64 = 0.5;

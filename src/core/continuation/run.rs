@@ -2,9 +2,10 @@
 
 use super::closing::Reference;
 use super::event::{Event, Test};
+use super::found::Located;
+use super::halves::Half;
 use super::hermite::MOST_KNOTS;
 use super::homoclinic::CycleLimits;
-use super::locate::Located;
 use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
 use super::unexplained::LEAST_UNEXPLAINED;
@@ -43,14 +44,6 @@ pub(super) struct Bound {
     pub side: f64,
     /// The range that it belongs to.
     pub range: [f64; 2],
-}
-
-/// One of the two halves of a branch, from the start outward. `after` of its special points counts
-/// points from the start, which is 0.
-struct Half {
-    points: Vec<Point>,
-    special: Vec<SpecialPoint>,
-    end: End,
 }
 
 /// How a run ends with a step, and the last point if it lies within the step.
@@ -104,8 +97,7 @@ impl Tracer<'_> {
             }
         };
         let ahead = Half { special: [marked, ahead.special].concat(), ..ahead };
-        self.join(behind, start, ahead);
-        self.branch
+        behind.join(start.point, ahead, self.branch)
     }
 
     /// The marks that the start lies on.
@@ -119,7 +111,7 @@ impl Tracer<'_> {
             events.filter(on_mark).map(|(event, _)| event.name.clone()).collect();
         let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
         for name in names {
-            let mut special = self.end_point(&start, &End::Start, 0);
+            let mut special = self.stepper.end_point(&start, &End::Start, 0);
             (special.kind, special.event) = (Kind::UZ, name);
             self.stepper.refine_start(&mut special);
             self.mark(&mut half, special, observer);
@@ -152,7 +144,7 @@ impl Tracer<'_> {
     /// Nothing but the start, as an end of the branch.
     fn no_half(&mut self, end: End, observer: &mut dyn Observer) -> Half {
         let start = self.start.clone();
-        let mut special = self.end_point(&start, &end, 0);
+        let mut special = self.stepper.end_point(&start, &end, 0);
         if self.from_branch_point {
             // The equations are singular there; it was finished where it was found.
             special.error = self.error.max(special.error);
@@ -178,7 +170,7 @@ impl Tracer<'_> {
         let ended =
             half.special.last().is_some_and(|s| s.after == half.points.len() && s.after > 0);
         if !ended {
-            let special = self.end_point(&place, &half.end, half.points.len());
+            let special = self.stepper.end_point(&place, &half.end, half.points.len());
             self.mark(&mut half, special, observer);
         }
         half
@@ -214,9 +206,7 @@ impl Tracer<'_> {
                 Ok(step) => step,
                 Err((step, cause)) => return End::StepTooSmall { step, cause: cause.to_string() },
             };
-            if step.length > LEAST_UNEXPLAINED
-                && (step.singular || self.stepper.ends_on_special_point(place, &step))
-            {
+            if self.stepper.ends_on_special_point(place, &step) {
                 length = BESIDE * step.length;
                 continue;
             }
@@ -230,16 +220,10 @@ impl Tracer<'_> {
             {
                 step = shorter;
             }
-            let mut found = self.events_between(place, &step, backward, points == 0);
-            let changed = self.unexplained(place, &step, &found, points == 0);
-            if let Some(changed) = changed {
-                if step.length > LEAST_UNEXPLAINED {
-                    length = 0.5 * step.length;
-                    continue;
-                }
-                found.extend(self.stepper.unclassified(place, &step, changed));
-                found.sort_by(|a, b| a.along.total_cmp(&b.along));
-            }
+            let Some(mut found) = self.explained(place, &step, backward, points == 0) else {
+                length = 0.5 * step.length;
+                continue;
+            };
             length = step.next.clamp(min_step, max_step);
             let ending = self.ending(&mut found, place, &step, points, closing);
             for Located { mut special, .. } in found {
@@ -252,17 +236,42 @@ impl Tracer<'_> {
             let end = limits.reached(&mut self.stepper, &step.place, place);
             self.accept(&mut before, place, step, start);
             half.points.push(place.point.clone());
-            let (points, every) = (half.points.len(), self.stepper.settings.save_every);
-            if every > 0 && points.is_multiple_of(every) {
-                let special = self.saved_point(place, Kind::RG, Kind::RG.meaning(), points);
-                self.mark(half, special, observer);
-            }
+            self.save_regular(half, place, observer);
             if let Some(end) = end {
                 return end;
             }
             if observer.point(&place.point).is_break() {
                 return End::Interrupted;
             }
+        }
+    }
+
+    /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None` if a shorter step may.
+    fn explained(
+        &mut self,
+        from: &Place,
+        step: &Step,
+        backward: bool,
+        at_start: bool,
+    ) -> Option<Vec<Located>> {
+        let mut found = self.events_between(from, step, backward, at_start);
+        let origin = if at_start { &self.origin[..] } else { &[] };
+        if let Some(changed) = self.stepper.unexplained(from, step, &found, origin) {
+            if step.length > LEAST_UNEXPLAINED {
+                return None;
+            }
+            found.extend(self.stepper.unclassified(from, step, changed));
+            found.sort_by(|a, b| a.along.total_cmp(&b.along));
+        }
+        Some(found)
+    }
+
+    /// Saves every so many points.
+    fn save_regular(&mut self, half: &mut Half, place: &Place, observer: &mut dyn Observer) {
+        let (points, every) = (half.points.len(), self.stepper.settings.save_every);
+        if every > 0 && points.is_multiple_of(every) {
+            let special = self.stepper.saved_point(place, Kind::RG, Kind::RG.meaning(), points);
+            self.mark(half, special, observer);
         }
     }
 
@@ -353,7 +362,7 @@ impl Tracer<'_> {
             found.retain(|located| located.along <= along + AT_START);
             return Some((End::Closed { points: points + 1 }, None));
         }
-        if let Some(k) = self.returns_to_parent(found, from) {
+        if let Some(k) = self.stepper.returns_to_parent(found, from) {
             found.truncate(k + 1);
             let mut at = found.pop()?;
             let event = "period doubling of the orbit of half the period".to_string();
@@ -376,29 +385,5 @@ impl Tracer<'_> {
         }
         let event = at.special.event.clone();
         Some((end.unwrap_or(End::Event { event }), Some(at)))
-    }
-
-    /// Joins the halves into one list from end to end.
-    fn join(&mut self, mut behind: Half, start: Place, ahead: Half) {
-        let before = behind.points.len();
-        behind.points.reverse();
-        behind.special.reverse();
-        for special in &mut behind.special {
-            // Behind point k from the start means before it from the end; an end stays on its point.
-            let on_point = special.after == before || special.kind == Kind::RG;
-            special.after = before - special.after - usize::from(!on_point);
-            special.bracket.reverse();
-            special.tangent.iter_mut().for_each(|t| *t = -*t);
-        }
-        let mut special = behind.special;
-        special.extend(ahead.special.into_iter().map(|mut special| {
-            special.after += before;
-            special
-        }));
-        self.branch.points = behind.points;
-        self.branch.points.push(start.point);
-        self.branch.points.extend(ahead.points);
-        self.branch.special = special;
-        self.branch.ends = [behind.end, ahead.end];
     }
 }

@@ -1,12 +1,11 @@
 //! The start of a curve: the first correction, the scales, and the first tangent.
 
-use super::crossing::Departure;
-use super::event::{MakeCondition, Test};
+use super::event::{Event, MakeCondition};
 use super::metric::{Metric, in_units};
 use super::run::{Bound, Tracer};
 use super::stepper::{AT_START, Place, Stepper};
 use super::trace::Origin;
-use super::{Branch, Continuation, End, Kind, TraceError};
+use super::{Branch, Continuation, End, Kind, Settings, TraceError};
 use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, scaled_norm};
@@ -56,9 +55,7 @@ impl<'a> Continuation<'a> {
         let Resolved { released, held, bounds, scales, settled } = resolved;
         let branch = self.branch(&held);
         self.check_switch(how)?;
-        let at_crossing = how == Leaving::Along || how == Leaving::BranchPoint;
-        let crosses = at_crossing
-            && (self.origin.switched || self.origin.is_branch_point && self.held.is_empty());
+        let crosses = self.crosses(how);
         let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
         let known = self.origin.tangent.take().filter(|_| same_curve || how == Leaving::Direction);
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
@@ -73,33 +70,19 @@ impl<'a> Continuation<'a> {
         };
         let still = vec![0.0; unknowns.len()];
         let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
-        let tested = |event: &super::Event| {
-            let condition = event.condition.as_ref().filter(|_| event.test == Test::Condition);
-            condition.map(|make| make())
-        };
-        let mut stepper = Stepper {
-            weights: rough.weights(equations.names()),
-            equations,
-            newton: Newton::default(),
-            settings: self.settings,
-            metric: rough,
-            tested: self.events.iter().map(tested).collect(),
-            events: self.events,
-            held,
-            settled,
-            departure: None,
-        };
-        let mut parent = None;
-        let leaving = match how {
-            Leaving::Direction => known.clone(),
+        let mut stepper = Stepper::new(equations, rough, self.settings, self.events);
+        (stepper.held, stepper.settled) = (held, settled);
+        let (leaving, parent) = match how {
+            Leaving::Direction => (known.clone(), None),
             _ if crosses => {
                 let (tangent, from) = stepper.leaving(&unknowns, known.as_deref(), &self.origin)?;
-                parent = from;
-                Some(tangent)
+                (Some(tangent), from)
             }
-            _ => None,
+            _ => (None, None),
         };
         let from_branch_point = leaving.is_some();
+        // Both sides are the same where a branch of cycles emanates.
+        let one_sided = matches!(how, Leaving::BranchPoint | Leaving::Direction);
         let tangent = match leaving {
             Some(direction) => direction,
             None => stepper.first_tangent(&mut unknowns, known.as_deref())?,
@@ -110,34 +93,30 @@ impl<'a> Continuation<'a> {
         if how != Leaving::Along {
             stepper.forget_stability_at(&mut start);
         }
-        if let Some(mut parent) = parent {
-            stepper.rescale(&mut parent);
-            let (unknowns, tangent) = (start.unknowns.clone(), start.tangent.clone());
-            stepper.departure = Some(Departure { unknowns, tangent, parent });
-        }
+        stepper.departure = parent.map(|parent| stepper.departure(&start, parent));
         let slopes = stepper.forget_levels_at(&mut start, self.origin.is_birth);
         if !from_branch_point {
             stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
         }
-        // Both sides are the same where a branch of periodic orbits is born.
-        let directions = match how {
-            Leaving::Along | Leaving::Switched => [self.backward, self.forward],
-            Leaving::BranchPoint | Leaving::Direction => [false, true],
-        };
-        let error = self.origin.error;
-        let origin = self.origin.kind.into_iter().chain(self.origin.condition).collect();
         Ok(Tracer {
             stepper,
             branch,
             start,
             bounds,
             slopes,
-            directions,
+            directions: if one_sided { [false, true] } else { [self.backward, self.forward] },
             from_branch_point,
-            error,
-            origin,
+            error: self.origin.error,
+            origin: self.origin.kind.into_iter().chain(self.origin.condition).collect(),
             labels: 0,
         })
+    }
+
+    /// Whether the start is a branch point, whose tangents come from the algebraic bifurcation equations.
+    fn crosses(&self, how: Leaving) -> bool {
+        let at_crossing = how == Leaving::Along || how == Leaving::BranchPoint;
+        let branch_point = self.origin.is_branch_point && self.held.is_empty();
+        at_crossing && (self.origin.switched || branch_point)
     }
 
     /// Refuses to switch where no branches are known to cross.
@@ -180,6 +159,29 @@ fn metric(equations: &Extended, unknowns: &[f64], tangent: &[f64], ranges: &[[f6
     let [(z, p), (z_tangent, p_tangent)] =
         [unknowns, tangent].map(|x| (in_units(names, &units, &x[..n]), &x[first..]));
     Metric::new(names, &z, &z_tangent, ranges, p, p_tangent, &own).of_units(&units)
+}
+
+impl<'a> Stepper<'a> {
+    /// With nothing held.
+    fn new(
+        equations: Extended<'a>,
+        metric: Metric,
+        settings: Settings,
+        events: Vec<Event>,
+    ) -> Self {
+        Stepper {
+            weights: metric.weights(equations.names()),
+            equations,
+            newton: Newton::default(),
+            settings,
+            metric,
+            tested: events.iter().map(Event::tested).collect(),
+            events,
+            held: Vec::new(),
+            settled: Vec::new(),
+            departure: None,
+        }
+    }
 }
 
 impl Stepper<'_> {

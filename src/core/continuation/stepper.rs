@@ -1,6 +1,6 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
-use super::crossing::Departure;
+use super::departure::Departure;
 use super::event::{Event, MakeCondition, Test, TestPoint};
 use super::metric::Metric;
 use super::{Point, Settings};
@@ -388,13 +388,12 @@ impl Stepper<'_> {
                     }
                     value[0]
                 }
-                Test::Function => {
-                    let state = &self.equations.at().x[..own];
-                    let Point { parameters, monitors, .. } = point;
-                    let eigenvalues = spectrum.map_or(&[][..], |all| all);
-                    let at = TestPoint { state, parameters, monitors, eigenvalues };
-                    event.function.as_ref().map_or(f64::NAN, |function| function(&at))
-                }
+                Test::Function => event.value(&TestPoint {
+                    state: &self.equations.at().x[..own],
+                    parameters: &point.parameters,
+                    monitors: &point.monitors,
+                    eigenvalues: spectrum.map_or(&[], |all| all),
+                }),
             });
         }
         Ok(tests)

@@ -3,8 +3,7 @@
 
 use super::describe::Described;
 use super::event::{Event, Test};
-use super::locate::{Found, Located};
-use super::run::Tracer;
+use super::found::{Found, Located};
 use super::stepper::{Place, Step, Stepper};
 use super::{Kind, SpecialPoint};
 use crate::core::extended::Closing;
@@ -15,18 +14,19 @@ use crate::core::zero::Dynamics;
 /// arclength.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
-impl Tracer<'_> {
-    /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it explain that.
+impl Stepper<'_> {
+    /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it, or the special point
+    /// that it starts from, explain that.
     pub fn unexplained(
         &self,
         from: &Place,
         step: &Step,
         found: &[Located],
-        at_start: bool,
+        origin: &[Kind],
     ) -> Option<isize> {
         let branch_points = found.iter().filter(|it| it.special.kind == Kind::BP).count();
         let is_sign = |event: &Event| event.test == Test::BranchPoint;
-        let flips = self.stepper.events.iter().position(is_sign);
+        let flips = self.events.iter().position(is_sign);
         let flips = flips.is_some_and(|i| from.tests[i] * step.place.tests[i] < 0.0);
         let odd = !step.crossings.is_multiple_of(2);
         if step.crossings > branch_points.max(1) || step.crossings > 0 && odd != flips {
@@ -35,7 +35,7 @@ impl Tracer<'_> {
         let (before, after) = (from.point.unstable?, step.place.point.unstable?);
         let change = after as isize - before as isize;
         let passed = found.iter().map(|located| located.special.kind);
-        let passed = passed.chain(self.origin.iter().copied().filter(|_| at_start));
+        let passed = passed.chain(origin.iter().copied());
         let mut reachable = vec![0_isize];
         for kind in passed {
             let changes: &[isize] = match kind {
@@ -50,14 +50,13 @@ impl Tracer<'_> {
         }
         (!reachable.contains(&change)).then_some(change)
     }
-}
 
-impl Stepper<'_> {
-    /// Whether a step ends on a special point itself, but for rounding, where signs say nothing.
+    /// Whether a step that can be shortened ends on a special point itself, but for rounding, where signs say nothing.
     pub fn ends_on_special_point(&mut self, from: &Place, step: &Step) -> bool {
         let dynamics = self.equations.system().dynamics();
         let count = |place: &Place| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
-        matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a)
+        let more = matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a);
+        step.length > LEAST_UNEXPLAINED && (step.singular || more)
     }
 }
 

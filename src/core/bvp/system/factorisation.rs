@@ -11,31 +11,13 @@
 //!     ⎣  rows of the border                 ⎦
 //! ```
 
+use super::bordered::{Bordered, Form};
 use super::joined::Joined;
 use super::layout::{Layout, Rest};
 use super::linearisation::Linearisation;
 use crate::core::failure::Failure;
 use crate::core::linear::{BorderedLu, Chain};
 use crate::core::zero::Border;
-
-/// Which linearisation is factored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
-    /// The Jacobian.
-    Jacobian,
-    /// The same with the extras zero in place of integral and phase conditions: what is left of a periodic
-    /// orbit's linearisation when its boundary conditions are others.
-    Twisted,
-}
-
-/// The assembled linearisation of a system, in a form, within a border.
-#[derive(Clone, Copy)]
-pub(super) struct Bordered<'a> {
-    pub layout: &'a Layout,
-    pub assembled: &'a Linearisation,
-    pub form: Form,
-    pub border: Border<'a>,
-}
 
 /// The factors of the Jacobian within a border, with everything that solving needs.
 #[derive(Default)]

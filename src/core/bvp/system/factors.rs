@@ -1,7 +1,8 @@
 //! Factored linearisations as values, which know the layout that they belong to.
 
 use super::BoundarySystem;
-use super::factorisation::{Bordered, Factorisation, Form as Kept, form_of};
+use super::bordered::{Bordered, Form as Kept};
+use super::factorisation::{Factorisation, form_of};
 use super::layout::Layout;
 use super::rotating::Rotating;
 use crate::core::failure::Failure;

@@ -11,7 +11,7 @@
 //! are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`, and under forcing `T⁺ − T` is the cycle.
 //! Legs with fewer states than others have further ones that are zero.
 
-use super::factorisation::Bordered;
+use super::bordered::Bordered;
 use super::layout::Layout;
 use crate::core::bvp::Legs;
 use crate::core::failure::Failure;

@@ -12,7 +12,8 @@
 //! dense matrix, is complex for `μ = e^{iω}`.
 
 use super::BoundarySystem;
-use super::factorisation::{Bordered, form_of};
+use super::bordered::Bordered;
+use super::factorisation::form_of;
 use super::layout::Layout;
 use crate::core::bvp::{Number, Return};
 use crate::core::failure::Failure;

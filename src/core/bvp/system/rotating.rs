@@ -1,6 +1,7 @@
 //! Linearisations of complex multipliers.
 
-use super::factorisation::{Bordered, Factorisation, Left, form_of};
+use super::bordered::Bordered;
+use super::factorisation::{Factorisation, Left, form_of};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use crate::core::failure::Failure;
