@@ -197,9 +197,14 @@ impl BoundarySystem {
         };
         let mut out = vec![0.0; s.states];
         self.plain.load(layout, |i| x[i]);
-        let (interval, place) = self.equations.meshes[segment].locate(tau);
-        self.equations.value(&mut self.plain, (segment, interval), place, &mut out)?;
+        self.loaded_states(segment, tau, &mut out)?;
         Ok(out)
+    }
+
+    /// The same of the solution loaded last.
+    fn loaded_states(&mut self, segment: usize, tau: f64, out: &mut [f64]) -> Result<(), Failure> {
+        let (interval, place) = self.equations.meshes[segment].locate(tau);
+        self.equations.value(&mut self.plain, (segment, interval), place, out)
     }
 
     /// Makes a solution the reference of the phase condition. Without one, it is the first point at which the

@@ -59,6 +59,9 @@ impl Cycles for BoundarySystem {
         }
         let end = self.meshes()[0].end();
         let (mut size, mut miss) = (0.0_f64, 0.0_f64);
+        let most = self.equations.layout.states;
+        let mut halves = [vec![0.0; most], vec![0.0; most]];
+        self.plain.load(&self.equations.layout, |i| x[i]);
         for k in 0..PHASES {
             let tau = k as f64 / PHASES as f64;
             let (first, second) = match single {
@@ -68,9 +71,13 @@ impl Cycles for BoundarySystem {
                     ((segment, tau), (segment + segments / 2, tau))
                 }
             };
-            let values = [first, second].map(|(segment, tau)| self.states(x, segment, tau));
-            let [Ok(a), Ok(b)] = values else { return false };
-            for (a, b) in a.iter().zip(&b) {
+            for ((segment, tau), out) in [first, second].into_iter().zip(&mut halves) {
+                let states = self.equations.layout.segments[segment].states;
+                if self.loaded_states(segment, tau, &mut out[..states]).is_err() {
+                    return false;
+                }
+            }
+            for (a, b) in halves[0].iter().zip(&halves[1]) {
                 size = size.max(a.abs());
                 miss = miss.max((a - b).abs());
             }
@@ -158,11 +165,11 @@ impl BoundarySystem {
     ) -> Result<Vec<f64>, Failure> {
         let (count, end) = (from.meshes().len(), from.meshes()[0].end());
         let mut outcome = Ok(());
+        from.plain.load(&from.equations.layout, |i| x[i]);
         let z = self.sampled(extras, |segment, tau, out| {
             let tau = if count == 1 { wrapped(tau + shift, end) } else { tau };
-            match from.states(x, (segment + turn) % count, tau) {
-                Ok(states) => out.copy_from_slice(&states),
-                Err(cause) => outcome = Err(cause),
+            if let Err(cause) = from.loaded_states((segment + turn) % count, tau, out) {
+                outcome = Err(cause);
             }
         });
         outcome?;

@@ -52,6 +52,7 @@ impl Discretised {
     pub fn largest_error(&self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
         let (most, whole) = (largest(nodes), self.duration(numbers, |_| true));
+        let mut highest = Vec::new();
         let mut largest: Option<LargestError> = None;
         for (segment, s) in self.layout.segments.iter().enumerate() {
             if self.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
@@ -60,8 +61,9 @@ impl Discretised {
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
                 let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
+                self.highest_derivatives(segment, value, &mut highest);
                 for interval in 0..s.intervals {
-                    let error = self.error(segment, interval, size, value);
+                    let error = self.error(segment, interval, size, |j| highest[j]);
                     if largest.as_ref().is_none_or(|largest| error > largest.error) {
                         largest = Some(LargestError { segment, state, interval, error });
                     }
@@ -71,21 +73,22 @@ impl Discretised {
         largest
     }
 
-    /// The estimated error, in units of its size, of a state in an interval, given by its values at the
-    /// segment's nodes.
+    /// The estimated error, in units of its size, of a state in an interval, given by its `x^{(m)}` in the segment's
+    /// intervals.
     fn error<T: Scalar>(
         &self,
         segment: usize,
         interval: usize,
         size: T,
-        value: impl Fn(usize) -> T,
+        highest: impl Fn(usize) -> T,
     ) -> T {
         let (span, m) = (self.span(segment, interval), self.layout.degree);
         let h = span.end - span.start;
-        let constant = 2.0 * self.method.error_constant().unwrap_or(0.0) * h.powi(m as i32 + 1);
+        let power = h.powi(m as i32);
+        let constant = 2.0 * self.method.error_constant().unwrap_or(0.0) * power * h;
         let legendre: f64 = (m + 1..=2 * m).map(|k| 1.0 / k as f64).product();
-        let last_term = self.highest_sum(interval, &value) * legendre / size;
-        self.next_derivative(segment, interval, &value) * constant / size + last_term * last_term
+        let last_term = highest(interval) * (power * legendre) / size;
+        self.next_derivative(segment, interval, highest) * constant / size + last_term * last_term
     }
 
     /// `h^m x^{(m)}` in an interval.
@@ -95,17 +98,40 @@ impl Discretised {
         weights.fold(T::zero(), |sum, (a, weight)| sum + value(first + a) * *weight)
     }
 
-    /// `|x^{(m+1)}|` of a state in an interval. A single interval has no neighbour: what its polynomial's own
-    /// highest derivative changes over its length is taken, an overestimate where the series converges.
-    pub fn next_derivative<T: Scalar>(
+    /// `x^{(m)}` in an interval of a segment.
+    fn highest_in<T: Scalar>(
         &self,
         segment: usize,
         interval: usize,
         value: impl Fn(usize) -> T,
     ) -> T {
-        let (points, m) = (self.meshes[segment].points(), self.layout.degree);
+        let span = self.span(segment, interval);
+        self.highest_sum(interval, value) / (span.end - span.start).powi(self.layout.degree as i32)
+    }
+
+    /// `x^{(m)}` in all intervals of a segment.
+    fn highest_derivatives(
+        &self,
+        segment: usize,
+        value: impl Fn(usize) -> f64,
+        out: &mut Vec<f64>,
+    ) {
+        let intervals = 0..self.layout.segments[segment].intervals;
+        out.clear();
+        out.extend(intervals.map(|interval| self.highest_in(segment, interval, &value)));
+    }
+
+    /// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals. A single interval has no
+    /// neighbour: what its polynomial's own highest derivative changes over its length is taken, an overestimate where the
+    /// series converges.
+    fn next_derivative<T: Scalar>(
+        &self,
+        segment: usize,
+        interval: usize,
+        highest: impl Fn(usize) -> T,
+    ) -> T {
+        let points = self.meshes[segment].points();
         let length = |j: usize| points[j + 1] - points[j];
-        let highest = |j: usize| self.highest_sum(j, &value) / length(j).powi(m as i32);
         let here = highest(interval);
         if points.len() == 2 {
             return here.abs() / length(0);
@@ -150,7 +176,8 @@ impl Discretised {
         let outcome = passes.add_gradient(&self.layout, dependence, at, out, |passes| {
             let largest = passes.unknowns[last + 1 - first];
             let size = largest * largest.re.signum();
-            Ok(self.error(segment, interval, size, |k| passes.unknowns[k - first]))
+            let value = |k: usize| passes.unknowns[k - first];
+            Ok(self.error(segment, interval, size, |j| self.highest_in(segment, j, value)))
         });
         self.positions = positions;
         outcome
@@ -164,11 +191,13 @@ impl Discretised {
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
         let mut density = vec![0.0; s.intervals];
         let most = largest(nodes);
+        let mut highest = Vec::new();
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
             let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
+            self.highest_derivatives(segment, value, &mut highest);
             for (interval, density) in density.iter_mut().enumerate() {
-                let here = self.next_derivative(segment, interval, value) / size;
+                let here = self.next_derivative(segment, interval, |j| highest[j]) / size;
                 *density = here.powf(exponent).max(*density);
             }
         }
