@@ -1,77 +1,73 @@
 //! Kinds of special points.
 
-use serde::{Deserialize, Serialize};
+use serde::{Serialize, Serializer};
 
 /// The kind of a special point, written as the two letters that the field reads at a glance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Kind {
+///
+/// Kinds of bifurcations are declared beside their defining systems, and are rows of the catalogue in
+/// `bifurcation/catalogue.rs`.
+///
+/// ```
+/// use tangency::core::continuation::Kind;
+/// assert_eq!((Kind::LP.to_string(), Kind::LP.meaning()), ("LP".to_string(), "fold"));
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Kind {
+    letters: &'static str,
+    meaning: &'static str,
+}
+
+/// Kinds that are no bifurcations.
+impl Kind {
     /// `EP`: an end of the branch, or its start.
-    EP,
-    /// `LP`: a limit point or fold.
-    LP,
-    /// `BP`: a branch point.
-    BP,
-    /// `HB`: a Hopf point.
-    HB,
-    /// `CP`: a cusp on a curve of folds.
-    CP,
-    /// `BT`: a Bogdanov–Takens point.
-    BT,
-    /// `PD`: a period doubling of periodic orbits.
-    PD,
-    /// `TR`: a torus (Neimark–Sacker) point of periodic orbits.
-    TR,
-    /// `GH`: a generalised Hopf (Bautin) point, where a curve of folds of cycles ends on a curve of Hopf points.
-    GH,
-    /// `R1`: a resonance 1:1, where a curve of torus points ends with a double multiplier 1.
-    R1,
-    /// `R2`: a resonance 1:2, where a curve of torus points ends with a double multiplier −1.
-    R2,
+    pub const EP: Kind = Kind::new("EP", "end point");
+    /// `G`: a grazing: the solution touches a surface.
+    pub const G: Kind = Kind::new("G", "grazing");
+    /// `RG`: a regular point that was saved on request.
+    pub const RG: Kind = Kind::new("RG", "regular point");
+    /// `UZ`: a user's event.
+    pub const UZ: Kind = Kind::new("UZ", "user's point");
     /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and no event that was looked for
     /// explains it.
-    ND,
-    /// `G`: a grazing: the solution touches a surface.
-    G,
-    /// `RG`: a regular point that was saved on request.
-    RG,
-    /// `UZ`: a user's event.
-    UZ,
+    pub const ND: Kind = Kind::new("ND", "unclassified point");
     /// `MX`: the branch ended because a method failed.
-    MX,
+    pub const MX: Kind = Kind::new("MX", "method failed");
+
+    /// All of them.
+    pub(crate) const PLAIN: [Kind; 6] = [Kind::EP, Kind::G, Kind::RG, Kind::UZ, Kind::ND, Kind::MX];
 }
 
 impl Kind {
-    /// What the two letters mean, in words.
-    ///
-    /// ```
-    /// use tangency::core::continuation::Kind;
-    /// assert_eq!((Kind::LP.to_string(), Kind::LP.meaning()), ("LP".to_string(), "fold"));
-    /// ```
+    pub(crate) const fn new(letters: &'static str, meaning: &'static str) -> Self {
+        Kind { letters, meaning }
+    }
+
+    /// Its letters.
+    pub fn letters(self) -> &'static str {
+        self.letters
+    }
+
+    /// What they mean, in words.
     pub fn meaning(self) -> &'static str {
-        match self {
-            Kind::EP => "end point",
-            Kind::LP => "fold",
-            Kind::BP => "branch point",
-            Kind::HB => "Hopf point",
-            Kind::CP => "cusp",
-            Kind::BT => "Bogdanov–Takens point",
-            Kind::PD => "period doubling",
-            Kind::TR => "torus point",
-            Kind::GH => "generalised Hopf point",
-            Kind::R1 => "resonance 1:1",
-            Kind::R2 => "resonance 1:2",
-            Kind::ND => "unclassified point",
-            Kind::G => "grazing",
-            Kind::RG => "regular point",
-            Kind::UZ => "user's point",
-            Kind::MX => "method failed",
-        }
+        self.meaning
+    }
+}
+
+impl std::fmt::Debug for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.letters)
     }
 }
 
 impl std::fmt::Display for Kind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(&format!("{self:?}"))
+        f.pad(self.letters)
+    }
+}
+
+/// As an enumeration's variant: `LP`, without quotation marks where a format tells them apart.
+impl Serialize for Kind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_unit_variant("Kind", 0, self.letters)
     }
 }

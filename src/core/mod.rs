@@ -13,8 +13,10 @@ pub mod extended;
 pub(crate) mod failure;
 pub mod field;
 pub mod flow;
+pub(crate) mod function;
 pub mod grazing;
 pub mod hybrid;
+pub(crate) mod interpolation;
 pub mod jet;
 pub mod kind;
 pub mod ladder;
@@ -33,6 +35,7 @@ pub mod solution;
 #[cfg(feature = "scene")]
 pub mod sweep;
 pub(crate) mod system_ref;
+pub(crate) mod test_function;
 pub(crate) mod vector;
 pub mod watch;
 pub mod zero;

@@ -1,6 +1,5 @@
 //! What decides stability: the spectrum of the linearised motion about a solution.
 
-use super::kind::Kind;
 use super::zero::{Dynamics, Spectrum};
 
 /// Eigenvalues this near to zero, compared with the largest one, and multipliers this near to the unit circle count
@@ -110,21 +109,50 @@ fn largest(spectrum: &[(f64, f64)]) -> f64 {
     spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
 }
 
-/// How far an eigenvalue or multiplier is from where it would be critical.
-pub(super) type Distance = fn(&(f64, f64)) -> f64;
+/// Which eigenvalues or multipliers are critical at a special point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Critical {
+    /// Not said.
+    None,
+    /// An eigenvalue 0, or a multiplier 1.
+    One,
+    /// A multiplier −1.
+    MinusOne,
+    /// A pair `±iω`, or `e^{±iθ}`.
+    Pair,
+}
 
-/// How many eigenvalues or multipliers are critical at a kind of special point, and how far one of them is from
-/// where it would be critical.
-pub(super) fn criticality(kind: Kind, dynamics: Dynamics) -> (usize, Distance) {
-    let periodic = dynamics == Dynamics::Periodic;
-    match kind {
-        Kind::LP | Kind::BP if periodic => (1, |l| (l.0 - 1.0).hypot(l.1)),
-        Kind::LP | Kind::BP => (1, |l| l.0.hypot(l.1)),
-        Kind::HB if periodic => (1, |l| (l.0 - 1.0).hypot(l.1)),
-        Kind::PD => (1, |l| (l.0 + 1.0).hypot(l.1)),
-        Kind::HB => (2, |l| if l.1 == 0.0 { f64::INFINITY } else { l.0.abs() }),
-        Kind::TR => (2, |l| if l.1 == 0.0 { f64::INFINITY } else { (l.0.hypot(l.1) - 1.0).abs() }),
-        _ => (0, |_| f64::INFINITY),
+impl Critical {
+    /// How many there are.
+    pub fn count(self) -> usize {
+        match self {
+            Critical::None => 0,
+            Critical::One | Critical::MinusOne => 1,
+            Critical::Pair => 2,
+        }
+    }
+
+    /// By how much they can change the number of unstable ones; empty if nothing is said.
+    pub fn changes(self) -> &'static [isize] {
+        match self {
+            Critical::None => &[],
+            Critical::One | Critical::MinusOne => &[-1, 0, 1],
+            Critical::Pair => &[-2, 0, 2],
+        }
+    }
+
+    /// How far an eigenvalue or multiplier is from being one of them.
+    pub fn distance(self, dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
+        let periodic = dynamics == Dynamics::Periodic;
+        match self {
+            Critical::None => f64::INFINITY,
+            Critical::One if periodic => (re - 1.0).hypot(im),
+            Critical::One => re.hypot(im),
+            Critical::MinusOne => (re + 1.0).hypot(im),
+            Critical::Pair if im == 0.0 => f64::INFINITY,
+            Critical::Pair if periodic => (re.hypot(im) - 1.0).abs(),
+            Critical::Pair => re.abs(),
+        }
     }
 }
 

@@ -23,28 +23,33 @@ pub struct Solution {
     pub switch: bool,
 }
 
-/// How a branch starts from a [`Solution`].
+/// A [`Solution`] taken over by a system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adopted {
     /// The unknowns `z`.
     pub z: Vec<f64>,
-    /// The direction `(z, p)` of the branch, where it is known.
-    pub tangent: Option<Vec<f64>>,
-    /// How the solution is left.
-    pub leaving: Leaving,
+    /// How a branch starts there.
+    pub start: Start,
 }
 
-/// How a branch leaves the solution it starts from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How a branch starts. Directions are `(z, p)`.
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Leaving {
-    /// Along the curve through it.
-    Along,
-    /// Along the curve through it, which is the other one already.
-    Switched,
-    /// It is a branch point, whose tangents solve the algebraic bifurcation equation, and both sides of the
-    /// other branch are the same.
-    BranchPoint,
-    /// In the direction given, though the equations are singular there, and to that side only.
-    Direction,
+pub enum Start {
+    /// At a point of the curve, or a guess of one.
+    Point {
+        /// The direction of the curve, where it is known.
+        tangent: Option<Vec<f64>>,
+    },
+    /// Where the curve is born, at a level that defines its birth.
+    Birth,
+    /// At a branch point, whose tangents solve the algebraic bifurcation equations.
+    BranchPoint {
+        /// The direction of the branch that leads to it, where it is known.
+        along: Option<Vec<f64>>,
+        /// Whether both sides of the other branch are the same.
+        one_sided: bool,
+    },
+    /// In this direction, though the equations are singular there, and to that side only.
+    Direction(Vec<f64>),
 }

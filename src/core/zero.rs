@@ -17,7 +17,7 @@ pub use super::failure::Failure;
 use super::linear::Factors;
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
-use super::solution::{Adopted, Leaving, Solution};
+use super::solution::{Adopted, Solution, Start};
 
 /// What the residual says about motion near an equilibrium, which decides what "stable" means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -358,7 +358,7 @@ impl dyn System + '_ {
         }
         let z = solution.state.clone();
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-        Ok(Adopted { z, tangent, leaving: Leaving::Along })
+        Ok(Adopted { z, start: Start::Point { tangent } })
     }
 
     /// What solutions go through; empty if that is the same for all.

@@ -263,6 +263,7 @@ fn symbol(kind: Kind) -> Symbol {
         Kind::TR => Symbol::Hexagon,
         Kind::G => Symbol::TriangleLeft,
         Kind::UZ => Symbol::TriangleDown,
-        Kind::MX | Kind::ND => Symbol::Cross,
+        // MX, ND, and whatever has no symbol of its own.
+        _ => Symbol::Cross,
     }
 }

@@ -14,6 +14,9 @@ const MOST_CURVES: usize = 8;
 /// Nor ends of branches, if there are more curves than this.
 const MOST_WITH_ENDS: usize = 5;
 
+/// Special points whose solutions are worth a look.
+const SHOWN: [Kind; 6] = [Kind::LP, Kind::PD, Kind::TR, Kind::BP, Kind::G, Kind::UZ];
+
 /// A special point, and the name of its curve.
 struct Shown<'a> {
     name: String,
@@ -99,11 +102,8 @@ fn interesting(branch: &Branch) -> Vec<&SpecialPoint> {
     let special = || branch.special.iter();
     let users = || special().filter(|point| point.kind == Kind::UZ);
     if special().any(|point| !point.mesh.is_empty()) {
-        use Kind::{BP, G, LP, PD, TR, UZ};
         let last = special().next_back().map(|last| last.label);
-        let own = |point: &&SpecialPoint| {
-            matches!(point.kind, LP | PD | TR | BP | G | UZ) || Some(point.label) == last
-        };
+        let own = |point: &&SpecialPoint| SHOWN.contains(&point.kind) || Some(point.label) == last;
         return special().filter(own).collect();
     }
     match users().next() {

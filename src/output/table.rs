@@ -5,31 +5,38 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::names::distinct;
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
-/// parameter and then every monitor by name, in the order in which the branches first mention them,
-/// then `error`, the estimated absolute error of the continued parameter, `unstable`, the number of
-/// unstable eigenvalues or multipliers, and `converged`: where it is `false` no digit is promised. Numbers have 15
-/// significant digits. A cell is empty where a branch lacks the column, and `unstable` where stability is not meant.
+/// parameter, then every monitor and every number that belongs to special points by name, in the order in which the branches
+/// first mention them, then `error`, the estimated absolute error of the continued parameter, `unstable`, the number of
+/// unstable eigenvalues or multipliers, `converged`: where it is `false` no digit is promised, and `multiplicity`, how
+/// many eigenvalues vanish at a branch point. Numbers have 15 significant digits. A cell is empty where a branch lacks the
+/// column, and `unstable` where stability is not meant.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
 /// let lines: Vec<&str> = table.lines().collect();
-/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged");
-/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true");
+/// assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged,multiplicity");
+/// assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true,1");
 /// ```
 pub fn csv(branches: &[Branch]) -> String {
     let parameters = distinct(branches.iter().flat_map(|branch| &branch.parameters));
-    let monitors = distinct(branches.iter().flat_map(|branch| &branch.monitors));
+    let numbers = branches.iter().flat_map(|branch| &branch.special).flat_map(|it| &it.numbers);
+    let monitors = branches.iter().flat_map(|branch| &branch.monitors);
+    let monitors = distinct(monitors.chain(numbers.map(|(name, _)| name)));
     let columns = parameters.iter().chain(&monitors).map(|name| quoted(name));
     let first = ["branch", "label", "kind"].map(String::from).into_iter();
-    let header = first.chain(columns).chain(["error", "unstable", "converged"].map(String::from));
+    let last = ["error", "unstable", "converged", "multiplicity"].map(String::from);
+    let header = first.chain(columns).chain(last);
     let mut table = header.collect::<Vec<_>>().join(",") + "\n";
     for branch in branches {
         for point in &branch.special {
             let mut cells =
                 vec![quoted(&branch.name), point.label.to_string(), point.kind.to_string()];
+            let (names, values): (Vec<String>, Vec<f64>) = point.numbers.iter().cloned().unzip();
+            let recorded = [&branch.monitors[..], &names].concat();
+            let own = [&point.monitors[..], &values].concat();
             let lists = [
                 (&parameters, &branch.parameters, &point.parameters),
-                (&monitors, &branch.monitors, &point.monitors),
+                (&monitors, &recorded, &own),
             ];
             for (columns, names, values) in lists {
                 cells.extend(columns.iter().map(|column| cell(column, names, values)));
@@ -37,6 +44,7 @@ pub fn csv(branches: &[Branch]) -> String {
             cells.push(significant(point.error, 15));
             cells.push(count(point.unstable));
             cells.push(point.converged.to_string());
+            cells.push(point.multiplicity.to_string());
             table.push_str(&cells.join(","));
             table.push('\n');
         }
@@ -99,7 +107,7 @@ impl Screen {
         self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone())
     }
 
-    /// The line of one special point; one that has not converged says so.
+    /// The line of one special point, with the numbers that belong to it; one that has not converged says so.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable);
@@ -107,6 +115,12 @@ impl Screen {
         let mut line = self.assemble(first.map(String::as_str), |(column, _)| {
             point.value(*column).map_or(String::new(), |value| significant(value, 12))
         });
+        for (name, value) in &point.numbers {
+            line.push_str(&format!("  {name} = {}", significant(*value, 12)));
+        }
+        if point.multiplicity > 1 {
+            line.push_str(&format!("  multiplicity {}", point.multiplicity));
+        }
         if !point.converged {
             line.push_str(&format!("  not converged, error {:.1e}", point.error));
         }

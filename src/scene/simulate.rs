@@ -157,6 +157,7 @@ fn branch(
         monitors: values,
         unstable: None,
         eigenvalues: Vec::new(),
+        numbers: Vec::new(),
         multiplicity: 1,
         error: 0.0,
         bracket: [p[0]; 2],

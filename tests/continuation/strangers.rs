@@ -354,7 +354,7 @@ fn wrong_requests_are_refused_with_the_reason() {
         curve.trace().unwrap_err().to_string()
     };
     let cases = [
-        (refused(&mut Dense::new(Columns), &[Kind::PD]), "no periodic orbits"),
+        (refused(&mut Dense::new(Columns), &[Kind::PD]), "branches of periodic orbits"),
         (refused(&mut Dense::new(Columns), &[Kind::CP]), "hold LP as well"),
         (refused(&mut Dense::new(NoOrbit), &[]), "periodic_orbits"),
         (refused(&mut Dense::new(Unwritten(true)), &[]), "two unknowns"),

@@ -36,8 +36,11 @@ fn points_prints_the_table() {
     let output = tangency(folder.path(), &["points", "a.ron"]);
     assert!(output.status.success());
     let lines: Vec<&str> = stdout(&output).lines().collect();
-    assert_eq!(lines[0], "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged");
-    assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true");
+    assert_eq!(
+        lines[0],
+        "branch,label,kind,load,aspect_ratio,deflection,error,unstable,converged,multiplicity"
+    );
+    assert_eq!(lines[3], "plate,3,LP,0.148148148148148,1.2,0.333333333333333,2.5e-15,0,true,1");
     assert_eq!(lines.len(), 5);
 }
 
@@ -240,12 +243,12 @@ fn a_grazing_is_printed_with_its_kind() {
         "{}",
         rows[0]
     );
-    assert!(rows[0].ends_with(",error,unstable,converged"));
+    assert!(rows[0].ends_with(",error,unstable,converged,multiplicity"));
     let row = rows.iter().find(|row| row.contains(",G,")).unwrap();
     let cells: Vec<&str> = row.split(',').collect();
     let voltage: f64 = cells[3].parse().unwrap();
     assert!((voltage - 0.228618817738).abs() < 1e-11, "{voltage}");
-    assert_eq!(cells[cells.len() - 2..], ["1", "true"]);
+    assert_eq!(cells[cells.len() - 3..], ["1", "true", "1"]);
 }
 
 /// A point of an orbit is restarted from its file, by its branch; profiles are drawn of the points asked for.

@@ -17,12 +17,12 @@ fn a_table_has_the_columns_of_all_branches_and_empty_cells() {
     second.monitors.push("width \"b\"".into());
     second.special.truncate(1);
     second.special[0].monitors.push(-1e-7 / 3.0);
-    let table = r#"branch,label,kind,load,aspect_ratio,deflection,"width ""b""",error,unstable,converged
-plate,1,EP,0,1.2,0,,0,0,true
-plate,2,UZ,0.108375,1.2,0.15,,2.5e-15,0,true
-plate,3,LP,0.148148148148148,1.2,0.333333333333333,,2.5e-15,0,true
-plate,4,EP,0.032,1.2,0.8,,0,1,true
-"with, comma",1,EP,0,1.2,0,-3.33333333333333e-8,0,0,true
+    let table = r#"branch,label,kind,load,aspect_ratio,deflection,"width ""b""",error,unstable,converged,multiplicity
+plate,1,EP,0,1.2,0,,0,0,true,1
+plate,2,UZ,0.108375,1.2,0.15,,2.5e-15,0,true,1
+plate,3,LP,0.148148148148148,1.2,0.333333333333333,,2.5e-15,0,true,1
+plate,4,EP,0.032,1.2,0.8,,0,1,true,1
+"with, comma",1,EP,0,1.2,0,-3.33333333333333e-8,0,0,true,1
 "#;
     assert_eq!(csv(&[example_branch(), second]), table);
 }

@@ -6,6 +6,11 @@ use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise};
 use crate::core::zero::{Border, Form};
 
+impl Kind {
+    /// `BP`: a branch point.
+    pub const BP: Kind = Kind::new("BP", "branch point");
+}
+
 /// A branch point: `J = [F_z  F_p]` has rank `n − 1`.
 ///
 /// With an unknown `β` of its own that unfolds the problem, `F + β b = 0`, and the bordered matrix

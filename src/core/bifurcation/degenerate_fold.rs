@@ -17,6 +17,13 @@ use crate::core::kind::Kind;
 use crate::core::vector::dot;
 use crate::core::zero::Form;
 
+impl Kind {
+    /// `CP`: a cusp on a curve of folds.
+    pub const CP: Kind = Kind::new("CP", "cusp");
+    /// `BT`: a Bogdanov–Takens point.
+    pub const BT: Kind = Kind::new("BT", "Bogdanov–Takens point");
+}
+
 /// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a Bogdanov–Takens point,
 /// where `c = wᵀ v = 0` and the eigenvalue zero is double.
 pub struct DegenerateFold {

@@ -5,6 +5,13 @@ use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::zero::Form;
 
+impl Kind {
+    /// `LP`: a limit point or fold.
+    pub const LP: Kind = Kind::new("LP", "fold");
+    /// `PD`: a period doubling of periodic orbits.
+    pub const PD: Kind = Kind::new("PD", "period doubling");
+}
+
 /// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`, taken with the sign of
 /// the bordered determinant: `g` is the ratio of `det F_z` to that, which may change sign far from any fold.
 ///

@@ -6,6 +6,13 @@ use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise};
 use crate::core::zero::{Border, Dynamics, Form};
 
+impl Kind {
+    /// `HB`: a Hopf point.
+    pub const HB: Kind = Kind::new("HB", "Hopf point");
+    /// `TR`: a torus (Neimark–Sacker) point of periodic orbits.
+    pub const TR: Kind = Kind::new("TR", "torus point");
+}
+
 /// A Hopf point: `F_z` has the eigenvalue `iω`, `ω > 0` an unknown of the condition's own. On a
 /// periodic orbit the same is a torus point: it has the multiplier `e^{iω}`.
 ///

@@ -7,6 +7,7 @@
 //! 2000, chapters 3 and 4).
 
 mod branch_point;
+pub(crate) mod catalogue;
 mod crossing;
 mod degenerate_fold;
 mod fold;

@@ -17,9 +17,9 @@ mod basis;
 mod linearise;
 
 use super::erased::Number;
-use super::interpolation::lagrange;
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
 use crate::core::failure::Failure;
+use crate::core::interpolation::lagrange;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};

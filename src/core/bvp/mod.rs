@@ -8,7 +8,6 @@
 mod collocation;
 mod erased;
 mod error;
-mod interpolation;
 mod interval;
 mod mesh;
 mod method;

@@ -1,16 +1,10 @@
 //! The events between two points of a branch.
 
 use super::Kind;
-use super::event::Test;
 use super::found::Located;
 use super::run::Tracer;
 use super::stepper::{AT_START, Place, Step};
-
-/// A slope of the continued parameter, on curves of scaled arclength, that is rounding.
-const VERTICAL: f64 = 1e-7;
-
-/// Multipliers beyond this are known by their size only.
-const HUGE: f64 = 1e7;
+use crate::core::test_function::Side;
 
 impl Tracer<'_> {
     /// All events in a step, in the order in which the branch meets them, but for those of the start.
@@ -29,13 +23,8 @@ impl Tracer<'_> {
                 continue;
             }
             // At a pitchfork the parameter turns as well.
-            let turns = at_start && self.from_branch_point && event.test == Test::Fold;
-            if turns || self.is_noise(index, from, step) {
-                continue;
-            }
-            // At a neutral saddle, λ and −λ, the sign changes as at a Hopf point, but nothing is lost or
-            // gained in stability.
-            if event.test == Test::Hopf && from.point.unstable == to.point.unstable {
+            let turns = at_start && self.from_branch_point && event.kind == Kind::LP;
+            if turns || self.is_noise(index, from, to) {
                 continue;
             }
             let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
@@ -49,24 +38,16 @@ impl Tracer<'_> {
         found
     }
 
-    /// Whether a change of sign means nothing: that of the parameter's slope on a vertical branch, and, where multipliers
-    /// are so large that their signs are rounding, that of the test function of period doublings.
-    fn is_noise(&self, index: usize, from: &Place, step: &Step) -> bool {
-        let to = &step.place;
-        let slopes = [from, to].map(|place| place.tests[index].abs());
-        match self.stepper.events[index].test {
-            Test::Fold => {
-                let parameter = self.stepper.equations.parameters_at();
-                let scale = self.stepper.weights[parameter].sqrt();
-                slopes[0].max(slopes[1]) * scale < VERTICAL
-            }
-            Test::PeriodDoubling => {
-                let huge =
-                    |place: &Place| place.spectrum.iter().flatten().any(|mu| mu.0.abs() > HUGE);
-                huge(from) && huge(to) && from.point.unstable == to.point.unstable
-            }
-            _ => false,
-        }
+    /// Whether a change of sign means nothing.
+    fn is_noise(&self, index: usize, from: &Place, to: &Place) -> bool {
+        let parameter = self.stepper.equations.parameters_at();
+        let scale = self.stepper.weights[parameter].sqrt();
+        let slopes = [from, to].map(|place| place.tangent[parameter] * scale);
+        let side = |place| {
+            let Place { point, spectrum, .. }: &Place = place;
+            Side { unstable: point.unstable, spectrum: spectrum.as_ref() }
+        };
+        self.stepper.events[index].test.is_noise(slopes, [side(from), side(to)])
     }
 
     /// Whether an event is another one of those found in the step, seen once more.

@@ -1,10 +1,10 @@
 //! Bracketing an event on the corrected branch.
 
-use super::event::Test;
 use super::found::Found;
 use super::hermite::{Knot, hermite};
 use super::stepper::{Place, Stepper};
 use crate::core::extended::Closing;
+use crate::core::test_function::Test;
 
 /// A bracket this short, in units of the step, is a point.
 const POINT: f64 = 1e-12;
@@ -28,15 +28,13 @@ impl Bracket {
     /// it is the slope of the parameter (at this position in `X`), which a cubic knows better.
     pub fn guess(&self, test: Test, parameter: usize) -> Vec<f64> {
         let [low, high] = self.tests;
-        let fraction = match test {
-            Test::BranchPoint | Test::Hopf => 0.5,
-            Test::Level(..) => match self.slope {
-                Some(slope) => zero_of_parabola(low, high, slope * (self.high - self.low)),
-                None => low / (low - high),
-            },
-            Test::Fold => {
+        let length = self.high - self.low;
+        let fraction = match (test, self.slope) {
+            (test, _) if test.is_sign() => 0.5,
+            (_, Some(slope)) => zero_of_parabola(low, high, slope * length),
+            (Test::Fold, _) => {
                 let rise = self.ends[1][parameter] - self.ends[0][parameter];
-                turn_of_cubic(low, high, rise / (self.high - self.low))
+                turn_of_cubic(low, high, rise / length)
             }
             _ => low / (low - high),
         };
@@ -93,10 +91,10 @@ impl Stepper<'_> {
         let Ok(report) = self.correct(&mut unknowns, closing) else { return false };
         let event = &self.events[index];
         let stability =
-            event.test.needs_eigenvalues() || event.function.is_some() && self.wants_stability();
+            event.test.needs_eigenvalues() || event.condition.is_none() && self.wants_stability();
         let arrived = self.arrive(unknowns, row, report.matrix_error, stability);
         let Ok(place) = arrived else { return false };
-        let test = place.tests[index];
+        let Some(test) = place.tests[index] else { return false };
         let side = usize::from((test < 0.0) != (bracket.tests[0] < 0.0));
         bracket.ends[side] = place.unknowns;
         bracket.tangents[side] = place.tangent;
@@ -142,6 +140,7 @@ impl Stepper<'_> {
         let error = (bracket.ends[1][p] - bracket.ends[0][p]).abs() + self.parameter_error();
         let converged = b == 0.0 || bracket.high - bracket.low <= 1e3 * POINT * whole;
         let along = if side == 0 { bracket.low } else { bracket.high };
-        Found { along, unknowns: bracket.ends[side].clone(), error, converged }
+        let (unknowns, own) = (bracket.ends[side].clone(), Vec::new());
+        Found { along, unknowns, own, error, converged }
     }
 }

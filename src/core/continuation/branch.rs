@@ -60,6 +60,9 @@ pub struct SpecialPoint {
     /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a [`Point`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
+    /// Numbers that belong to such a point, by name: the frequency of a Hopf point, the angle of a torus point.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<(String, f64)>,
     /// How many eigenvalues vanish at a branch point, where it is more than one.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub multiplicity: usize,

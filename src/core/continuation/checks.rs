@@ -1,11 +1,11 @@
 //! What a long step passes unseen: pairs of events, at which a test function has the same sign at both ends of the
 //! step; and the way over to another branch, where two come near each other without crossing.
 
-use super::Kind;
-use super::event::Test;
+use super::found::Finished;
 use super::hermite::hermite;
 use super::predictor::knots_of;
 use super::stepper::{Before, MOST_DISTANT, Place, Step, Stepper};
+use super::test_values::turns;
 use crate::core::extended::Closing;
 use crate::core::newton::{NewtonError, scaled_norm};
 use crate::core::vector::{along, difference, dot};
@@ -27,15 +27,15 @@ impl Stepper<'_> {
     /// each other instead of crossing. With a point of the curve at a distance `s`, of which the linearised equations have the solution
     /// at a distance `d`, they are `2 √(d s)` apart, as `u v = d s` is at the bend.
     pub fn stays(&mut self, from: &Place, step: &Step) -> Result<(), NewtonError> {
-        let index = self.events.iter().position(|event| event.test == Test::BranchPoint);
-        let Some(index) = index.filter(|_| self.held.is_empty()) else { return Ok(()) };
-        if from.tests[index] * step.place.tests[index] >= 0.0 {
-            return Ok(());
-        }
+        let index = self.branch_points().filter(|_| self.held.is_empty());
+        let passed = |i: &usize| turns(from.tests[*i], step.place.tests[*i]);
+        let Some(index) = index.filter(passed) else { return Ok(()) };
         let event = self.events[index].clone();
         let middle = from.unknowns.iter().zip(&step.place.unknowns).map(|(a, b)| 0.5 * (a + b));
         // What is no branch point at all is left to the events.
-        let Ok((point, _)) = self.finish(&event, middle.collect()) else { return Ok(()) };
+        let Ok(Finished { unknowns: point, .. }) = self.finish(&event, middle.collect()) else {
+            return Ok(());
+        };
         let row = self.covector(&from.tangent);
         let length = along(&row, &point, &from.unknowns);
         if !(0.0..=step.length).contains(&length) {
@@ -64,29 +64,6 @@ impl Stepper<'_> {
         })
     }
 
-    /// The value of a test function that is smooth: in place of the sign of a determinant or of a spectrum's product, the
-    /// real eigenvalue that is nearest to zero, or the real part of the pair that is nearest to the imaginary axis.
-    fn smooth_test(&self, index: usize, place: &Place) -> Option<f64> {
-        let spectrum = place.spectrum.iter().flatten();
-        let least = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
-        match self.events[index].test {
-            // Those of periodic orbits are left to the counts.
-            Test::BranchPoint | Test::Hopf if self.events[index].kind == Kind::TR => None,
-            Test::BranchPoint if self.is_equilibrium() => {
-                spectrum.filter(|l| l.1 == 0.0).map(|l| l.0).min_by(least)
-            }
-            Test::Hopf if self.is_equilibrium() => {
-                spectrum.filter(|l| l.1 > 0.0).map(|l| l.0).min_by(least)
-            }
-            Test::BranchPoint | Test::Hopf | Test::Amplitude => None,
-            _ => Some(place.tests[index]),
-        }
-    }
-
-    fn is_equilibrium(&self) -> bool {
-        self.events.iter().all(|event| event.kind != Kind::PD)
-    }
-
     fn search(
         &mut self,
         index: usize,
@@ -112,9 +89,7 @@ impl Stepper<'_> {
                 return None;
             }
             // Eigenvalues are computed where they decide, and where the step is to end.
-            let by_eigenvalues = [Test::PeriodDoubling, Test::BranchPoint, Test::Hopf];
-            let decide =
-                by_eigenvalues.contains(&self.events[index].test) && self.wants_stability();
+            let decide = self.events[index].test.is_spectral() && self.wants_stability();
             let mut place = self.arrive(unknowns, &row, report.matrix_error, decide).ok()?;
             if dot(&row, &place.tangent) < self.settings.max_angle.cos() {
                 return None;

@@ -3,7 +3,7 @@
 use super::found::{Found, Located};
 use super::stepper::{Place, Stepper};
 use super::{End, Kind, Point, SpecialPoint};
-use crate::core::motion::{Stability, criticality, deciding, without_critical};
+use crate::core::motion::{Critical, Stability, deciding, without_critical};
 use crate::core::vector::dot;
 use crate::core::zero::{Profile, Spectrum};
 
@@ -59,7 +59,7 @@ impl Stepper<'_> {
         (between, length): ([&Place; 2], f64),
         found: Found,
     ) -> Option<Located> {
-        let Found { along, ref unknowns, error, converged } = found;
+        let Found { along, ref unknowns, own, error, converged } = found;
         let [from, to] = between;
         let event = &self.events[index].clone();
         let tangent = self.tangent_between(event.kind, unknowns, between, along / length)?;
@@ -67,7 +67,7 @@ impl Stepper<'_> {
         let recorded = self.record(self.settings.stability);
         let (mut point, spectrum) = recorded.or_else(|_| self.record(false)).ok()?;
         let known = spectrum.as_ref().filter(|_| self.held.is_empty());
-        point.unstable = known.and_then(|all| self.own_count(event.kind, all, (from, to)));
+        point.unstable = known.and_then(|all| self.own_count(event.critical, all, (from, to)));
         let spectrum = spectrum.unwrap_or_default();
         if !converged {
             point.unstable = from.point.unstable.min(to.point.unstable);
@@ -84,7 +84,9 @@ impl Stepper<'_> {
             tangent: &tangent,
             profiles,
         });
-        let mut special = SpecialPoint { error, bracket, converged, ..special };
+        let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
+        let numbers = names.iter().map(ToString::to_string).zip(own).collect();
+        let mut special = SpecialPoint { error, bracket, converged, numbers, ..special };
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if event.condition.is_none() {
@@ -111,15 +113,15 @@ impl Stepper<'_> {
     /// periodic orbits begins, nothing is known of its stability.
     fn own_count(
         &mut self,
-        kind: Kind,
+        critical: Critical,
         spectrum: &Spectrum,
         sides: (&Place, &Place),
     ) -> Option<usize> {
         sides.0.point.unstable.or(sides.1.point.unstable)?;
         let system = self.equations.system();
         let (dynamics, orientation) = (system.dynamics(), system.orientation());
-        let (count, distance) = criticality(kind, dynamics);
-        let others = without_critical(spectrum, count, distance);
+        let distance = |l: &(f64, f64)| critical.distance(dynamics, l);
+        let others = without_critical(spectrum, critical.count(), distance);
         Some(Stability::of(dynamics, &others).oriented(orientation).unstable)
     }
 
@@ -142,6 +144,7 @@ impl Stepper<'_> {
             monitors: point.monitors,
             unstable: point.unstable,
             eigenvalues: deciding(spectrum, SpecialPoint::EIGENVALUES),
+            numbers: Vec::new(),
             multiplicity: 1,
             error: self.parameter_error(),
             bracket: [unknowns[first]; 2],

@@ -79,6 +79,11 @@ pub enum TraceError {
         /// How many there are.
         count: usize,
     },
+    /// A monitor that has no gradient is to be held.
+    #[error(
+        "the monitor `{0}` has no gradient and cannot be held: attach it with `smooth_monitor`"
+    )]
+    NoGradient(String),
     /// A state of the wrong length.
     #[error(
         "the start has {found} unknowns, the problem {expected}: was it made with other settings?"
@@ -120,7 +125,7 @@ pub enum TraceError {
         /// The kind.
         kind: super::Kind,
         /// Why not.
-        reason: &'static str,
+        reason: String,
     },
     /// Two unknowns, parameters or monitors of one name.
     #[error("two {what} of the problem are called `{name}`: give each a name of its own")]

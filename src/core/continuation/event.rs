@@ -1,13 +1,16 @@
 //! Events: what is looked for along a branch.
 
 use super::Kind;
-use crate::core::bifurcation::{BranchPoint, DegenerateFold, Fold, Hopf};
+use crate::core::bifurcation::catalogue::{self, Beyond, Bifurcation, Make, Sighting};
 use crate::core::condition::{Condition, Level, Quantity};
-use std::f64::consts::PI;
+use crate::core::function::{DualFunction, Equation, PointFunction, TestPoint};
+use crate::core::motion::Critical;
+use crate::core::test_function::Test;
+use num_dual::Dual64;
 use std::sync::Arc;
 
 /// Makes a fresh condition: one for the branch, one for each refinement.
-pub type MakeCondition = Arc<dyn Fn() -> Box<dyn Condition> + Send + Sync>;
+pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn Condition> + Send + Sync>;
 
 /// Which change of sign counts, going along the branch from its first point to its last, which is the
 /// direction in which the (last released) parameter grows at the start.
@@ -20,65 +23,6 @@ pub enum Direction {
     Rising,
     /// From positive to negative.
     Falling,
-}
-
-/// What a test function of the user's own is given of a point on a branch.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct TestPoint<'a> {
-    /// The unknowns.
-    pub state: &'a [f64],
-    /// All parameters.
-    pub parameters: &'a [f64],
-    /// All monitors.
-    pub monitors: &'a [f64],
-    /// The eigenvalues or multipliers as (real part, imaginary part); empty where they are not computed.
-    pub eigenvalues: &'a [(f64, f64)],
-}
-
-/// A test function of the user's own.
-pub type TestFunction = Arc<dyn Fn(&TestPoint) -> f64 + Send + Sync>;
-
-/// The function whose change of sign says that an event lies between two points of a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Test {
-    /// The component of the tangent along the continued parameter.
-    Fold,
-    /// The determinant of the Jacobian bordered by the tangent.
-    BranchPoint,
-    /// The sign of the product of all sums of two eigenvalues, or of all products of two multipliers
-    /// less 1.
-    Hopf,
-    /// The product of all multipliers plus 1.
-    PeriodDoubling,
-    /// A parameter or monitor less a level.
-    Level(Quantity, f64),
-    /// An auxiliary unknown of the conditions held along the curve, less a level.
-    Own {
-        /// Its position among the auxiliary unknowns.
-        unknown: usize,
-        /// The level.
-        level: f64,
-    },
-    /// The oscillation of a cycle about its mean, compared with that of the cycle before.
-    Amplitude,
-    /// The first equation of the condition itself.
-    Condition,
-    /// The event's own [`function`](Event::function).
-    Function,
-}
-
-impl Test {
-    /// Whether the sign changes where a curve is seen in the other direction.
-    pub(super) fn is_odd(self) -> bool {
-        matches!(self, Test::Fold | Test::BranchPoint)
-    }
-
-    /// Whether only eigenvalues or multipliers tell it.
-    pub(super) fn needs_eigenvalues(self) -> bool {
-        matches!(self, Test::Hopf | Test::PeriodDoubling)
-    }
 }
 
 /// Something to be found on a branch: a test function that changes sign, and the condition that
@@ -105,12 +49,14 @@ pub struct Event {
     /// Whether the branch ends there.
     pub terminal: bool,
     /// Makes the condition; without one, the event is located by bracketing on the branch.
-    pub condition: Option<MakeCondition>,
+    pub(super) condition: Option<MakeCondition>,
     /// The test function, where it is the user's own.
-    pub function: Option<TestFunction>,
+    pub(super) function: Option<PointFunction>,
     /// Makes the condition that stands in place of those held along the curve, where those are singular
     /// at the event.
-    pub instead: Option<MakeCondition>,
+    pub(super) instead: Option<MakeCondition>,
+    /// The eigenvalues or multipliers that are critical there.
+    pub(super) critical: Critical,
     /// Whether the curve is its own mirror image beyond the event: then its values are limits.
     pub(super) mirror: bool,
 }
@@ -126,57 +72,30 @@ impl Event {
         Self::with_test(name, kind, Test::Condition, condition)
     }
 
-    /// The bifurcation that a kind of special point stands for, of branches in this parameter (a position among
-    /// the parameters): folds, branch points, Hopf points of equilibria; period doublings and torus points of
-    /// periodic orbits; cusps and Bogdanov–Takens points of curves of folds.
+    /// The bifurcation that a kind of special point stands for, of branches of solutions in this parameter (a position
+    /// among the parameters), or of curves of folds, as cusps and Bogdanov–Takens points are.
     pub fn bifurcation(kind: Kind, parameter: usize) -> Option<Self> {
-        Some(match kind {
-            Kind::LP => Self::with_test("fold", kind, Test::Fold, Fold::default),
-            Kind::BP => {
-                let make = move || BranchPoint::new(parameter);
-                Self::with_test("branch point", kind, Test::BranchPoint, make)
-            }
-            Kind::HB => Self::with_test("Hopf point", kind, Test::Hopf, Hopf::of_equilibria),
-            Kind::TR => Self::with_test("torus point", kind, Test::Hopf, Hopf::of_orbits),
-            Kind::PD => {
-                let test = Test::PeriodDoubling;
-                Self::with_test("period doubling", kind, test, Fold::antiperiodic)
-            }
-            Kind::CP => Self::new("cusp", DegenerateFold::cusp),
-            Kind::BT => Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens),
-            _ => return None,
-        })
+        let row = catalogue::row(kind)?;
+        let sighting = row.seen.iter().find(|it| matches!(it.beyond, Beyond::Further))?;
+        Some(Self::of_catalogue(row, sighting, parameter))
     }
 
-    /// The end of a curve of Hopf points, where their frequency, its own unknown, vanishes: a
-    /// Bogdanov–Takens point, which is a double zero on a curve of folds. (Beyond it the curve would be
-    /// traced back with negative frequency.)
-    pub(super) fn vanishing_frequency() -> Self {
-        let point = Self::new("Bogdanov–Takens point", DegenerateFold::bogdanov_takens);
-        let fold = Self::new("fold", Fold::default);
-        let test = Test::Own { unknown: 0, level: 0.0 };
-        Event { test, instead: fold.condition, ..point }.ending()
-    }
-
-    /// Ends of curves of periodic orbits, beyond which they go back over themselves: where cycles shrink onto an
-    /// equilibrium, at a Hopf point (a generalised one, on a curve of folds), and where the angle of the multipliers of a
-    /// torus point is 0 or π.
-    pub(super) fn mirrors(held: &[Kind]) -> Vec<Self> {
-        let mirror = |name: &str, kind: Kind, test: Test| {
-            Event { mirror: true, ..Self::without_condition(name, kind, test) }.ending()
+    /// A row of the catalogue, as it is seen on one sort of curve.
+    pub(super) fn of_catalogue(row: &Bifurcation, seen: &Sighting, parameter: usize) -> Self {
+        let made = |make: Make| -> MakeCondition { Arc::new(move || make(parameter)) };
+        let mirror = matches!(seen.beyond, Beyond::Mirror);
+        let instead = match seen.beyond {
+            Beyond::End(make) => Some(made(make)),
+            _ => None,
         };
-        let amplitude = |name, kind| vec![mirror(name, kind, Test::Amplitude)];
-        let angle = |level| Test::Own { unknown: 0, level };
-        match held {
-            [] => amplitude("Hopf point: the cycles shrink onto an equilibrium", Kind::HB),
-            [Kind::LP] => {
-                amplitude("generalised Hopf point: the cycles shrink onto an equilibrium", Kind::GH)
-            }
-            [Kind::TR] => vec![
-                mirror("resonance 1:1", Kind::R1, angle(0.0)),
-                mirror("resonance 1:2", Kind::R2, angle(PI)),
-            ],
-            _ => Vec::new(),
+        Event {
+            terminal: mirror || instead.is_some(),
+            condition: row.defined_by.filter(|_| !mirror).map(made),
+            instead,
+            mirror,
+            // Cycles that shrink onto an equilibrium have one more multiplier 1.
+            critical: if mirror { Critical::One } else { row.critical },
+            ..Self::without_condition(seen.name, row.kind, seen.test)
         }
     }
 
@@ -240,9 +159,48 @@ impl Event {
         name: impl Into<String>,
         function: impl Fn(&TestPoint) -> f64 + Send + Sync + 'static,
     ) -> Self {
-        let function: TestFunction = Arc::new(function);
+        let function: PointFunction = Arc::new(function);
         let event = Self::without_condition(name, Kind::UZ, Test::Function);
         Event { function: Some(function), ..event }
+    }
+
+    /// Where a function `f(z, p)` of the unknowns and all parameters vanishes, marked `UZ`. Stated on dual numbers it has a
+    /// gradient, so that Newton's iteration finishes the point.
+    ///
+    /// ```
+    /// use tangency::core::continuation::{Continuation, Event, Kind};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::Hyperbola;
+    /// let mut hyperbola = Dense::new(Hyperbola);
+    /// let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+    /// let product = Event::zero_of("x μ = 20", |x, p| x[0] * p[0] - 20.0);
+    /// let branch = curve.along("mu", 0.0..=9.0).event(product).trace()?;
+    /// let found = branch.of_kind(Kind::UZ).next().unwrap();
+    /// assert!((found.parameters[0] - 4.0).abs() < 1e-13);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn zero_of(
+        name: impl Into<String>,
+        function: impl Fn(&[Dual64], &[Dual64]) -> Dual64 + Send + Sync + 'static,
+    ) -> Self {
+        let function: DualFunction = Arc::new(function);
+        Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
+    }
+
+    /// A monitor that a user has attached, at a level: located by Newton's iteration where it has a gradient.
+    pub(super) fn level_of_attached(
+        kind: Kind,
+        name: impl Into<String>,
+        (monitor, level): (usize, f64),
+        dual: Option<&DualFunction>,
+    ) -> Self {
+        let test = Test::Level(Quantity::Monitor(monitor), level);
+        match dual.cloned() {
+            Some(dual) => {
+                Self::with_test(name, kind, test, move || Equation::new(dual.clone(), level, kind))
+            }
+            None => Self::without_condition(name, kind, test),
+        }
     }
 
     fn without_condition(name: impl Into<String>, kind: Kind, test: Test) -> Self {
@@ -256,12 +214,13 @@ impl Event {
             function: None,
             instead: None,
             mirror: false,
+            critical: Critical::None,
         }
     }
 
     /// The value of the user's own test function.
-    pub(super) fn value(&self, at: &TestPoint) -> f64 {
-        self.function.as_ref().map_or(f64::NAN, |function| function(at))
+    pub(super) fn value(&self, at: &TestPoint) -> Option<f64> {
+        self.function.as_ref().map(|function| function(at)).filter(|value| !value.is_nan())
     }
 
     /// The condition whose value is the test function.
@@ -272,7 +231,8 @@ impl Event {
 
     /// Whether a test function that goes from `before` to `after` passes this event, on the way that
     /// the branch takes or against it.
-    pub(super) fn passed(&self, before: f64, after: f64, backward: bool) -> bool {
+    pub(super) fn passed(&self, before: Option<f64>, after: Option<f64>, backward: bool) -> bool {
+        let (Some(before), Some(after)) = (before, after) else { return false };
         let rising = before < 0.0 && after >= 0.0;
         let falling = before > 0.0 && after <= 0.0;
         let (rising, falling) = if backward { (falling, rising) } else { (rising, falling) };

@@ -1,11 +1,12 @@
 //! What is held along a curve, and the events that are looked for.
 
-use super::event::{Event, MakeCondition, Test};
+use super::event::{Event, MakeCondition};
 use super::run::Bound;
 use super::start::VANISHES;
 use super::{Continuation, Kind, Settings, TraceError};
+use crate::core::bifurcation::catalogue::{self, CATALOGUE};
 use crate::core::condition::Quantity;
-use crate::core::zero::Dynamics;
+use crate::core::test_function::Test;
 
 impl Continuation<'_> {
     /// Makers of the conditions that are held along the curve.
@@ -21,7 +22,7 @@ impl Continuation<'_> {
         self.held
             .iter()
             .map(|(kind, make)| {
-                let known = || match kind {
+                let known = || match *kind {
                     Kind::G => self.grazing.first().and_then(grazing),
                     _ => Event::bifurcation(*kind, parameter).and_then(|event| event.condition),
                 };
@@ -33,26 +34,14 @@ impl Continuation<'_> {
     /// Refuses kinds that solutions of the problem do not have, and those that need another one.
     fn check_held(&self) -> Result<(), TraceError> {
         let dynamics = self.system.dynamics();
-        let folds = self.held.iter().any(|(kind, _)| *kind == Kind::LP);
-        for (kind, _) in self.held.iter().filter(|(_, make)| make.is_none()) {
-            let reason = match kind {
-                Kind::PD | Kind::TR if dynamics != Dynamics::Periodic => {
-                    "solutions of the problem are no periodic orbits"
-                }
-                Kind::HB if dynamics != Dynamics::Flow => {
-                    "Hopf points are those of equilibria of a flow; a curve of them is continued on the equilibria"
-                }
-                Kind::CP | Kind::BT if !folds => {
-                    "it is a point of a curve of folds; hold LP as well, and release one more parameter"
-                }
-                Kind::BT if dynamics != Dynamics::Flow => {
-                    "Bogdanov–Takens points are those of equilibria of a flow"
-                }
-                _ => continue,
-            };
-            return Err(TraceError::NotOfProblem { kind: *kind, reason });
+        let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();
+        let known = self.held.iter().filter(|(_, make)| make.is_none());
+        let mut rows = known.filter_map(|(kind, _)| catalogue::row(*kind));
+        let refused = rows.find_map(|row| Some((row.kind, row.why_not_held(dynamics, &held)?)));
+        match refused {
+            Some((kind, reason)) => Err(TraceError::NotOfProblem { kind, reason }),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// The monitors that vanish at the start, of those that vanish where a solution grazes: several do where an
@@ -86,7 +75,7 @@ impl Continuation<'_> {
             let quantity = self.quantity(name)?;
             for (level, side) in range.iter().zip([-1.0, 1.0]) {
                 if level.is_finite() {
-                    events.push(Event::level_of_kind(Kind::EP, name, quantity, *level).ending());
+                    events.push(self.level(Kind::EP, name, (quantity, *level)).ending());
                     bounds.push(Bound { side, range: *range });
                 }
             }
@@ -94,37 +83,21 @@ impl Continuation<'_> {
         Ok((events, bounds))
     }
 
-    /// Bifurcations of the solutions or special points that the curve is made of.
+    /// Bifurcations of the solutions or special points that the curve is made of; first the ends, of which others may be
+    /// images.
     fn bifurcations(&self, parameter: usize) -> Vec<Event> {
         let dynamics = self.system.dynamics();
-        let (flow, periodic) = (dynamics == Dynamics::Flow, dynamics == Dynamics::Periodic);
         let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();
-        let kinds: &[Kind] = match held[..] {
-            [] if flow => &[Kind::BP, Kind::LP, Kind::HB],
-            [] if periodic => &[Kind::BP, Kind::LP, Kind::PD, Kind::TR],
-            [] => &[Kind::BP, Kind::LP],
-            [Kind::LP] if flow => &[Kind::CP, Kind::BT],
-            [Kind::LP] => &[Kind::CP],
-            [Kind::HB] => return vec![Event::vanishing_frequency()],
-            [Kind::G] if periodic => &[Kind::LP, Kind::PD],
-            [Kind::G] => &[Kind::LP],
-            _ => &[],
-        };
-        let event = |&kind: &Kind| {
-            let event = Event::bifurcation(kind, parameter)?;
-            // The tangent of a curve of grazings, and its multipliers, do not tell its bifurcations.
-            let test = if held == [Kind::G] { Test::Condition } else { event.test };
-            Some(Event { test, ..event })
-        };
         let Settings { detect, stability, .. } = &self.settings;
-        let by_eigenvalues = |kind: &Kind| matches!(kind, Kind::HB | Kind::PD | Kind::TR);
-        let wanted = |kind: &&Kind| {
-            (detect.is_empty() || detect.contains(kind)) && (*stability || !by_eigenvalues(kind))
+        let wanted = |event: &Event| {
+            let asked = detect.is_empty() || detect.contains(&event.kind);
+            event.terminal || asked && (*stability || !event.test.needs_eigenvalues())
         };
-        let mirrors = if periodic { Event::mirrors(&held) } else { Vec::new() };
-        let found = kinds.iter().filter(wanted).filter_map(event);
-        // First the ends, of which others may be images.
-        mirrors.into_iter().chain(found).collect()
+        let sightings = CATALOGUE.iter().flat_map(|row| row.seen.iter().map(move |it| (row, it)));
+        let here = sightings.filter(|(_, it)| it.held == held && it.of.are(dynamics));
+        let events = here.map(|(row, it)| Event::of_catalogue(row, it, parameter)).filter(wanted);
+        let (ends, others): (Vec<Event>, Vec<Event>) = events.partition(|event| event.terminal);
+        [ends, others].concat()
     }
 
     /// Gathers the events, the bounds first, so that a branch ends before anything beyond, and returns those.
@@ -142,7 +115,7 @@ impl Continuation<'_> {
         }
         for (name, level, kind) in &self.marks {
             let quantity = self.quantity(name)?;
-            events.push(Event::level_of_kind(*kind, format!("{name} = {level}"), quantity, *level));
+            events.push(self.level(*kind, format!("{name} = {level}"), (quantity, *level)));
         }
         if self.beyond {
             events.extend(grazings);
@@ -164,7 +137,9 @@ impl Continuation<'_> {
         let names = self.system.names();
         let (what, position, count) = match event.test {
             Test::Level(Quantity::Parameter(p), _) => ("parameter", p, names.parameters.len()),
-            Test::Level(Quantity::Monitor(m), _) => ("monitor", m, names.monitors.len()),
+            Test::Level(Quantity::Monitor(m), _) => {
+                ("monitor", m, names.monitors.len() + self.attached.len())
+            }
             Test::Own { unknown, .. } => ("own unknown", unknown, own),
             _ => return Ok(()),
         };

@@ -1,11 +1,11 @@
 //! Points at which a curve is its own mirror image: a test function changes sign there, and everything else is even in it.
 //! The curve goes back over itself beyond, and its equations are singular there, so that the values are limits.
 
-use super::event::Test;
 use super::found::Found;
 use super::hermite::hermite;
 use super::predictor::knots_of;
 use super::stepper::{Place, Stepper};
+use super::unexplained::interpolated;
 use crate::core::extended::Closing;
 
 /// Values of the test function, as shares of that at the beginning of the step, at which the curve is sampled: as near to
@@ -43,41 +43,18 @@ impl Stepper<'_> {
         let farther = tests.len().saturating_sub(most);
         tests.drain(..farther);
         places.drain(..farther);
+        let squares: Vec<f64> = tests.iter().map(|test| test * test).collect();
         let at = |i: usize, first: usize| {
-            let values = tests[first..].iter().zip(&places[first..]);
-            even_limit(values.map(|(u, x)| (u * u, x[i])))
+            let values: Vec<f64> = places[first..].iter().map(|x| x[i]).collect();
+            interpolated(&squares[first..], &values, 0.0)
         };
         let mut unknowns: Vec<f64> = (0..from.unknowns.len()).map(|i| at(i, 0)).collect();
-        if let Test::Own { unknown, level } = self.events[index].test {
+        if let Some((unknown, level)) = self.events[index].test.own() {
             unknowns[self.equations.dimension() + unknown] = level;
         }
         let parameter = self.equations.parameters_at();
         // The rougher limit leaves out the sample that is farthest.
         let error = 4.0 * (unknowns[parameter] - at(parameter, 1)).abs() + self.parameter_error();
-        Some(Found { along: root, unknowns, error, converged: true })
+        Some(Found { along: root, unknowns, own: Vec::new(), error, converged: true })
     }
-
-    /// The value of a test function in which a curve is its own mirror image.
-    pub fn mirrored(&mut self, test: Test, unknowns: &[f64]) -> Option<f64> {
-        match test {
-            Test::Amplitude => {
-                let x = self.equations.load(unknowns).to_vec();
-                self.equations.system().cycles()?.amplitude(&x)
-            }
-            Test::Own { unknown, level } => {
-                Some(unknowns[self.equations.dimension() + unknown] - level)
-            }
-            _ => None,
-        }
-    }
-}
-
-/// The value at 0 of the polynomial through points (Lagrange).
-fn even_limit(points: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let points: Vec<(f64, f64)> = points.collect();
-    let weight = |k: usize| -> f64 {
-        let others = points.iter().enumerate().filter(|(j, _)| *j != k);
-        others.map(|(_, (v, _))| v / (v - points[k].0)).product()
-    };
-    points.iter().enumerate().map(|(k, (_, value))| weight(k) * value).sum()
 }

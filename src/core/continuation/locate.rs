@@ -1,8 +1,8 @@
 //! Locating events: bracketing on the branch itself, then Newton on the defining system.
 
 use super::bracket::Bracket;
-use super::event::{Event, MakeCondition, Test};
-use super::found::{Found, Located};
+use super::event::{Event, MakeCondition};
+use super::found::{Finished, Found, Located};
 use super::stepper::{MATRIX_ERROR, Place, Stepper};
 use crate::core::condition::Failure;
 use crate::core::extended::Extended;
@@ -37,11 +37,8 @@ impl Stepper<'_> {
             high: length,
             ends: [from.unknowns.clone(), to.unknowns.clone()],
             tangents: [from.tangent.clone(), to.tangent.clone()],
-            tests: [from.tests[index], to.tests[index]],
-            slope: match event.test {
-                Test::Level(quantity, _) => self.slope_of(quantity, to),
-                _ => None,
-            },
+            tests: [from.tests[index]?, to.tests[index]?],
+            slope: event.test.level().and_then(|(quantity, _)| self.slope_of(quantity, to)),
         };
         if event.condition.is_none() {
             let found = self.bracketed(index, from, &row, &mut bracket);
@@ -50,13 +47,13 @@ impl Stepper<'_> {
         let mut applicable = true;
         for _ in 0..MOST_HALVINGS {
             match self.finish(&event, bracket.guess(event.test, self.equations.parameters_at())) {
-                Ok((unknowns, error)) => {
+                Ok(Finished { unknowns, own, error }) => {
                     let along = along(&row, &unknowns, &from.unknowns);
                     // Signs of test functions are those of a matrix that is not quite that of the point.
                     let slack = 1e-4 * length;
                     let inside = along >= bracket.low - slack && along <= bracket.high + slack;
                     if inside && self.is_near(&bracket, along, &unknowns) {
-                        let at = Found { along, unknowns, error, converged: true };
+                        let at = Found { along, unknowns, own, error, converged: true };
                         return self.describe(index, ([from, to], length), at);
                     }
                 }
@@ -83,7 +80,13 @@ impl Stepper<'_> {
         let p = self.equations.parameters_at();
         let reach = |end: &Vec<f64>| (end[p] - unknowns[p]).abs();
         let error = bracket.ends.iter().map(reach).fold(self.parameter_error(), f64::max);
-        Found { along: 0.5 * (bracket.low + bracket.high), unknowns, error, converged: false }
+        Found {
+            along: 0.5 * (bracket.low + bracket.high),
+            unknowns,
+            own: Vec::new(),
+            error,
+            converged: false,
+        }
     }
 
     /// The middle of a step, as a point that has not converged.
@@ -92,7 +95,7 @@ impl Stepper<'_> {
         let unknowns: Vec<f64> = ends.map(|(a, b)| 0.5 * (a + b)).collect();
         let p = self.equations.parameters_at();
         let error = (to.unknowns[p] - from.unknowns[p]).abs() + self.parameter_error();
-        Found { along: 0.5 * length, unknowns, error, converged: false }
+        Found { along: 0.5 * length, unknowns, own: Vec::new(), error, converged: false }
     }
 
     /// Whether a solution of a defining system lies near the branch between the ends of a bracket, and not only between
@@ -106,11 +109,7 @@ impl Stepper<'_> {
 
     /// Newton on the defining system from a guess: the point, and the estimated error of the
     /// continued parameter.
-    pub fn finish(
-        &mut self,
-        event: &Event,
-        guess: Vec<f64>,
-    ) -> Result<(Vec<f64>, f64), NewtonError> {
+    pub fn finish(&mut self, event: &Event, guess: Vec<f64>) -> Result<Finished, NewtonError> {
         let curve = self.equations.suspend();
         let (n, end) = (self.equations.dimension(), self.equations.length());
         let own: usize = curve.iter().map(|condition| condition.unknowns()).sum();
@@ -126,12 +125,15 @@ impl Stepper<'_> {
         // Whatever was added for the event goes again; the curve's own unknowns are in their place.
         conditions.truncate(self.held.len());
         self.equations.resume(conditions);
-        let (unknowns, error) = outcome?;
+        let Finished { unknowns, own: all, error } = outcome?;
         let kept = if event.instead.is_none() { own } else { 0 };
         let mut point = unknowns[..n + kept].to_vec();
         point.resize(n + own, 0.0);
         point.extend(&unknowns[unknowns.len() - (end - n)..]);
-        Ok((point, error))
+        // Those of the curve come first.
+        let named = event.condition.as_ref().map_or(0, |make| make().names().len());
+        let own_values = all[all.len() - named..].to_vec();
+        Ok(Finished { unknowns: point, own: own_values, error })
     }
 
     /// Newton with further conditions held.
@@ -139,7 +141,7 @@ impl Stepper<'_> {
         &mut self,
         makes: impl Iterator<Item = &'m MakeCondition>,
         guess: &[f64],
-    ) -> Result<(Vec<f64>, f64), NewtonError> {
+    ) -> Result<Finished, NewtonError> {
         let n = self.equations.dimension();
         let mut unknowns = guess.to_vec();
         for make in makes {
@@ -151,8 +153,10 @@ impl Stepper<'_> {
         weights.resize(self.equations.parameters_at(), 0.0);
         weights.extend(&self.weights[parameters..]);
         let tolerances = self.settings.until(self.settings.event_tolerance);
-        let outcome = converge(&mut self.equations, &mut unknowns, &weights, tolerances);
-        outcome.map(|error| (unknowns, error))
+        let error = converge(&mut self.equations, &mut unknowns, &weights, tolerances)?;
+        self.equations.load(&unknowns);
+        let own = self.equations.recorded().collect();
+        Ok(Finished { unknowns, own, error })
     }
 
     /// How well Newton's tolerance determines the continued parameter of an ordinary point.

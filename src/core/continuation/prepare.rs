@@ -1,56 +1,73 @@
 //! From what a user asks for to a trace that can run: names resolved, then the start corrected.
 
+use super::event::Event;
 use super::run::Tracer;
 use super::start::Resolved;
-use super::{Continuation, TraceError};
+use super::trace::Origin;
+use super::{Continuation, Kind, TraceError};
 use crate::core::condition::{Failure, Quantity};
+use crate::core::function::Attached;
 use crate::core::names::UnknownName;
-use crate::core::solution::{Adopted, Leaving};
+use crate::core::solution::{Adopted, Start};
 
 impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
         self.check_names()?;
-        let how = self.adopt()?;
+        let start = self.adopt()?;
         let released = self.resolve_released()?;
         let held = self.resolve_held(released[0])?;
         let bounds = self.gather_events(released[0], &held)?;
         let (scales, settled) = (self.resolve_scales(&released)?, self.resolve_settled()?);
-        self.start(Resolved { released, held, bounds, scales, settled }, how)
+        self.start(Resolved { released, held, bounds, scales, settled }, start)
     }
 
     /// Refuses names that two quantities of one sort have.
     fn check_names(&self) -> Result<(), TraceError> {
         let names = self.system.names();
-        let unknowns: Vec<&String> = names.unknowns.iter().map(|group| &group.name).collect();
-        let sorts = [
-            ("unknowns", unknowns),
-            ("parameters", names.parameters.iter().collect()),
-            ("monitors", names.monitors.iter().collect()),
+        let sorts: [(_, Vec<&str>); 3] = [
+            ("unknowns", names.unknowns.iter().map(|group| group.name.as_str()).collect()),
+            ("parameters", names.parameters.iter().map(String::as_str).collect()),
+            ("monitors", self.monitor_names().collect()),
         ];
         for (what, names) in sorts {
             let again = |k: &usize| names[..*k].contains(&names[*k]);
             if let Some(k) = (0..names.len()).find(again) {
-                return Err(TraceError::SameName { what, name: names[k].clone() });
+                return Err(TraceError::SameName { what, name: names[k].to_string() });
             }
         }
         Ok(())
     }
 
     /// Hands the solution that one restarts from to the system, which may change its mesh for it.
-    fn adopt(&mut self) -> Result<Leaving, TraceError> {
-        let Some(mut solution) = self.origin.solution.take() else { return Ok(Leaving::Along) };
+    fn adopt(&mut self) -> Result<Start, TraceError> {
+        let Origin { solution, switch, kind, condition, .. } = &mut self.origin;
+        let (switched, kind, of_curve) = (switch.is_some(), *kind, condition.is_some());
+        let Some(mut solution) = solution.take() else {
+            return Ok(match switched {
+                true => Start::BranchPoint { along: None, one_sided: false },
+                false => Start::Point { tangent: None },
+            });
+        };
         solution.parameters = self.x[self.system.names().dimension()..].to_vec();
-        solution.switch = self.origin.switched;
+        solution.switch = switched;
         let adopted = self.system.resume_from(&solution);
-        let Adopted { z, tangent, leaving } = adopted.map_err(|cause| self.not_started(cause))?;
+        let Adopted { z, start } = adopted.map_err(|cause| self.not_started(cause))?;
         self.x = [&z[..], &solution.parameters].concat();
-        self.origin.tangent = tangent;
-        self.origin.is_branch_point |= leaving == Leaving::BranchPoint;
-        if leaving == Leaving::Switched {
-            (self.origin.switched, self.origin.is_birth) = (false, true);
-            return Ok(Leaving::Along);
+        if let (true, Start::Point { .. }, Some(kind)) = (switched, &start, kind)
+            && kind != Kind::BP
+        {
+            return Err(self.not_started(Failure::Mismatch(format!(
+                "the point to switch at is a {}, but branches cross at branch points (BP) only",
+                kind.meaning()
+            ))));
         }
-        Ok(leaving)
+        let is_crossing = switched || kind == Some(Kind::BP) && !of_curve && self.held.is_empty();
+        Ok(match start {
+            Start::Point { tangent } if is_crossing => {
+                Start::BranchPoint { along: tangent, one_sided: false }
+            }
+            start => start,
+        })
     }
 
     /// Why the curve cannot start from a solution.
@@ -71,11 +88,42 @@ impl<'a> Continuation<'a> {
 
     pub(super) fn quantity(&self, name: &str) -> Result<Quantity, TraceError> {
         let names = self.system.names();
-        let known = names.parameters.iter().chain(&names.monitors).map(String::as_str);
+        let known = names.parameters.iter().map(String::as_str).chain(self.monitor_names());
         let parameter = names.parameter(name).map(Quantity::Parameter);
         parameter
-            .or_else(|| names.monitor(name).map(Quantity::Monitor))
+            .or_else(|| self.monitor_names().position(|n| n == name).map(Quantity::Monitor))
             .ok_or_else(|| UnknownName::new("parameter or monitor", name, known).into())
+    }
+
+    /// The names of the system's monitors, then of those attached.
+    pub(super) fn monitor_names(&self) -> impl Iterator<Item = &str> {
+        let attached = self.attached.iter().map(|attached| attached.name.as_str());
+        self.system.names().monitors.iter().map(String::as_str).chain(attached)
+    }
+
+    /// What has been attached as this monitor, if it is none of the system's.
+    pub(super) fn attached_at(&self, quantity: Quantity) -> Option<&Attached> {
+        match quantity {
+            Quantity::Monitor(m) => {
+                self.attached.get(m.checked_sub(self.system.names().monitors.len())?)
+            }
+            Quantity::Parameter(_) => None,
+        }
+    }
+
+    /// A parameter or monitor at a level.
+    pub(super) fn level(
+        &self,
+        kind: Kind,
+        name: impl Into<String>,
+        (quantity, level): (Quantity, f64),
+    ) -> Event {
+        match (quantity, self.attached_at(quantity)) {
+            (Quantity::Monitor(m), Some(attached)) => {
+                Event::level_of_attached(kind, name, (m, level), attached.dual.as_ref())
+            }
+            _ => Event::level_of_kind(kind, name, quantity, level),
+        }
     }
 
     /// The columns of points that settings name.

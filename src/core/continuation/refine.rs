@@ -2,7 +2,7 @@
 
 use super::event::Event;
 use super::locate::converge;
-use super::stepper::Stepper;
+use super::stepper::{Stepper, monitors_of};
 use super::{Point, SpecialPoint};
 use crate::core::condition::{Condition, Quantity};
 use crate::core::extended::Extended;
@@ -43,20 +43,23 @@ impl Stepper<'_> {
         let mut found = None;
         for rung in 1.. {
             let Some(Refinement { mut system, x }) = refinement else { break };
-            let Some((fine, x)) = self.converge_refined(&mut *system, &x, event) else { break };
+            let Some((fine, own, x)) = self.converge_refined(&mut *system, &x, event) else {
+                break;
+            };
             let values = self.settling(&fine);
             series.iter_mut().zip(values).for_each(|(all, value)| all.push(value));
             let errors: Vec<f64> = series.iter().map(|values| error_of_last(values)).collect();
             let asked = self.settings.refinement;
             let settled = errors.iter().zip(&sizes).all(|(error, size)| *error <= asked * size);
-            found = Some((fine, errors[0]));
+            found = Some((fine, own, errors[0]));
             if settled || rung >= rungs {
                 break;
             }
             refinement = system.discretised().and_then(|system| system.refined(&x));
         }
-        let Some((Point { parameters, monitors, .. }, error)) = found else { return false };
+        let Some((Point { parameters, monitors, .. }, own, error)) = found else { return false };
         (special.parameters, special.monitors) = (parameters, monitors);
+        special.numbers.iter_mut().zip(own).for_each(|((_, value), own)| *value = own);
         special.error += error;
         true
     }
@@ -68,13 +71,14 @@ impl Stepper<'_> {
         columns.filter_map(|&column| point.value(column)).collect()
     }
 
-    /// Newton on the defining system of an event of this discretisation: the point, and its `x`.
+    /// Newton on the defining system of an event of this discretisation: the point, the event's own unknowns that have names,
+    /// and `x`.
     fn converge_refined(
         &self,
         system: &mut dyn System,
         x: &[f64],
         event: &Event,
-    ) -> Option<(Point, Vec<f64>)> {
+    ) -> Option<(Point, Vec<f64>, Vec<f64>)> {
         let curve = event.instead.as_ref().map_or(&self.held[..], std::slice::from_ref);
         let made = curve.iter().chain(&event.condition).map(|make| make());
         let conditions: Vec<Box<dyn Condition>> = made.collect();
@@ -92,14 +96,13 @@ impl Stepper<'_> {
         let tolerances = self.settings.until(self.settings.event_tolerance);
         converge(&mut equations, &mut unknowns, &weights, tolerances).ok()?;
         let x = equations.load(&unknowns).to_vec();
-        let at = equations.at();
-        let n = at.system.names().dimension();
-        let mut monitors = vec![0.0; at.system.names().monitors.len()];
-        at.system.monitors(at.x, &mut monitors).ok()?;
+        let n = equations.dimension();
+        let mut monitors = monitors_of(&self.attached, equations.at(), None).ok()?;
         let count = monitors.len() + self.equations.recorded().count();
-        // The event's own unknowns are not recorded; those of a curve that is singular there vanish.
+        // The event's own unknowns come last; those of a curve that is singular there vanish.
         monitors.extend(equations.recorded());
+        let own = monitors.split_off(count.min(monitors.len()));
         monitors.resize(count, 0.0);
-        Some((Point::of(x[n..].to_vec(), monitors, None), x))
+        Some((Point::of(x[n..].to_vec(), monitors, None), own, x))
     }
 }

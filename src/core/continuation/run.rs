@@ -1,17 +1,19 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
 use super::closing::Reference;
-use super::event::{Event, Test};
+use super::event::Event;
 use super::found::Located;
 use super::halves::Half;
 use super::hermite::MOST_KNOTS;
 use super::homoclinic::CycleLimits;
 use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
+use super::steps::Traced;
 use super::unexplained::LEAST_UNEXPLAINED;
-use super::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint, TraceError};
+use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::solution::Solution;
+use std::collections::VecDeque;
 
 /// A trace under way.
 pub(super) struct Tracer<'a> {
@@ -33,6 +35,26 @@ pub(super) struct Tracer<'a> {
     pub origin: Vec<Kind>,
     /// How many labels have been given.
     pub labels: usize,
+    /// What has been traced, and nobody has seen.
+    pub shown: VecDeque<Traced>,
+}
+
+/// One of the two halves of a branch while it is traced.
+pub(super) struct Walk {
+    pub half: Half,
+    pub backward: bool,
+    /// The last point, and the start, which follows its mesh.
+    place: Place,
+    start: Place,
+    /// Where the curve is met again, if it is closed.
+    closing: Option<Reference>,
+    /// The length of the next step.
+    length: f64,
+    /// The places before the last one.
+    before: Vec<Before>,
+    limits: CycleLimits,
+    /// The end, if it leaves its bounds at once.
+    end: Option<End>,
 }
 
 /// A step that ends on a special point is made shorter by this factor.
@@ -52,60 +74,25 @@ type Ending = (End, Option<Located>);
 impl Tracer<'_> {
     /// Refuses a start beyond a bound.
     pub fn check_bounds(&self) -> Result<(), TraceError> {
-        let beyond = |i: &usize| self.start.tests[*i] * self.bounds[*i].side > 0.0;
-        let Some(i) = (0..self.bounds.len()).find(beyond) else { return Ok(()) };
-        let Event { name, test: Test::Level(_, level), .. } = &self.stepper.events[i] else {
-            return Ok(());
-        };
-        let [low, high] = self.bounds[i].range;
-        let value = level + self.start.tests[i];
-        Err(TraceError::OutOfRange { name: name.clone(), value, low, high })
-    }
-
-    /// Traces both halves and joins them.
-    pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
-        observer.begin(&self.branch);
-        let start = self.start.clone();
-        let mesh = self.stepper.equations.system().mesh();
-        let metric = self.stepper.metric.clone();
-        let stopped = observer.point(&start.point).is_break();
-        let [backward, forward] = self.directions;
-        let marked = self.marked_start(observer);
-        // A start that is an end is found, and labelled, first.
-        let behind = match (self.leaves_at_once(true), backward) {
-            (Some(end), true) => Some(self.no_half(end, observer)),
-            (_, false) => Some(self.no_half(End::Start, observer)),
-            (None, true) => None,
-        };
-        let ahead = match (stopped, forward) {
-            (true, _) => self.no_half(End::Interrupted, observer),
-            (_, true) => self.half(start.clone(), false, observer),
-            (_, false) => self.no_half(End::Start, observer),
-        };
-        let behind = match (behind, &ahead.end) {
-            (Some(behind), End::Closed { .. }) => Half { end: ahead.end.clone(), ..behind },
-            (Some(behind), _) => behind,
-            (None, end @ (End::Closed { .. } | End::Interrupted)) => {
-                self.return_to(&start, mesh, metric);
-                self.no_half(end.clone(), observer)
+        let beyond = self.bounds.iter().enumerate().find_map(|(i, bound)| {
+            let test = self.start.tests[i].filter(|test| test * bound.side > 0.0)?;
+            let Event { name, test: function, .. } = &self.stepper.events[i];
+            Some((name.clone(), function.level()?.1 + test, bound.range))
+        });
+        match beyond {
+            Some((name, value, [low, high])) => {
+                Err(TraceError::OutOfRange { name, value, low, high })
             }
-            (None, _) => {
-                self.return_to(&start, mesh, metric);
-                let mut turned = start.clone();
-                self.stepper.turn(&mut turned);
-                self.half(turned, true, observer)
-            }
-        };
-        let ahead = Half { special: [marked, ahead.special].concat(), ..ahead };
-        behind.join(start.point, ahead, self.branch)
+            None => Ok(()),
+        }
     }
 
     /// The marks that the start lies on.
-    fn marked_start(&mut self, observer: &mut dyn Observer) -> Vec<SpecialPoint> {
+    pub fn marked_start(&mut self) -> Vec<SpecialPoint> {
         let start = self.start.clone();
         let events = self.stepper.events.iter().zip(&start.tests).skip(self.bounds.len());
-        let on_mark = |(event, test): &(&Event, &f64)| {
-            event.kind == Kind::UZ && matches!(event.test, Test::Level(..)) && **test == 0.0
+        let on_mark = |(event, test): &(&Event, &Option<f64>)| {
+            event.kind == Kind::UZ && event.test.level().is_some() && **test == Some(0.0)
         };
         let names: Vec<String> =
             events.filter(on_mark).map(|(event, _)| event.name.clone()).collect();
@@ -114,14 +101,14 @@ impl Tracer<'_> {
             let mut special = self.stepper.end_point(&start, &End::Start, 0);
             (special.kind, special.event) = (Kind::UZ, name);
             self.stepper.refine_start(&mut special);
-            self.mark(&mut half, special, observer);
+            self.mark(&mut half, special);
         }
         half.special
     }
 
     /// Gives the system the mesh of the start back, which may have followed the branch, and forgets all that has been
     /// learned on the way: each half of a branch is what it would be alone.
-    fn return_to(&mut self, start: &Place, mesh: Vec<f64>, metric: Metric) {
+    pub fn return_to(&mut self, start: &Place, mesh: Vec<f64>, metric: Metric) {
         self.give_mesh(start, mesh);
         self.stepper.restore(&start.unknowns, metric);
     }
@@ -142,7 +129,7 @@ impl Tracer<'_> {
     }
 
     /// Nothing but the start, as an end of the branch.
-    fn no_half(&mut self, end: End, observer: &mut dyn Observer) -> Half {
+    pub fn no_half(&mut self, end: End) -> Half {
         let start = self.start.clone();
         let mut special = self.stepper.end_point(&start, &end, 0);
         if self.from_branch_point {
@@ -152,98 +139,102 @@ impl Tracer<'_> {
             self.stepper.refine_start(&mut special);
         }
         let mut half = Half { points: Vec::new(), special: Vec::new(), end };
-        self.mark(&mut half, special, observer);
+        self.mark(&mut half, special);
         half
     }
 
-    fn half(&mut self, mut start: Place, backward: bool, observer: &mut dyn Observer) -> Half {
-        let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
-        let mut place = start.clone();
+    /// Sets out from the start, or from the start seen in the other direction.
+    pub fn set_out(&mut self, start: Place, backward: bool) -> Walk {
         let closing = self.reference(&start, backward);
-        half.end = match self.leaves_at_once(backward) {
-            Some(end) => end,
-            None => {
-                let closing = closing.as_ref();
-                self.walk(&mut half, &mut place, (&mut start, closing), backward, observer)
-            }
-        };
+        let Settings { max_step, initial_step, .. } = self.stepper.settings;
+        Walk {
+            half: Half { points: Vec::new(), special: Vec::new(), end: End::Start },
+            place: start.clone(),
+            start,
+            closing,
+            backward,
+            length: initial_step.min(max_step),
+            before: Vec::new(),
+            limits: CycleLimits::default(),
+            end: self.leaves_at_once(backward),
+        }
+    }
+
+    /// The half of the branch that a walk has gone along, with its end.
+    pub fn arrived(&mut self, walk: Walk, end: End) -> Half {
+        let Walk { mut half, place, .. } = walk;
+        half.end = end;
         let ended =
             half.special.last().is_some_and(|s| s.after == half.points.len() && s.after > 0);
         if !ended {
             let special = self.stepper.end_point(&place, &half.end, half.points.len());
-            self.mark(&mut half, special, observer);
+            self.mark(&mut half, special);
         }
         half
     }
 
     /// Labels a special point, shows it, and adds it.
-    fn mark(&mut self, half: &mut Half, mut special: SpecialPoint, observer: &mut dyn Observer) {
+    fn mark(&mut self, half: &mut Half, mut special: SpecialPoint) {
         self.labels += 1;
         special.label = self.labels;
-        observer.special(&self.branch, &special);
+        self.shown.push_back(Traced::Special(special.clone()));
         half.special.push(special);
     }
 
-    /// Steps until something ends the branch.
-    fn walk(
-        &mut self,
-        half: &mut Half,
-        place: &mut Place,
-        (start, closing): (&mut Place, Option<&Reference>),
-        backward: bool,
-        observer: &mut dyn Observer,
-    ) -> End {
-        let Settings { max_points, min_step, max_step, initial_step, .. } = self.stepper.settings;
-        let mut length = initial_step.min(max_step);
-        let mut before: Vec<Before> = Vec::new();
-        let mut limits = CycleLimits::default();
-        loop {
-            let points = half.points.len();
-            if points >= max_points {
-                return End::PointLimit { points };
-            }
-            let mut step = match self.stepper.step(&before, place, length) {
-                Ok(step) => step,
-                Err((step, cause)) => return End::StepTooSmall { step, cause: cause.to_string() },
-            };
-            if self.stepper.ends_on_special_point(place, &step) {
-                length = BESIDE * step.length;
-                continue;
-            }
-            if points == 0
-                && let Some(end) = self.leaves(start, |i| step.place.tests[i])
-            {
-                return end;
-            }
-            if let Some(before) = before.first()
-                && let Some(shorter) = self.stepper.hidden(before, place, &step)
-            {
-                step = shorter;
-            }
-            let Some(mut found) = self.explained(place, &step, backward, points == 0) else {
-                length = 0.5 * step.length;
-                continue;
-            };
-            length = step.next.clamp(min_step, max_step);
-            let ending = self.ending(&mut found, place, &step, points, closing);
-            for Located { mut special, .. } in found {
-                special.after = points;
-                self.mark(half, special, observer);
-            }
-            if let Some(ending) = ending {
-                return self.end_half(half, ending, place, start, observer);
-            }
-            let end = limits.reached(&mut self.stepper, &step.place, place);
-            self.accept(&mut before, place, step, start);
-            half.points.push(place.point.clone());
-            self.save_regular(half, place, observer);
-            if let Some(end) = end {
-                return end;
-            }
-            if observer.point(&place.point).is_break() {
-                return End::Interrupted;
-            }
+    /// Shows a point.
+    pub fn show(&mut self, point: &Point) {
+        self.shown.push_back(Traced::Point(point.clone()));
+    }
+
+    /// Goes on, by a step at most; the end, if something ends the half.
+    pub fn advance(&mut self, walk: &mut Walk) -> Option<End> {
+        if let Some(end) = walk.end.take() {
+            return Some(end);
         }
+        let Settings { max_points, min_step, max_step, .. } = self.stepper.settings;
+        let points = walk.half.points.len();
+        if points >= max_points {
+            return Some(End::PointLimit { points });
+        }
+        let mut step = match self.stepper.step(&walk.before, &walk.place, walk.length) {
+            Ok(step) => step,
+            Err((step, cause)) => {
+                return Some(End::StepTooSmall { step, cause: cause.to_string() });
+            }
+        };
+        if self.stepper.ends_on_special_point(&walk.place, &step) {
+            walk.length = BESIDE * step.length;
+            return None;
+        }
+        if points == 0
+            && let Some(end) = self.leaves(&walk.start, |i| step.place.tests[i].unwrap_or(0.0))
+        {
+            return Some(end);
+        }
+        if let Some(before) = walk.before.first()
+            && let Some(shorter) = self.stepper.hidden(before, &walk.place, &step)
+        {
+            step = shorter;
+        }
+        let Some(mut found) = self.explained(&walk.place, &step, walk.backward, points == 0) else {
+            walk.length = 0.5 * step.length;
+            return None;
+        };
+        walk.length = step.next.clamp(min_step, max_step);
+        let ending = self.ending(&mut found, walk, &step);
+        for Located { mut special, .. } in found {
+            special.after = points;
+            self.mark(&mut walk.half, special);
+        }
+        if let Some(ending) = ending {
+            return Some(self.end_half(walk, ending));
+        }
+        let end = walk.limits.reached(&mut self.stepper, &step.place, &walk.place);
+        self.accept(walk, step);
+        walk.half.points.push(walk.place.point.clone());
+        self.save_regular(walk);
+        self.show(&walk.place.point);
+        end
     }
 
     /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None` if a shorter step may.
@@ -267,26 +258,22 @@ impl Tracer<'_> {
     }
 
     /// Saves every so many points.
-    fn save_regular(&mut self, half: &mut Half, place: &Place, observer: &mut dyn Observer) {
-        let (points, every) = (half.points.len(), self.stepper.settings.save_every);
+    fn save_regular(&mut self, walk: &mut Walk) {
+        let (points, every) = (walk.half.points.len(), self.stepper.settings.save_every);
         if every > 0 && points.is_multiple_of(every) {
-            let special = self.stepper.saved_point(place, Kind::RG, Kind::RG.meaning(), points);
-            self.mark(half, special, observer);
+            let (kind, words) = (Kind::RG, Kind::RG.meaning());
+            let special = self.stepper.saved_point(&walk.place, kind, words, points);
+            self.mark(&mut walk.half, special);
         }
     }
 
     /// Makes a step: the mesh follows, and what is to stay comparable with it.
-    fn accept(
-        &mut self,
-        before: &mut Vec<Before>,
-        place: &mut Place,
-        step: Step,
-        start: &mut Place,
-    ) {
+    fn accept(&mut self, walk: &mut Walk, step: Step) {
+        let Walk { before, place, start, .. } = walk;
         let left = std::mem::replace(place, step.place);
         // A test function that is unknown at a point changes its sign, if it does, with the next point at which it is known.
         for (test, before) in place.tests.iter_mut().zip(&left.tests) {
-            *test = if test.is_nan() { *before } else { *test };
+            *test = test.or(*before);
         }
         before.insert(0, Before { place: left, length: step.length });
         before.truncate(MOST_KNOTS - 1);
@@ -297,24 +284,17 @@ impl Tracer<'_> {
     }
 
     /// Records the last point, at which the run ends.
-    fn end_half(
-        &mut self,
-        half: &mut Half,
-        (end, at): Ending,
-        place: &mut Place,
-        start: &Place,
-        observer: &mut dyn Observer,
-    ) -> End {
+    fn end_half(&mut self, walk: &mut Walk, (end, at): Ending) -> End {
+        let Walk { half, place, start, .. } = walk;
         let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
-        // The branch ends here: the answer of the observer changes nothing.
-        let _ = observer.point(&last);
+        self.show(&last);
         half.points.push(last);
         let Some(Located { mut special, .. }) = at else {
             *place = start.clone();
             return end;
         };
         special.after = half.points.len();
-        self.mark(half, special, observer);
+        self.mark(half, special);
         end
     }
 
@@ -324,39 +304,33 @@ impl Tracer<'_> {
     }
 
     /// The end of a half that starts on a bound and is about to leave.
-    fn leaves_at_once(&self, backward: bool) -> Option<End> {
+    pub fn leaves_at_once(&self, backward: bool) -> Option<End> {
         let way = if backward { -1.0 } else { 1.0 };
         self.leaves(&self.start, |i| way * self.slopes[i])
     }
 
     /// The end of a half that starts on a bound which such changes of the test functions lead beyond.
     fn leaves(&self, start: &Place, change: impl Fn(usize) -> f64) -> Option<End> {
-        let leaves = |i: &usize| start.tests[*i] == 0.0 && change(*i) * self.bounds[*i].side > 0.0;
+        let leaves =
+            |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;
         (0..self.bounds.len()).find(leaves).and_then(|i| self.bound(i))
     }
 
     fn bound(&self, index: usize) -> Option<End> {
         let event = &self.stepper.events[index];
         let name = event.name.clone();
-        match event.test {
-            Test::Level(..) if event.kind == Kind::G => Some(End::Grazing { name }),
-            Test::Level(Quantity::Parameter(_), value) => Some(End::ParameterBound { name, value }),
-            Test::Level(Quantity::Monitor(_), value) => Some(End::MonitorBound { name, value }),
-            _ => None,
-        }
+        Some(match event.test.level()? {
+            _ if event.kind == Kind::G => End::Grazing { name },
+            (Quantity::Parameter(_), value) => End::ParameterBound { name, value },
+            (Quantity::Monitor(_), value) => End::MonitorBound { name, value },
+        })
     }
 
     /// Whether the branch ends in this step: at a terminal event, or because the curve has closed.
     /// What was found beyond the end is dropped.
-    fn ending(
-        &mut self,
-        found: &mut Vec<Located>,
-        from: &Place,
-        step: &Step,
-        points: usize,
-        closing: Option<&Reference>,
-    ) -> Option<Ending> {
-        if let Some(closing) = closing.filter(|_| points >= 2)
+    fn ending(&mut self, found: &mut Vec<Located>, walk: &Walk, step: &Step) -> Option<Ending> {
+        let (from, points) = (&walk.place, walk.half.points.len());
+        if let Some(closing) = walk.closing.as_ref().filter(|_| points >= 2)
             && let Some(along) = self.stepper.closes(closing, from, step)
         {
             found.retain(|located| located.along <= along + AT_START);

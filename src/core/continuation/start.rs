@@ -5,12 +5,13 @@ use super::metric::{Metric, in_units};
 use super::run::{Bound, Tracer};
 use super::stepper::{AT_START, Place, Stepper};
 use super::trace::Origin;
-use super::{Branch, Continuation, End, Kind, Settings, TraceError};
+use super::{Branch, Continuation, End, Settings, TraceError};
 use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, scaled_norm};
-use crate::core::solution::Leaving;
+use crate::core::solution::Start;
 use crate::core::vector::{difference, dot, generic, largest};
+use std::collections::VecDeque;
 
 /// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
 pub(super) const VANISHES: f64 = 1e-6;
@@ -33,7 +34,7 @@ pub(super) struct Resolved {
 
 impl<'a> Continuation<'a> {
     /// The trace that starts here.
-    pub(super) fn start(self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, TraceError> {
+    pub(super) fn start(self, resolved: Resolved, start: Start) -> Result<Tracer<'a>, TraceError> {
         let names = self.system.names();
         let values = &self.x[names.dimension()..];
         let place: Vec<String> = resolved
@@ -42,7 +43,7 @@ impl<'a> Continuation<'a> {
             .map(|&p| format!("{} = {}", names.parameters[p], values[p]))
             .collect();
         let (branch, place) = (self.name.clone(), place.join(", "));
-        let tracer = self.begin(resolved, how).map_err(|cause| {
+        let tracer = self.begin(resolved, start).map_err(|cause| {
             let cause = Box::new(cause);
             TraceError::Start { branch, place, cause }
         })?;
@@ -51,30 +52,35 @@ impl<'a> Continuation<'a> {
     }
 
     /// Corrects the start, finds the tangent and the scales.
-    fn begin(mut self, resolved: Resolved, how: Leaving) -> Result<Tracer<'a>, NewtonError> {
+    fn begin(self, resolved: Resolved, start: Start) -> Result<Tracer<'a>, NewtonError> {
         let Resolved { released, held, bounds, scales, settled } = resolved;
         let branch = self.branch(&held);
-        self.check_switch(how)?;
-        let crosses = self.crosses(how);
         let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
-        let known = self.origin.tangent.take().filter(|_| same_curve || how == Leaving::Direction);
+        let known = match &start {
+            Start::Point { tangent: known } | Start::BranchPoint { along: known, .. } => {
+                known.as_ref().filter(|_| same_curve)
+            }
+            Start::Direction(known) => Some(known),
+            Start::Birth => None,
+        };
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
         let mut equations = Extended::of(self.system, &self.x, released);
         let mut unknowns = equations.unload(&self.x);
         for make in &held {
             unknowns = equations.hold(make(), &unknowns)?;
         }
-        let known = known.map(|t| equations.unload(&t));
+        let known = known.map(|t| equations.unload(t));
         let scaling = |equations: &Extended, unknowns: &[f64], tangent: &[f64]| {
             metric(equations, unknowns, tangent, &ranges).with_scales(&scales)
         };
         let still = vec![0.0; unknowns.len()];
         let rough = scaling(&equations, &unknowns, known.as_deref().unwrap_or(&still));
         let mut stepper = Stepper::new(equations, rough, self.settings, self.events);
+        stepper.attached = self.attached;
         (stepper.held, stepper.settled) = (held, settled);
-        let (leaving, parent) = match how {
-            Leaving::Direction => (known.clone(), None),
-            _ if crosses => {
+        let (leaving, parent) = match start {
+            Start::Direction(_) => (known.clone(), None),
+            Start::BranchPoint { .. } => {
                 let (tangent, from) = stepper.leaving(&unknowns, known.as_deref(), &self.origin)?;
                 (Some(tangent), from)
             }
@@ -82,26 +88,27 @@ impl<'a> Continuation<'a> {
         };
         let from_branch_point = leaving.is_some();
         // Both sides are the same where a branch of cycles emanates.
-        let one_sided = matches!(how, Leaving::BranchPoint | Leaving::Direction);
+        let one_sided =
+            matches!(start, Start::BranchPoint { one_sided: true, .. } | Start::Direction(_));
         let tangent = match leaving {
             Some(direction) => direction,
             None => stepper.first_tangent(&mut unknowns, known.as_deref())?,
         };
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
         let tangent = stepper.scaled(tangent);
-        let mut start = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
-        if how != Leaving::Along {
-            stepper.forget_stability_at(&mut start);
+        let mut place = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
+        if one_sided {
+            stepper.forget_stability_at(&mut place);
         }
-        stepper.departure = parent.map(|parent| stepper.departure(&start, parent));
-        let slopes = stepper.forget_levels_at(&mut start, self.origin.is_birth);
+        stepper.departure = parent.map(|parent| stepper.departure(&place, parent));
+        let slopes = stepper.forget_levels_at(&mut place, start == Start::Birth);
         if !from_branch_point {
-            stepper.equations.follow(&mut start.unknowns, &mut [&mut start.tangent]);
+            stepper.equations.follow(&mut place.unknowns, &mut [&mut place.tangent]);
         }
         Ok(Tracer {
             stepper,
             branch,
-            start,
+            start: place,
             bounds,
             slopes,
             directions: if one_sided { [false, true] } else { [self.backward, self.forward] },
@@ -109,26 +116,8 @@ impl<'a> Continuation<'a> {
             error: self.origin.error,
             origin: self.origin.kind.into_iter().chain(self.origin.condition).collect(),
             labels: 0,
+            shown: VecDeque::new(),
         })
-    }
-
-    /// Whether the start is a branch point, whose tangents come from the algebraic bifurcation equations.
-    fn crosses(&self, how: Leaving) -> bool {
-        let at_crossing = how == Leaving::Along || how == Leaving::BranchPoint;
-        let branch_point = self.origin.is_branch_point && self.held.is_empty();
-        at_crossing && (self.origin.switched || branch_point)
-    }
-
-    /// Refuses to switch where no branches are known to cross.
-    fn check_switch(&self, how: Leaving) -> Result<(), Failure> {
-        let Some(kind) = self.origin.kind.filter(|kind| *kind != Kind::BP) else { return Ok(()) };
-        if !(self.origin.switched && how == Leaving::Along) {
-            return Ok(());
-        }
-        Err(Failure::Mismatch(format!(
-            "the point to switch at is a {}, but branches cross at branch points (BP) only",
-            kind.meaning()
-        )))
     }
 
     /// The branch without its points.
@@ -142,7 +131,7 @@ impl<'a> Continuation<'a> {
             unknowns: names.unknowns.clone(),
             parameters: names.parameters.clone(),
             released: self.released.iter().map(|r| r.0.clone()).collect(),
-            monitors: names.monitors.iter().cloned().chain(own).collect(),
+            monitors: self.monitor_names().map(ToString::to_string).chain(own).collect(),
             points: Vec::new(),
             special: Vec::new(),
             ends: [End::Start, End::Start],
@@ -179,6 +168,7 @@ impl<'a> Stepper<'a> {
             events,
             held: Vec::new(),
             settled: Vec::new(),
+            attached: Vec::new(),
             departure: None,
         }
     }
@@ -195,7 +185,7 @@ impl Stepper<'_> {
     ) -> Result<(Vec<f64>, Option<Vec<f64>>), Failure> {
         let mut tangents = match (self.tangents_at_crossing(unknowns, origin.multiplicity), along) {
             (Ok(tangents), _) => tangents,
-            (Err(_), Some(along)) if !origin.switched => return Ok((along.to_vec(), None)),
+            (Err(_), Some(along)) if origin.switch.is_none() => return Ok((along.to_vec(), None)),
             (Err(cause), _) => return Err(cause),
         };
         let Some(along) = along else {
@@ -210,15 +200,12 @@ impl Stepper<'_> {
             })
             .unwrap_or_default();
         let parent = tangents.remove(parent);
-        if !origin.switched {
-            return Ok((parent, None));
-        }
+        let Some(crossing) = origin.switch else { return Ok((parent, None)) };
         let count = tangents.len();
-        match tangents.into_iter().nth(origin.crossing) {
+        match tangents.into_iter().nth(crossing) {
             Some(tangent) => Ok((tangent, Some(parent))),
             None => Err(Failure::Mismatch(format!(
-                "there is no crossing branch number {}, counted from 0: {count} cross this one",
-                origin.crossing
+                "there is no crossing branch number {crossing}, counted from 0: {count} cross this one"
             ))),
         }
     }

@@ -1,11 +1,12 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
 use super::departure::Departure;
-use super::event::{Event, MakeCondition, Test, TestPoint};
+use super::event::{Event, MakeCondition};
 use super::metric::Metric;
 use super::{Point, Settings};
 use crate::core::condition::{At, Condition, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
+use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
 use crate::core::vector::{advanced, difference, dot};
@@ -17,8 +18,8 @@ pub(super) struct Place {
     pub unknowns: Vec<f64>,
     /// The tangent, of scaled length 1.
     pub tangent: Vec<f64>,
-    /// Values of the events' test functions.
-    pub tests: Vec<f64>,
+    /// Values of the events' test functions; `None` where nothing is known of one.
+    pub tests: Vec<Option<f64>>,
     pub point: Point,
     /// All eigenvalues or multipliers, where they are known.
     pub spectrum: Option<Spectrum>,
@@ -36,6 +37,8 @@ pub(super) struct Stepper<'a> {
     pub held: Vec<MakeCondition>,
     /// Conditions whose values are test functions, one for each event that needs it.
     pub tested: Vec<Option<Box<dyn Condition>>>,
+    /// Monitors that the user has attached.
+    pub attached: Vec<Attached>,
     /// The columns of points that settle at special points, beside the released parameters.
     pub settled: Vec<usize>,
     /// The branch point that the curve leaves, if it starts at one.
@@ -95,7 +98,7 @@ impl Stepper<'_> {
         place.tangent.iter_mut().for_each(|t| *t = -*t);
         for (test, event) in place.tests.iter_mut().zip(&self.events) {
             if event.test.is_odd() {
-                *test = -*test;
+                *test = test.map(|test| -test);
             }
         }
     }
@@ -184,7 +187,7 @@ impl Stepper<'_> {
         start.point.unstable = None;
         for (test, event) in start.tests.iter_mut().zip(&self.events) {
             if event.test.needs_eigenvalues() {
-                *test = 0.0;
+                *test = Some(0.0);
             }
         }
     }
@@ -197,11 +200,11 @@ impl Stepper<'_> {
         let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
-            let Test::Level(quantity, level) = self.events[i].test else { continue };
+            let Some((quantity, level)) = self.events[i].test.level() else { continue };
             slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
             let rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
-            if start.tests[i].abs() <= rounding {
-                start.tests[i] = 0.0;
+            if start.tests[i].is_some_and(|test| test.abs() <= rounding) {
+                start.tests[i] = Some(0.0);
             }
         }
         slopes
@@ -220,6 +223,7 @@ impl Stepper<'_> {
         }
         match quantity {
             Quantity::Parameter(p) => Some(direction[n + p]),
+            Quantity::Monitor(m) if m >= system.names().monitors.len() => None,
             Quantity::Monitor(m) => {
                 let mut gradient = vec![0.0; x.len()];
                 system.monitor_gradient(m, x, released, &mut gradient).ok()?;
@@ -277,9 +281,9 @@ impl Stepper<'_> {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
         let place = self.recorded(unknowns, tangent, stability)?;
-        let looked_for = self.events.iter().any(|event| event.test == Test::BranchPoint);
+        let looked_for = self.branch_points().is_some() && self.held.is_empty();
         let (crossings, singular) = match place.spectrum {
-            None if looked_for && self.held.is_empty() => self.crossings(from, row),
+            None if looked_for => self.crossings(from, row),
             _ => (0, false),
         };
         // The derivatives were taken elsewhere.
@@ -321,9 +325,9 @@ impl Stepper<'_> {
     pub fn record(&mut self, stability: bool) -> Result<(Point, Option<Spectrum>), Failure> {
         let at = self.equations.at();
         let n = at.system.names().dimension();
-        let mut monitors = vec![0.0; at.system.names().monitors.len()];
-        at.system.monitors(at.x, &mut monitors)?;
         let spectrum = if stability { at.system.spectrum(at.x)? } else { None };
+        let mut monitors = monitors_of(&self.attached, at, spectrum.as_ref())?;
+        let at = self.equations.at();
         let count = self.settings.eigenvalues;
         let eigenvalues = deciding(spectrum.as_deref().unwrap_or_default(), count);
         let dynamics = at.system.dynamics();
@@ -343,59 +347,25 @@ impl Stepper<'_> {
         let beyond = |&m: &usize| monitors[m] < -BEYOND * system.grazing_scale(m, p);
         !system.grazings().iter().any(beyond)
     }
+}
 
-    /// The values of the events' test functions at the point recorded.
-    pub fn tests(
-        &mut self,
-        unknowns: &[f64],
-        tangent: &[f64],
-        determinant: f64,
-        spectrum: Option<&Spectrum>,
-        point: &Point,
-    ) -> Result<Vec<f64>, Failure> {
-        let parameter = tangent[self.equations.parameters_at()];
-        let own = self.equations.dimension();
-        let system = self.equations.system();
-        let (dynamics, orientation) = (system.dynamics(), system.orientation());
-        // Where nothing is known of eigenvalues, nothing changes its sign.
-        let [oscillation, doubling] = match spectrum {
-            Some(spectrum) => {
-                let stability = Stability::of(dynamics, spectrum).oriented(orientation);
-                [stability.oscillation, stability.doubling]
-            }
-            None => [f64::NAN; 2],
-        };
-        let amplitude = match self.events.iter().any(|event| event.test == Test::Amplitude) {
-            true => self.mirrored(Test::Amplitude, unknowns).unwrap_or(0.0),
-            false => 0.0,
-        };
-        let mut value = [0.0];
-        let mut tests = Vec::with_capacity(self.events.len());
-        for (event, condition) in self.events.iter().zip(&mut self.tested) {
-            tests.push(match event.test {
-                Test::Fold => parameter,
-                Test::BranchPoint => determinant,
-                Test::Hopf => oscillation,
-                Test::PeriodDoubling => doubling,
-                Test::Level(Quantity::Parameter(p), level) => point.parameters[p] - level,
-                Test::Level(Quantity::Monitor(m), level) => point.monitors[m] - level,
-                Test::Own { unknown, level } => unknowns[own + unknown] - level,
-                Test::Amplitude => amplitude,
-                Test::Condition => {
-                    if let Some(condition) = condition {
-                        condition.values(self.equations.at(), &[], &mut value)?;
-                        condition.adapt();
-                    }
-                    value[0]
-                }
-                Test::Function => event.value(&TestPoint {
-                    state: &self.equations.at().x[..own],
-                    parameters: &point.parameters,
-                    monitors: &point.monitors,
-                    eigenvalues: spectrum.map_or(&[], |all| all),
-                }),
-            });
-        }
-        Ok(tests)
+/// The monitors of a system at the point assembled last, and those attached.
+pub(super) fn monitors_of(
+    attached: &[Attached],
+    At { system, x, .. }: At,
+    spectrum: Option<&Spectrum>,
+) -> Result<Vec<f64>, Failure> {
+    let (n, own) = (system.names().dimension(), system.names().monitors.len());
+    let mut monitors = vec![0.0; own];
+    system.monitors(x, &mut monitors)?;
+    for Attached { function, .. } in attached {
+        let value = function(&TestPoint {
+            state: &x[..n],
+            parameters: &x[n..],
+            monitors: &monitors,
+            eigenvalues: spectrum.map_or(&[], |all| all),
+        });
+        monitors.push(value);
     }
+    Ok(monitors)
 }

@@ -1,11 +1,14 @@
 //! A curve to be traced, put together piece by piece.
 
 use super::event::{Event, MakeCondition};
+use super::steps::Steps;
 use super::{Branch, Kind, Observer, Settings, TraceError};
 use crate::core::condition::{Condition, Level};
+use crate::core::function::{Attached, Equation, TestPoint};
 use crate::core::solution::Solution;
 use crate::core::system_ref::SystemRef;
 use crate::core::zero::System;
+use num_dual::Dual64;
 use std::cmp::Ordering;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -32,6 +35,7 @@ pub struct Continuation<'a> {
     pub(super) marks: Vec<(String, f64, Kind)>,
     pub(super) scales: Vec<(String, f64)>,
     pub(super) events: Vec<Event>,
+    pub(super) attached: Vec<Attached>,
     pub(super) held: Vec<(Kind, Option<MakeCondition>)>,
     pub(super) settings: Settings,
     /// The point that the curve starts from.
@@ -49,12 +53,6 @@ pub struct Continuation<'a> {
 pub(super) struct Origin {
     /// The saved solution that the branch starts from, at a restart.
     pub solution: Option<Solution>,
-    /// The direction `(z, p)` of the branch that it lies on, where it is known.
-    pub tangent: Option<Vec<f64>>,
-    /// It is a branch point of a branch of solutions.
-    pub is_branch_point: bool,
-    /// The curve is born there, at a level that defines its birth.
-    pub is_birth: bool,
     /// What the curve one restarts from is made of: its direction means nothing on another curve.
     pub condition: Option<Kind>,
     /// The kind of the special point one restarts from.
@@ -63,25 +61,19 @@ pub(super) struct Origin {
     pub error: f64,
     /// How many eigenvalues vanish at the branch point.
     pub multiplicity: usize,
-    /// Whether the branch point is left along another branch.
-    pub switched: bool,
-    /// Which one of those that cross.
-    pub crossing: usize,
+    /// Which of the branches that cross there is taken, if the branch point is left along another one.
+    pub switch: Option<usize>,
 }
 
 impl Default for Origin {
     fn default() -> Self {
         Origin {
             solution: None,
-            tangent: None,
-            is_branch_point: false,
-            is_birth: false,
             condition: None,
             kind: None,
             error: 0.0,
             multiplicity: 1,
-            switched: false,
-            crossing: 0,
+            switch: None,
         }
     }
 }
@@ -103,6 +95,7 @@ impl<'a> Continuation<'a> {
             marks: Vec::new(),
             scales: Vec::new(),
             events: Vec::new(),
+            attached: Vec::new(),
             held: Vec::new(),
             settings: Settings::default(),
             origin: Origin::default(),
@@ -186,7 +179,6 @@ impl<'a> Continuation<'a> {
         self.origin.kind = Some(special.kind);
         self.origin.multiplicity = special.multiplicity;
         self.origin.error = special.error;
-        self.origin.is_branch_point = special.kind == Kind::BP && branch.condition.is_none();
         let n = special.state.len();
         let mut slopes = vec![0.0; self.system.names().parameters.len()];
         let known = special.tangent.len() == n + branch.released.len();
@@ -297,6 +289,60 @@ impl<'a> Continuation<'a> {
         self
     }
 
+    /// Records a function of points as a further monitor, which can be marked and bounded by its name. Without a gradient it
+    /// cannot be held; its levels are located by bracketing.
+    ///
+    /// ```
+    /// use tangency::core::continuation::{Continuation, Kind};
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::ParallelPlate;
+    /// let mut plate = Dense::new(ParallelPlate);
+    /// let curve = Continuation::of(&mut plate).along("load", 0.0..=1.0);
+    /// let curve = curve.monitor("gap", |at| 1.0 - at.state[0]).mark("gap", 0.5);
+    /// let branch = curve.trace()?;
+    /// // u (1 − u)² at u = 1/2.
+    /// let half = branch.of_kind(Kind::UZ).next().unwrap();
+    /// assert!((half.parameters[0] - 0.125).abs() < 1e-9 && (half.monitors[0] - 0.5).abs() < 1e-9);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn monitor(
+        mut self,
+        name: impl Into<String>,
+        function: impl Fn(&TestPoint) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        self.attached.push(Attached {
+            name: name.into(),
+            function: Arc::new(function),
+            dual: None,
+        });
+        self
+    }
+
+    /// As [`monitor`](Self::monitor), a function `f(z, p)` of the unknowns and all parameters on dual numbers: with its
+    /// gradient, levels are special points like others, and can be held along a curve.
+    ///
+    /// ```
+    /// use tangency::core::continuation::Continuation;
+    /// use tangency::core::dense::Dense;
+    /// use tangency::problems::classic::Hyperbola;
+    /// // x² = μ² + ε with x μ = 20, along ε to 9: x = 5, μ = 4.
+    /// let mut hyperbola = Dense::new(Hyperbola);
+    /// let curve = Continuation::of(&mut hyperbola).from(&[4.5]).at("mu", 4.5).at("epsilon", 0.25);
+    /// let curve = curve.smooth_monitor("product", |x, p| x[0] * p[0]).hold_level("product", 20.0);
+    /// let branch = curve.along("mu", 0.0..=9.0).along("epsilon", 0.0..=9.0).trace()?;
+    /// let end = branch.special.iter().find(|point| (point.parameters[1] - 9.0).abs() < 1e-9).unwrap();
+    /// assert!((end.state[0] - 5.0).abs() < 1e-9 && (end.parameters[0] - 4.0).abs() < 1e-9);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn smooth_monitor(
+        mut self,
+        name: impl Into<String>,
+        function: impl Fn(&[Dual64], &[Dual64]) -> Dual64 + Send + Sync + 'static,
+    ) -> Self {
+        self.attached.push(Attached::dual(name.into(), Arc::new(function)));
+        self
+    }
+
     /// Holds the condition of a kind of special point along the curve; one more parameter must be
     /// released. `LP`, `BP` and `HB` are known to the core; `CP` and `BT` are, too, for curves on which `LP`
     /// is held already.
@@ -308,13 +354,23 @@ impl<'a> Continuation<'a> {
     /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter must be
     /// released.
     pub fn hold_level(mut self, name: &str, level: f64) -> Self {
-        match self.quantity(name) {
-            Ok(quantity) => {
-                return self.hold_condition(move || Level::new(quantity, level, Kind::UZ));
+        let quantity = match self.quantity(name) {
+            Ok(quantity) => quantity,
+            Err(error) => {
+                self.errors.push(error);
+                return self;
             }
-            Err(error) => self.errors.push(error),
+        };
+        match self.attached_at(quantity).map(|attached| attached.dual.clone()) {
+            None => self.hold_condition(move || Level::new(quantity, level, Kind::UZ)),
+            Some(Some(dual)) => {
+                self.hold_condition(move || Equation::new(dual.clone(), level, Kind::UZ))
+            }
+            Some(None) => {
+                self.errors.push(TraceError::NoGradient(name.into()));
+                self
+            }
         }
-        self
     }
 
     /// Holds a condition of the user's own.
@@ -335,7 +391,7 @@ impl<'a> Continuation<'a> {
     /// Leaves a branch point where several branches cross (`multiplicity` above 1) along one of them, counted from 0 and
     /// without the one that leads to it.
     pub fn switch_to(mut self, crossing: usize) -> Self {
-        (self.origin.switched, self.origin.crossing) = (true, crossing);
+        self.origin.switch = Some(crossing);
         self
     }
 
@@ -364,11 +420,19 @@ impl<'a> Continuation<'a> {
     ///
     /// # Errors
     /// As [`trace`](Continuation::trace).
-    pub fn trace_with(mut self, observer: &mut dyn Observer) -> Result<Branch, TraceError> {
+    pub fn trace_with(self, observer: &mut dyn Observer) -> Result<Branch, TraceError> {
+        Ok(self.steps()?.run(observer))
+    }
+
+    /// Begins to trace the curve, point by point.
+    ///
+    /// # Errors
+    /// As [`trace`](Continuation::trace).
+    pub fn steps(mut self) -> Result<Steps<'a>, TraceError> {
         self.settings.check()?;
         if !self.errors.is_empty() {
             return Err(self.errors.swap_remove(0));
         }
-        Ok(self.prepare()?.run(observer))
+        Ok(Steps::new(self.prepare()?))
     }
 }

@@ -2,12 +2,14 @@
 //! or points of a kind that was not looked for.
 
 use super::describe::Described;
-use super::event::{Event, Test};
 use super::found::{Found, Located};
 use super::stepper::{Place, Step, Stepper};
+use super::test_values::turns;
 use super::{Kind, SpecialPoint};
+use crate::core::bifurcation::catalogue;
 use crate::core::extended::Closing;
-use crate::core::motion::{Stability, criticality, neutral, without_critical};
+use crate::core::interpolation::lagrange;
+use crate::core::motion::{Critical, Stability, neutral, without_critical};
 use crate::core::zero::Dynamics;
 
 /// Steps in which the number of unstable eigenvalues changes without a reason are halved down to this length, in scaled
@@ -25,9 +27,7 @@ impl Stepper<'_> {
         origin: &[Kind],
     ) -> Option<isize> {
         let branch_points = found.iter().filter(|it| it.special.kind == Kind::BP).count();
-        let is_sign = |event: &Event| event.test == Test::BranchPoint;
-        let flips = self.events.iter().position(is_sign);
-        let flips = flips.is_some_and(|i| from.tests[i] * step.place.tests[i] < 0.0);
+        let flips = self.branch_points().is_some_and(|i| turns(from.tests[i], step.place.tests[i]));
         let odd = !step.crossings.is_multiple_of(2);
         if step.crossings > branch_points.max(1) || step.crossings > 0 && odd != flips {
             return Some(step.crossings as isize);
@@ -38,13 +38,14 @@ impl Stepper<'_> {
         let passed = passed.chain(origin.iter().copied());
         let mut reachable = vec![0_isize];
         for kind in passed {
-            let changes: &[isize] = match kind {
-                // A multiplier passes through infinity, or the solution is another one beyond.
-                Kind::G | Kind::MX => return None,
-                Kind::LP | Kind::PD | Kind::BP => &[-1, 0, 1],
-                Kind::HB | Kind::TR => &[-2, 0, 2],
-                _ => continue,
-            };
+            // A multiplier passes through infinity, or the solution is another one beyond.
+            if matches!(kind, Kind::G | Kind::MX) {
+                return None;
+            }
+            let changes = catalogue::row(kind).map_or(&[][..], |row| row.critical.changes());
+            if changes.is_empty() {
+                continue;
+            }
             let sums = reachable.iter().flat_map(|sum| changes.iter().map(move |c| sum + c));
             reachable = sums.collect();
         }
@@ -200,7 +201,7 @@ fn nearest(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> Vec<f64
 
 /// Whether the eigenvalues nearest to the stability boundary are real, and multipliers positive.
 fn is_real(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> bool {
-    let (_, distance) = criticality(Kind::BP, dynamics);
+    let distance = |l: &&(f64, f64)| Critical::One.distance(dynamics, l);
     let mut order: Vec<&(f64, f64)> = spectrum.iter().collect();
     order.sort_by(|a, b| rate(a, dynamics).abs().total_cmp(&rate(b, dynamics).abs()));
     let largest = order.iter().take(count).fold(0.0, |most: f64, l| most.max(distance(l)));
@@ -208,12 +209,8 @@ fn is_real(spectrum: &[(f64, f64)], count: usize, dynamics: Dynamics) -> bool {
 }
 
 /// The polynomial through these values (Lagrange), at a place.
-fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
-    let weight = |k: usize| -> f64 {
-        let others = abscissae.iter().enumerate().filter(|(j, _)| *j != k);
-        others.map(|(_, s)| (at - s) / (abscissae[k] - s)).product()
-    };
-    values.iter().enumerate().map(|(k, value)| weight(k) * value).sum()
+pub(super) fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
+    values.iter().enumerate().map(|(k, value)| lagrange(abscissae, k, at) * value).sum()
 }
 
 /// The zero, in a step of this length, of the polynomial through values of which the first and the last one differ in

@@ -1,6 +1,6 @@
 //! Gauss–Legendre points, Lobatto nodes and the Lagrange polynomials through them.
 
-use crate::core::bvp::interpolation::lagrange;
+use crate::core::interpolation::lagrange;
 use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 

@@ -3,8 +3,8 @@
 use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
 use crate::core::bvp::Mesh;
-use crate::core::bvp::interpolation::lagrange;
 use crate::core::failure::Failure;
+use crate::core::interpolation::lagrange;
 
 /// The weights by which values at new nodes are made of those at old ones.
 #[derive(Default)]

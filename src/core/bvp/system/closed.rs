@@ -4,9 +4,9 @@ use super::BoundarySystem;
 use super::equations::Discretised;
 use super::layout::Layout;
 use crate::core::bvp::Mesh;
-use crate::core::bvp::interpolation::node_weights;
 use crate::core::condition::Failure;
 use crate::core::cycles::Cycles;
+use crate::core::interpolation::node_weights;
 use crate::core::solution::Solution;
 use crate::core::vector::largest;
 

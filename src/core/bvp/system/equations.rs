@@ -2,13 +2,13 @@
 
 use super::extremes::Extremes;
 use super::layout::{Layout, span};
-use crate::core::bvp::interpolation::{highest_derivative, node_weights};
 use crate::core::bvp::interval::placed;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     BoundaryError, Ends, Equations, Interval, Legs, Mesh, Method, Monitor, Number, Span,
 };
 use crate::core::failure::{Failure, not_finite};
+use crate::core::interpolation::{highest_derivative, node_weights};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use std::sync::Arc;

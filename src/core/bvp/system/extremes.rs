@@ -19,7 +19,7 @@ pub(super) struct Seen {
     pub largest: Sighting,
     pub smallest: Sighting,
     /// The place visited last: at the end of all, the end of the segment.
-    pub last: Sighting,
+    pub last: Option<Sighting>,
     /// Local minima inside: the one to which it falls from the beginning, the least one between two maxima,
     /// and the one from which it rises to the end.
     leading: Option<Sighting>,
@@ -41,11 +41,11 @@ const FALSE_DIPS: f64 = 1e-3;
 
 impl Seen {
     const NOTHING: Seen = {
-        let nowhere = Sighting { interval: 0, place: 0.0, value: f64::NAN };
+        let nowhere = Sighting { interval: 0, place: 0.0, value: f64::NEG_INFINITY };
         Seen {
             largest: nowhere,
-            smallest: nowhere,
-            last: nowhere,
+            smallest: Sighting { value: f64::INFINITY, ..nowhere },
+            last: None,
             leading: None,
             between: None,
             trailing: None,
@@ -56,24 +56,23 @@ impl Seen {
     };
 
     fn visit(&mut self, here: Sighting) {
-        let (value, last) = (here.value, self.last);
-        if value > self.largest.value || self.largest.value.is_nan() {
+        if here.value > self.largest.value {
             self.largest = here;
         }
-        if value < self.smallest.value || self.smallest.value.is_nan() {
+        if here.value < self.smallest.value {
             self.smallest = here;
         }
-        self.visit_minimum(here);
-        if (value - last.value).abs() > self.depth {
-            self.falling = value < last.value;
+        let Some(last) = self.last.replace(here) else { return };
+        self.visit_minimum(last, here);
+        if (here.value - last.value).abs() > self.depth {
+            self.falling = here.value < last.value;
         }
-        self.last = here;
     }
 
     /// What became the trailing minimum is between two maxima as soon as the scalar falls again.
-    fn visit_minimum(&mut self, here: Sighting) {
+    fn visit_minimum(&mut self, last: Sighting, here: Sighting) {
         let ([before, now], depth) = (&mut self.risen, self.depth);
-        if here.value < self.last.value - depth
+        if here.value < last.value - depth
             && let Some(dip) = self.trailing.take()
         {
             let place = if *before { &mut self.between } else { &mut self.leading };
@@ -81,9 +80,9 @@ impl Seen {
                 *place = Some(dip);
             }
         }
-        if here.value > self.last.value + depth {
+        if here.value > last.value + depth {
             if self.falling {
-                (self.trailing, *before) = (Some(self.last), *now);
+                (self.trailing, *before) = (Some(last), *now);
             }
             *now = true;
         }

@@ -52,7 +52,6 @@ impl Discretised {
     pub fn largest_error(&self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
         let (most, whole) = (largest(nodes), self.duration(numbers, |_| true));
-        let mut highest = Vec::new();
         let mut largest: Option<LargestError> = None;
         for (segment, s) in self.layout.segments.iter().enumerate() {
             if self.duration(numbers, |other| other == segment).abs() <= SHORT * whole.abs() {
@@ -61,13 +60,12 @@ impl Discretised {
             for state in 0..s.states {
                 let value = |k: usize| nodes[s.values + k * s.states + state];
                 let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
-                self.highest_derivatives(segment, value, &mut highest);
-                for interval in 0..s.intervals {
-                    let error = self.error(segment, interval, size, |j| highest[j]);
+                self.for_intervals(segment, value, |interval, near| {
+                    let error = self.error(segment, interval, size, |j| near[j + 1 - interval]);
                     if largest.as_ref().is_none_or(|largest| error > largest.error) {
                         largest = Some(LargestError { segment, state, interval, error });
                     }
-                }
+                });
             }
         }
         largest
@@ -109,16 +107,23 @@ impl Discretised {
         self.highest_sum(interval, value) / (span.end - span.start).powi(self.layout.degree as i32)
     }
 
-    /// `x^{(m)}` in all intervals of a segment.
-    fn highest_derivatives(
+    /// For all intervals of a segment, `x^{(m)}` in the interval before, in it, and in the one behind.
+    fn for_intervals(
         &self,
         segment: usize,
         value: impl Fn(usize) -> f64,
-        out: &mut Vec<f64>,
+        mut each: impl FnMut(usize, [f64; 3]),
     ) {
-        let intervals = 0..self.layout.segments[segment].intervals;
-        out.clear();
-        out.extend(intervals.map(|interval| self.highest_in(segment, interval, &value)));
+        let intervals = self.layout.segments[segment].intervals;
+        let highest = |interval: usize| match interval < intervals {
+            true => self.highest_in(segment, interval, &value),
+            false => 0.0,
+        };
+        let mut near = [0.0, 0.0, highest(0)];
+        for interval in 0..intervals {
+            near = [near[1], near[2], highest(interval + 1)];
+            each(interval, near);
+        }
     }
 
     /// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals. A single interval has no
@@ -191,15 +196,13 @@ impl Discretised {
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
         let mut density = vec![0.0; s.intervals];
         let most = largest(nodes);
-        let mut highest = Vec::new();
         for state in 0..s.states {
             let value = |k: usize| nodes[s.values + k * s.states + state];
             let Some(size) = self.size_of(segment, state, nodes, most) else { continue };
-            self.highest_derivatives(segment, value, &mut highest);
-            for (interval, density) in density.iter_mut().enumerate() {
-                let here = self.next_derivative(segment, interval, |j| highest[j]) / size;
-                *density = here.powf(exponent).max(*density);
-            }
+            self.for_intervals(segment, value, |interval, near| {
+                let next = self.next_derivative(segment, interval, |j| near[j + 1 - interval]);
+                density[interval] = (next / size).powf(exponent).max(density[interval]);
+            });
         }
         let mesh = &self.meshes[segment];
         let mean = mesh.integral(&density) / mesh.end();

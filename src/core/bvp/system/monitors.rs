@@ -239,7 +239,7 @@ impl Discretised {
     fn nearest(&self, watched: &[(Watched, [bool; 2])]) -> Option<Term> {
         let candidates = watched.iter().flat_map(|(w, own)| {
             let seen = self.extremes.seen(*w);
-            let at_end = (*own == [false; 2]).then_some(seen.last);
+            let at_end = seen.last.filter(|_| *own == [false; 2]);
             seen.dips(*own).chain(at_end).map(|place| (*w, place, 1.0))
         });
         let largest = watched.iter().map(|(w, _)| (*w, self.extremes.seen(*w).largest, 1.0));

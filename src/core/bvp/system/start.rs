@@ -9,7 +9,7 @@ use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::kind::Kind;
 use crate::core::scalar_field::FieldIn;
-use crate::core::solution::{Adopted, Leaving, Solution};
+use crate::core::solution::{Adopted, Solution, Start};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -78,8 +78,11 @@ impl BoundarySystem {
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         self.set_reference(&x)?;
         let tangent = solution.tangent.as_ref().map(|(z, p)| [&z[..], &p[..]].concat());
-        let leaving = if doubled { Leaving::BranchPoint } else { Leaving::Along };
-        Ok(Adopted { z: solution.state, tangent, leaving })
+        let start = match doubled {
+            true => Start::BranchPoint { along: tangent, one_sided: true },
+            false => Start::Point { tangent },
+        };
+        Ok(Adopted { z: solution.state, start })
     }
 
     /// Another problem, on as many intervals a segment as the first one has now.
@@ -120,7 +123,7 @@ impl BoundarySystem {
         let method = self.equations.method.clone();
         let z;
         (*self, z) = birth.discretised(p, method, self.meshes()[0].intervals())?;
-        Ok(Adopted { z, tangent: None, leaving: Leaving::Switched })
+        Ok(Adopted { z, start: Start::Birth })
     }
 
     /// The unknowns `z` of trajectories that flow from the states where segments begin.
@@ -251,7 +254,7 @@ impl BoundarySystem {
         self.forget();
         self.equations.set_reference_with_motion(&x, &motion);
         direction.resize(x.len(), 0.0);
-        Ok(Adopted { z, tangent: Some(direction), leaving: Leaving::Direction })
+        Ok(Adopted { z, start: Start::Direction(direction) })
     }
 
     /// Lets mesh and phase condition follow a branch.

@@ -1,0 +1,177 @@
+//! A branch point by point, while it is traced.
+
+use super::halves::Half;
+use super::metric::Metric;
+use super::run::{Tracer, Walk};
+use super::{Branch, End, Observer, Point, SpecialPoint};
+use std::mem::replace;
+
+/// What comes next along a branch that is traced.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Traced {
+    /// A point was reached, the start first.
+    Point(Point),
+    /// A special point was found, before the next point.
+    Special(SpecialPoint),
+}
+
+/// A branch while it is traced: an iterator over its points and special points as they are found, the start first, then one
+/// half from there, then the other one. What is not asked for is not computed.
+///
+/// ```
+/// use tangency::core::continuation::{Continuation, End, Kind, Traced};
+/// use tangency::core::dense::Dense;
+/// use tangency::problems::classic::ParallelPlate;
+/// // Up to the fold at u = 1/3, and not farther.
+/// let mut plate = Dense::new(ParallelPlate);
+/// let mut steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).steps()?;
+/// let fold = steps.find_map(|item| match item {
+///     Traced::Special(point) if point.kind == Kind::LP => Some(point.state[0]),
+///     _ => None,
+/// });
+/// assert!((fold.unwrap() - 1.0 / 3.0).abs() < 1e-12);
+/// let branch = steps.finish();
+/// assert_eq!(branch.ends[1], End::Interrupted);
+/// # Ok::<(), tangency::core::continuation::TraceError>(())
+/// ```
+pub struct Steps<'a> {
+    tracer: Tracer<'a>,
+    stage: Stage,
+    /// The mesh and the scales at the start, to which the second half returns.
+    home: (Vec<f64>, Metric),
+    /// Marks that the start lies on.
+    marked: Vec<SpecialPoint>,
+    behind: Option<Half>,
+    ahead: Option<Half>,
+}
+
+/// How far a trace is.
+enum Stage {
+    Start,
+    Under(Box<Walk>),
+    Done,
+}
+
+impl Iterator for Steps<'_> {
+    type Item = Traced;
+
+    fn next(&mut self) -> Option<Traced> {
+        loop {
+            if let Some(item) = self.tracer.shown.pop_front() {
+                return Some(item);
+            }
+            match replace(&mut self.stage, Stage::Done) {
+                Stage::Start => self.begin(),
+                Stage::Under(mut walk) => match self.tracer.advance(&mut walk) {
+                    None => self.stage = Stage::Under(walk),
+                    Some(end) => self.arrive(*walk, end),
+                },
+                Stage::Done => return None,
+            }
+        }
+    }
+}
+
+impl<'a> Steps<'a> {
+    pub(super) fn new(mut tracer: Tracer<'a>) -> Self {
+        let mesh = tracer.stepper.equations.system().mesh();
+        let home = (mesh, tracer.stepper.metric.clone());
+        Steps { tracer, stage: Stage::Start, home, marked: Vec::new(), behind: None, ahead: None }
+    }
+
+    /// The branch's names and settings, without its points.
+    pub fn branch(&self) -> &Branch {
+        &self.tracer.branch
+    }
+
+    /// The branch as far as it has been traced; both ends of one that is not complete are [`End::Interrupted`].
+    pub fn finish(mut self) -> Branch {
+        self.interrupt();
+        let start = self.tracer.start.point.clone();
+        let nothing = || Half { points: Vec::new(), special: Vec::new(), end: End::Interrupted };
+        let [behind, ahead] = [self.behind, self.ahead].map(|half| half.unwrap_or_else(nothing));
+        let ahead = Half { special: [self.marked, ahead.special].concat(), ..ahead };
+        behind.join(start, ahead, self.tracer.branch)
+    }
+
+    /// Traces all of it under the eyes of an observer.
+    pub(super) fn run(mut self, observer: &mut dyn Observer) -> Branch {
+        observer.begin(self.branch());
+        while let Some(item) = self.next() {
+            match item {
+                Traced::Special(special) => observer.special(self.branch(), &special),
+                Traced::Point(point) if observer.point(&point).is_break() => self.interrupt(),
+                Traced::Point(_) => {}
+            }
+        }
+        self.finish()
+    }
+
+    /// Goes no farther.
+    fn interrupt(&mut self) {
+        if matches!(self.stage, Stage::Start) {
+            self.begin();
+        }
+        while let Stage::Under(walk) = replace(&mut self.stage, Stage::Done) {
+            self.arrive(*walk, End::Interrupted);
+        }
+    }
+
+    /// Records the start, and sets out.
+    fn begin(&mut self) {
+        let start = self.tracer.start.clone();
+        self.tracer.show(&start.point);
+        self.marked = self.tracer.marked_start();
+        let [backward, forward] = self.tracer.directions;
+        // A start that is an end is found, and labelled, first.
+        self.behind = match (self.tracer.leaves_at_once(true), backward) {
+            (Some(end), true) => Some(self.tracer.no_half(end)),
+            (_, false) => Some(self.tracer.no_half(End::Start)),
+            (None, true) => None,
+        };
+        if forward {
+            self.stage = Stage::Under(Box::new(self.tracer.set_out(start, false)));
+        } else {
+            let ahead = self.tracer.no_half(End::Start);
+            self.turn_back(ahead);
+        }
+    }
+
+    /// Ends a half.
+    fn arrive(&mut self, walk: Walk, end: End) {
+        let backward = walk.backward;
+        let nowhere = end == End::Interrupted && walk.half.points.is_empty();
+        let half = match nowhere {
+            true => self.tracer.no_half(end),
+            false => self.tracer.arrived(walk, end),
+        };
+        if backward {
+            self.behind = Some(half);
+        } else {
+            self.turn_back(half);
+        }
+    }
+
+    /// Returns to the start for the other half, unless there is none.
+    fn turn_back(&mut self, ahead: Half) {
+        let end = ahead.end.clone();
+        self.ahead = Some(ahead);
+        let closed = matches!(end, End::Closed { .. });
+        if let Some(behind) = &mut self.behind {
+            if closed {
+                behind.end = end;
+            }
+            return;
+        }
+        let mut start = self.tracer.start.clone();
+        let (mesh, metric) = self.home.clone();
+        self.tracer.return_to(&start, mesh, metric);
+        if closed || end == End::Interrupted {
+            self.behind = Some(self.tracer.no_half(end));
+        } else {
+            self.tracer.stepper.turn(&mut start);
+            self.stage = Stage::Under(Box::new(self.tracer.set_out(start, true)));
+        }
+    }
+}

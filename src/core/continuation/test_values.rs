@@ -1,0 +1,87 @@
+//! Values of test functions at points of a curve.
+
+use super::Point;
+use super::stepper::{Place, Stepper};
+use crate::core::condition::Failure;
+use crate::core::function::TestPoint;
+use crate::core::motion::Stability;
+use crate::core::test_function::{Known, Test};
+use crate::core::zero::Spectrum;
+
+/// Whether a sign changes.
+pub(super) fn turns(before: Option<f64>, after: Option<f64>) -> bool {
+    matches!((before, after), (Some(before), Some(after)) if before * after < 0.0)
+}
+
+impl Stepper<'_> {
+    /// The event that looks for branch points.
+    pub fn branch_points(&self) -> Option<usize> {
+        self.events.iter().position(|event| event.test == Test::BranchPoint)
+    }
+
+    /// The values of the events' test functions at the point recorded.
+    pub fn tests(
+        &mut self,
+        unknowns: &[f64],
+        tangent: &[f64],
+        determinant: f64,
+        spectrum: Option<&Spectrum>,
+        point: &Point,
+    ) -> Result<Vec<Option<f64>>, Failure> {
+        let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
+        let system = self.equations.system();
+        let (dynamics, orientation) = (system.dynamics(), system.orientation());
+        let stability = |all: &Spectrum| Stability::of(dynamics, all).oriented(orientation);
+        let mut known = Known {
+            slope: tangent[first],
+            determinant,
+            stability: spectrum.map(stability),
+            parameters: &point.parameters,
+            monitors: &point.monitors,
+            own: &unknowns[n..first],
+            amplitude: self.amplitude(unknowns),
+            given: None,
+        };
+        let mut value = [0.0];
+        let mut tests = Vec::with_capacity(self.events.len());
+        for (event, condition) in self.events.iter().zip(&mut self.tested) {
+            known.given = match condition {
+                Some(condition) => {
+                    condition.values(self.equations.at(), &[], &mut value)?;
+                    condition.adapt();
+                    Some(value[0])
+                }
+                None => event.value(&TestPoint {
+                    state: &self.equations.at().x[..n],
+                    parameters: &point.parameters,
+                    monitors: &point.monitors,
+                    eigenvalues: spectrum.map_or(&[], |all| all),
+                }),
+            };
+            tests.push(event.test.value(&known));
+        }
+        Ok(tests)
+    }
+
+    /// The oscillation of a cycle, if an event asks for it.
+    fn amplitude(&mut self, unknowns: &[f64]) -> Option<f64> {
+        let asked = self.events.iter().any(|event| event.test == Test::Amplitude);
+        asked.then(|| self.mirrored(Test::Amplitude, unknowns)).flatten()
+    }
+
+    /// The value of a test function in which a curve is its own mirror image: an own unknown, or the amplitude.
+    pub fn mirrored(&mut self, test: Test, unknowns: &[f64]) -> Option<f64> {
+        if let Some((unknown, level)) = test.own() {
+            return Some(unknowns[self.equations.dimension() + unknown] - level);
+        }
+        let x = self.equations.load(unknowns).to_vec();
+        self.equations.system().cycles()?.amplitude(&x)
+    }
+
+    /// The value of a smooth function with the zeros of a test function, where one is known.
+    pub fn smooth_test(&mut self, index: usize, place: &Place) -> Option<f64> {
+        let test = self.events[index].test;
+        let dynamics = self.equations.system().dynamics();
+        test.smooth(place.tests[index], place.spectrum.as_ref(), dynamics)
+    }
+}

@@ -1,0 +1,159 @@
+//! Test functions, whose change of sign says that an event lies between two points of a branch.
+
+use super::condition::Quantity;
+use super::motion::Stability;
+use super::zero::{Dynamics, Spectrum};
+
+/// The function whose change of sign says that an event lies between two points of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Test {
+    /// The component of the tangent along the continued parameter.
+    Fold,
+    /// The determinant of the Jacobian bordered by the tangent.
+    BranchPoint,
+    /// The sign of the product of all sums of two eigenvalues, or of all products of two multipliers
+    /// less 1.
+    Hopf,
+    /// The product of all multipliers plus 1.
+    PeriodDoubling,
+    /// A parameter or monitor less a level.
+    Level(Quantity, f64),
+    /// An auxiliary unknown of the conditions held along the curve, less a level.
+    Own {
+        /// Its position among the auxiliary unknowns.
+        unknown: usize,
+        /// The level.
+        level: f64,
+    },
+    /// The oscillation of a cycle about its mean, compared with that of the cycle before.
+    Amplitude,
+    /// The first equation of the condition itself.
+    Condition,
+    /// The event's own function.
+    Function,
+}
+
+/// What test functions are made of at a point of a curve.
+pub(crate) struct Known<'a> {
+    /// The component of the tangent along the continued parameter.
+    pub slope: f64,
+    /// The sign of the determinant of the Jacobian bordered by the tangent.
+    pub determinant: f64,
+    /// What its eigenvalues say, where they are known.
+    pub stability: Option<Stability>,
+    pub parameters: &'a [f64],
+    pub monitors: &'a [f64],
+    /// The auxiliary unknowns of the conditions held along the curve.
+    pub own: &'a [f64],
+    pub amplitude: Option<f64>,
+    /// The value of the condition, or of the event's own function.
+    pub given: Option<f64>,
+}
+
+/// A slope of the continued parameter, on curves of scaled arclength, that is rounding.
+const VERTICAL: f64 = 1e-7;
+
+/// Multipliers beyond this are known by their size only.
+const HUGE: f64 = 1e7;
+
+impl Test {
+    /// Its value; `None` where nothing is known of it.
+    pub(crate) fn value(self, known: &Known) -> Option<f64> {
+        match self {
+            Test::Fold => Some(known.slope),
+            Test::BranchPoint => Some(known.determinant),
+            Test::Hopf => known.stability.map(|stability| stability.oscillation),
+            Test::PeriodDoubling => known.stability.map(|stability| stability.doubling),
+            Test::Level(Quantity::Parameter(p), level) => Some(known.parameters[p] - level),
+            Test::Level(Quantity::Monitor(m), level) => {
+                Some(known.monitors[m] - level).filter(|value| !value.is_nan())
+            }
+            Test::Own { unknown, level } => Some(known.own[unknown] - level),
+            Test::Amplitude => known.amplitude,
+            Test::Condition | Test::Function => known.given,
+        }
+    }
+
+    /// Whether the sign changes where a curve is seen in the other direction.
+    pub(crate) fn is_odd(self) -> bool {
+        matches!(self, Test::Fold | Test::BranchPoint)
+    }
+
+    /// Whether only eigenvalues or multipliers tell it.
+    pub(crate) fn needs_eigenvalues(self) -> bool {
+        matches!(self, Test::Hopf | Test::PeriodDoubling)
+    }
+
+    /// Whether eigenvalues or multipliers, where they are known, tell more than its sign.
+    pub(crate) fn is_spectral(self) -> bool {
+        self.needs_eigenvalues() || self.is_sign()
+    }
+
+    /// Whether only the sign of its values means something.
+    pub(crate) fn is_sign(self) -> bool {
+        matches!(self, Test::BranchPoint | Test::Hopf)
+    }
+
+    /// What is at a level there, and the level.
+    pub(crate) fn level(self) -> Option<(Quantity, f64)> {
+        match self {
+            Test::Level(quantity, level) => Some((quantity, level)),
+            _ => None,
+        }
+    }
+
+    /// Which auxiliary unknown is at a level there, and the level.
+    pub(crate) fn own(self) -> Option<(usize, f64)> {
+        match self {
+            Test::Own { unknown, level } => Some((unknown, level)),
+            _ => None,
+        }
+    }
+
+    /// The value of a smooth function with the same zeros: in place of the sign of a determinant or of a spectrum's product,
+    /// the real eigenvalue that is nearest to zero, or the real part of the pair that is nearest to the imaginary axis.
+    /// Those of periodic orbits are left to the counts of unstable multipliers.
+    pub(crate) fn smooth(
+        self,
+        value: Option<f64>,
+        spectrum: Option<&Spectrum>,
+        dynamics: Dynamics,
+    ) -> Option<f64> {
+        let spectrum = spectrum.filter(|_| dynamics != Dynamics::Periodic).into_iter().flatten();
+        let least = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
+        match self {
+            Test::BranchPoint => spectrum.filter(|l| l.1 == 0.0).map(|l| l.0).min_by(least),
+            Test::Hopf => spectrum.filter(|l| l.1 > 0.0).map(|l| l.0).min_by(least),
+            Test::Amplitude => None,
+            _ => value,
+        }
+    }
+
+    /// Whether a change of sign between two points means nothing: that of the parameter's slope (in scaled arclength) on a
+    /// vertical branch; where multipliers are so large that their signs are rounding, that of the test function of period
+    /// doublings; at a neutral saddle, λ and −λ, that of the test function of Hopf points: nothing is lost or gained in
+    /// stability there.
+    pub(crate) fn is_noise(self, slopes: [f64; 2], sides: [Side; 2]) -> bool {
+        let [before, after] = &sides;
+        let same = before.unstable == after.unstable;
+        match self {
+            Test::Fold => slopes[0].abs().max(slopes[1].abs()) < VERTICAL,
+            Test::Hopf => same,
+            Test::PeriodDoubling => same && sides.iter().all(Side::is_huge),
+            _ => false,
+        }
+    }
+}
+
+/// What is known of the stability on one side of an event.
+pub(crate) struct Side<'a> {
+    pub unstable: Option<usize>,
+    pub spectrum: Option<&'a Spectrum>,
+}
+
+impl Side<'_> {
+    fn is_huge(&self) -> bool {
+        self.spectrum.into_iter().flatten().any(|mu| mu.0.abs() > HUGE)
+    }
+}
