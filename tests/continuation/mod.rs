@@ -4,6 +4,7 @@ mod algebraic;
 mod arclength;
 mod chain;
 mod chunks;
+mod closures;
 mod flow;
 mod flow_failures;
 mod gradients;
