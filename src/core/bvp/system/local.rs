@@ -74,9 +74,6 @@ pub(super) struct Passes<T: Scalar> {
     /// `q`, or a segment's part of it, of the point and of the direction.
     real: [Vec<f64>; 2],
     slopes: Vec<f64>,
-    /// Values at the nodes of an interval, of the point and of the direction, and the gradient by them.
-    nodes: [Vec<f64>; 2],
-    sums: Vec<f64>,
 }
 
 impl<T: Scalar> Passes<T> {
@@ -90,8 +87,6 @@ impl<T: Scalar> Passes<T> {
             local: Local::new(layout),
             real: Default::default(),
             slopes: Vec::new(),
-            nodes: Default::default(),
-            sums: Vec::new(),
         }
     }
 
@@ -175,16 +170,10 @@ impl Discretised {
         let layout = &self.layout;
         for s in 0..layout.segments.len() {
             passes.take_numbers(layout, Some(s), weighted.at);
-            let (states, numbers) = (layout.segments[s].states, &weighted.numbers.local);
             passes.slopes.clear();
-            passes.slopes.resize(numbers.len(), 0.0);
-            for start in (0..states + numbers.len()).step_by(CHUNK) {
-                passes.seed(numbers, states, start, weighted.at.make);
-                passes.unknowns.clear();
-                passes.unknowns.resize(2 * states, T::zero());
-                for j in 0..layout.segments[s].intervals {
-                    self.add_gradient_inside((s, j), start, weighted, passes, out)?;
-                }
+            passes.slopes.resize(weighted.numbers.local.len(), 0.0);
+            for j in 0..layout.segments[s].intervals {
+                self.add_gradient_inside((s, j), weighted, passes, out)?;
             }
             for (&number, &slope) in weighted.numbers.local.iter().zip(&passes.slopes) {
                 layout.scatter(s, number, slope, out);
@@ -204,11 +193,10 @@ impl Discretised {
     }
 
     /// The share of an interval: its equations are linear but for functions of few arguments each, which are
-    /// combinations of the values at its nodes. Directions are those of the chunk that begins at `start`.
+    /// combinations of the values at its nodes.
     fn add_gradient_inside<T: Number>(
         &self,
         (s, j): (usize, usize),
-        start: usize,
         &Weighted { at: Arguments { x, v, make }, w, numbers, take }: &Weighted<T>,
         passes: &mut Passes<T>,
         out: &mut [f64],
@@ -216,35 +204,36 @@ impl Discretised {
         let (layout, n, numbers) = (&self.layout, self.layout.segments[s].states, &numbers.local);
         let (order, rows) = (&layout.order[layout.interval(s, j)], layout.equations(s, j));
         let closing = &w[layout.conditions() + layout.boundary..][..layout.integrals];
-        let Passes { unknowns, q, r, local, slopes, nodes, sums, .. } = &mut *passes;
-        for (nodes, from) in nodes.iter_mut().zip([x, v]) {
-            nodes.clear();
-            nodes.extend(order.iter().map(|&z| from[z]));
-        }
-        sums.clear();
-        sums.resize(order.len(), 0.0);
-        let each = self.method.arguments().chunks_exact(layout.degree + 1).enumerate();
-        for (c, coefficients) in each {
-            for (i, argument) in unknowns[..n].iter_mut().enumerate() {
-                let [x, v] = [&nodes[0], &nodes[1]].map(|of| -> f64 {
-                    coefficients.iter().zip(of.chunks_exact(n)).map(|(c, node)| c * node[i]).sum()
-                });
-                *argument = make(seeded(x, i, start), v);
-            }
-            let interval = self.interval((s, j), unknowns, q);
-            let weights = [&w[rows.start + c * n..][..n], closing];
-            let sum = self.method.nonlinear(interval, c, weights, &mut local.method, r)?;
-            for (k, slope) in (start..n + numbers.len()).zip(take(&sum).eps) {
-                match k.checked_sub(n) {
-                    Some(number) => slopes[number] += slope,
-                    None => coefficients
-                        .iter()
-                        .zip(sums.chunks_exact_mut(n))
-                        .for_each(|(coefficient, node)| node[k] += coefficient * slope),
+        let combined = |coefficients: &[f64], of: &[f64], i: usize| -> f64 {
+            let nodes = order[i..].iter().step_by(n);
+            coefficients.iter().zip(nodes).map(|(c, &z)| c * of[z]).sum()
+        };
+        passes.unknowns.clear();
+        passes.unknowns.resize(2 * n, T::zero());
+        for start in (0..n + numbers.len()).step_by(CHUNK) {
+            passes.seed(numbers, n, start, make);
+            let Passes { unknowns, q, r, local, slopes, .. } = &mut *passes;
+            let each = self.method.arguments().chunks_exact(layout.degree + 1).enumerate();
+            for (c, coefficients) in each {
+                for (i, argument) in unknowns[..n].iter_mut().enumerate() {
+                    let value = seeded(combined(coefficients, x, i), i, start);
+                    *argument = make(value, combined(coefficients, v, i));
+                }
+                let interval = self.interval((s, j), unknowns, q);
+                let weights = [&w[rows.start + c * n..][..n], closing];
+                let sum = self.method.nonlinear(interval, c, weights, &mut local.method, r)?;
+                for (k, slope) in (start..n + numbers.len()).zip(take(&sum).eps) {
+                    match k.checked_sub(n) {
+                        Some(number) => slopes[number] += slope,
+                        None => order[k..]
+                            .iter()
+                            .step_by(n)
+                            .zip(coefficients)
+                            .for_each(|(&z, coefficient)| out[z] += coefficient * slope),
+                    }
                 }
             }
         }
-        order.iter().zip(sums).for_each(|(&z, sum)| out[z] += *sum);
         Ok(())
     }
 }
