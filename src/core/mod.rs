@@ -18,7 +18,7 @@ pub mod grazing;
 pub mod hybrid;
 pub(crate) mod interpolation;
 pub mod jet;
-pub mod kind;
+pub(crate) mod kind;
 pub mod ladder;
 pub mod linear;
 pub mod measure;
@@ -30,7 +30,7 @@ pub mod orbit;
 pub(crate) mod potential;
 pub mod quadrature;
 pub mod scalar;
-pub mod scalar_field;
+pub(crate) mod scalar_field;
 pub mod solution;
 #[cfg(feature = "scene")]
 pub mod sweep;

@@ -52,7 +52,7 @@ pub(crate) struct Known<'a> {
 }
 
 /// A slope of the continued parameter, on curves of scaled arclength, that is rounding.
-const VERTICAL: f64 = 1e-7;
+pub(crate) const VERTICAL: f64 = 1e-7;
 
 /// Multipliers beyond this are known by their size only.
 const HUGE: f64 = 1e7;

@@ -115,6 +115,11 @@ fn hopf_points_have_their_frequency() {
     for point in &curve.points {
         close(point.value(frequency).unwrap(), point.parameters[0], 1e-9);
     }
+    // Where points are saved, the ends among them, so are their eigenvalues ±iω.
+    for special in &curve.special {
+        close(special.eigenvalues[0].0, 0.0, 1e-9);
+        close(special.eigenvalues[0].1, special.parameters[0], 1e-9);
+    }
 }
 
 /// A cubic with two folds.

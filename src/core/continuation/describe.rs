@@ -3,6 +3,7 @@
 use super::found::{Found, Located};
 use super::stepper::{Place, Stepper};
 use super::{End, Kind, Point, SpecialPoint};
+use crate::core::condition::At;
 use crate::core::motion::{Critical, Stability, deciding, without_critical};
 use crate::core::vector::dot;
 use crate::core::zero::{Profile, Spectrum};
@@ -40,12 +41,17 @@ impl Stepper<'_> {
         event: &str,
         after: usize,
     ) -> SpecialPoint {
-        let profiles = match self.equations.assemble(&place.unknowns) {
-            Ok(()) => self.profiles(),
-            Err(_) => Vec::new(),
-        };
+        let (mut profiles, mut own) = (Vec::new(), None);
+        if self.equations.assemble(&place.unknowns).is_ok() {
+            profiles = self.profiles();
+            // Along curves of events eigenvalues are computed where they are saved only.
+            if self.settings.stability && !self.held.is_empty() {
+                let At { system, x, .. } = self.equations.at();
+                own = system.spectrum(x).ok().flatten();
+            }
+        }
         let Place { unknowns, tangent, point, spectrum, .. } = place;
-        let spectrum = spectrum.as_deref().unwrap_or_default();
+        let spectrum = spectrum.as_ref().or(own.as_ref()).map_or(&[][..], |all| all);
         let point = point.clone();
         let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
         SpecialPoint { after, ..self.special(described) }

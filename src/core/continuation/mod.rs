@@ -1,6 +1,7 @@
 //! Continuation: stepping along curves of zeros, events on them, and branches as data.
 
 mod arnoldi;
+mod attach;
 mod between;
 mod bracket;
 mod branch;

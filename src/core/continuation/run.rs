@@ -13,6 +13,7 @@ use super::unexplained::LEAST_UNEXPLAINED;
 use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::solution::Solution;
+use crate::core::test_function::VERTICAL;
 use std::collections::VecDeque;
 
 /// A trace under way.
@@ -53,6 +54,8 @@ pub(super) struct Walk {
     /// The places before the last one.
     before: Vec<Before>,
     limits: CycleLimits,
+    /// Whether the continued parameter has turned, as it must before a curve can close.
+    turned: bool,
     /// The end, if it leaves its bounds at once.
     end: Option<End>,
 }
@@ -156,6 +159,7 @@ impl Tracer<'_> {
             length: initial_step.min(max_step),
             before: Vec::new(),
             limits: CycleLimits::default(),
+            turned: false,
             end: self.leaves_at_once(backward),
         }
     }
@@ -269,7 +273,12 @@ impl Tracer<'_> {
 
     /// Makes a step: the mesh follows, and what is to stay comparable with it.
     fn accept(&mut self, walk: &mut Walk, step: Step) {
-        let Walk { before, place, start, .. } = walk;
+        let Walk { before, place, start, turned, .. } = walk;
+        let parameter = self.stepper.equations.parameters_at();
+        let scale = self.stepper.weights[parameter].sqrt();
+        let [first, last] =
+            [&start.tangent, &step.place.tangent].map(|tangent| tangent[parameter] * scale);
+        *turned |= first.abs().min(last.abs()) < VERTICAL || first * last < 0.0;
         let left = std::mem::replace(place, step.place);
         // A test function that is unknown at a point changes its sign, if it does, with the next point at which it is known.
         for (test, before) in place.tests.iter_mut().zip(&left.tests) {
@@ -330,7 +339,7 @@ impl Tracer<'_> {
     /// What was found beyond the end is dropped.
     fn ending(&mut self, found: &mut Vec<Located>, walk: &Walk, step: &Step) -> Option<Ending> {
         let (from, points) = (&walk.place, walk.half.points.len());
-        if let Some(closing) = walk.closing.as_ref().filter(|_| points >= 2)
+        if let Some(closing) = walk.closing.as_ref().filter(|_| points >= 2 && walk.turned)
             && let Some(along) = self.stepper.closes(closing, from, step)
         {
             found.retain(|located| located.along <= along + AT_START);

@@ -40,7 +40,7 @@ pub struct Expansion {
 /// use tangency::core::continuation::Continuation;
 /// use tangency::core::dense::Dense;
 /// use tangency::core::grazing::{Expansion, ExpansionCurve};
-/// use tangency::core::kind::Kind;
+/// use tangency::core::continuation::Kind;
 /// // V = 1 + 2 Δω + 3 Δω² about ω = 5, on the side where y = Δω is positive.
 /// let expansion = Expansion { kind: Kind::LP, parameter: vec![2.0, 3.0], depth: vec![1.0] };
 /// let names = ["voltage", "frequency"].map(String::from);
@@ -205,7 +205,7 @@ impl LocalMap {
     ///
     /// ```
     /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
-    /// use tangency::core::kind::Kind;
+    /// use tangency::core::continuation::Kind;
     /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
     /// # use tangency::problems::classic::ImpactOscillator;
     /// // The impact oscillator at twice the frequency of its free motion, where an amplitude D(ω) grazes.
