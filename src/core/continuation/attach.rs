@@ -43,12 +43,12 @@ impl Continuation<'_> {
     /// use tangency::core::continuation::Continuation;
     /// use tangency::core::dense::Dense;
     /// use tangency::problems::classic::Hyperbola;
-    /// // x² = μ² + ε with x μ = 20, along ε to 9: x = 5, μ = 4.
+    /// // x² = μ² + ε² with x μ = 20, along ε to 3: x = 5, μ = 4.
     /// let mut hyperbola = Dense::new(Hyperbola);
     /// let curve = Continuation::of(&mut hyperbola).from(&[4.5]).at("mu", 4.5).at("epsilon", 0.25);
     /// let curve = curve.smooth_monitor("product", |x, p| x[0] * p[0]).hold_level("product", 20.0);
-    /// let branch = curve.along("mu", 0.0..=9.0).along("epsilon", 0.0..=9.0).trace()?;
-    /// let end = branch.special.iter().find(|point| (point.parameters[1] - 9.0).abs() < 1e-9).unwrap();
+    /// let branch = curve.along("mu", 0.0..=9.0).along("epsilon", 0.0..=3.0).trace()?;
+    /// let end = branch.special.iter().find(|point| (point.parameters[1] - 3.0).abs() < 1e-9).unwrap();
     /// assert!((end.state[0] - 5.0).abs() < 1e-9 && (end.parameters[0] - 4.0).abs() < 1e-9);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```

@@ -181,7 +181,7 @@ impl Tracer<'_> {
     fn mark(&mut self, half: &mut Half, mut special: SpecialPoint) {
         self.labels += 1;
         special.label = self.labels;
-        self.shown.push_back(Traced::Special(special.clone()));
+        self.shown.push_back(Traced::Special(Box::new(special.clone())));
         half.special.push(special);
     }
 

@@ -13,7 +13,7 @@ pub enum Traced {
     /// A point was reached, the start first.
     Point(Point),
     /// A special point was found, before the next point.
-    Special(SpecialPoint),
+    Special(Box<SpecialPoint>),
 }
 
 /// A branch while it is traced: an iterator over its points and special points as they are found, the start first, then one
