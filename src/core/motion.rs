@@ -112,7 +112,7 @@ fn largest(spectrum: &[(f64, f64)]) -> f64 {
 /// Which eigenvalues or multipliers are critical at a special point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Critical {
-    /// Not said.
+    /// Unknown.
     None,
     /// An eigenvalue 0, or a multiplier 1.
     One,
@@ -132,7 +132,7 @@ impl Critical {
         }
     }
 
-    /// By how much they can change the number of unstable ones; empty if nothing is said.
+    /// By how much they can change the number of unstable ones; empty if they are unknown.
     pub fn changes(self) -> &'static [isize] {
         match self {
             Critical::None => &[],

@@ -80,7 +80,7 @@ impl Test {
         matches!(self, Test::Fold | Test::BranchPoint)
     }
 
-    /// Whether only eigenvalues or multipliers tell it.
+    /// Whether it is computed from eigenvalues or multipliers.
     pub(crate) fn needs_eigenvalues(self) -> bool {
         matches!(self, Test::Hopf | Test::PeriodDoubling)
     }

@@ -7,7 +7,7 @@ use crate::core::kind::Kind;
 use crate::core::motion::Critical;
 use crate::core::test_function::Test;
 use crate::core::zero::Dynamics;
-use serde::de::{Error, Unexpected, Visitor};
+use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -101,7 +101,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 10] = [
         critical: Critical::One,
         seen: &[
             seen(&[], Any, "fold", Test::Fold),
-            // The tangent of a curve of grazings, and its multipliers, do not tell its bifurcations.
+            // Along a curve of grazings neither tangent nor multipliers show the bifurcations.
             seen(&[Kind::G], Any, "fold", Test::Condition),
         ],
     },
@@ -233,13 +233,6 @@ impl<'de> Deserialize<'de> for Kind {
             fn visit_str<E: Error>(self, letters: &str) -> Result<Kind, E> {
                 let unknown = || E::unknown_variant(letters, &LETTERS);
                 all().find(|kind| kind.letters() == letters).ok_or_else(unknown)
-            }
-
-            fn visit_bytes<E: Error>(self, letters: &[u8]) -> Result<Kind, E> {
-                let text = std::str::from_utf8(letters);
-                text.map_or(Err(E::invalid_value(Unexpected::Bytes(letters), &self)), |text| {
-                    self.visit_str(text)
-                })
             }
         }
         deserializer.deserialize_identifier(Letters)

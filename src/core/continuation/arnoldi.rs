@@ -16,10 +16,6 @@ const VECTORS: usize = 10;
 /// Matrices that differ by less than this, applied to a generic vector, have no singular one between them.
 const NEAR: f64 = 0.1;
 
-/// A further vector that is smaller than this, compared with the change of the first one, holds no such eigenvalue: the part of
-/// a generic vector along its eigenvector would be larger.
-const NOTHING_LEFT: f64 = 1e-4;
-
 /// A matrix that makes generic vectors larger than this, compared with a neighbouring one, is singular but for rounding.
 const SINGULAR: f64 = 1e8;
 
@@ -33,7 +29,7 @@ impl Stepper<'_> {
         let mut basis: Vec<Vec<f64>> = vec![generic(length, 5)];
         normalise_in(&mut basis[0], &roots);
         let mut h = DMatrix::<f64>::zeros(VECTORS + 1, VECTORS);
-        let (mut used, mut change_of_first) = (0, 0.0);
+        let mut used = 0;
         for k in 0..VECTORS.min(length) {
             let Ok(mut v) = self.carried_back(from, row, &basis[k]) else { return (0, false) };
             if k == 0 {
@@ -42,7 +38,6 @@ impl Stepper<'_> {
                 if !(NEAR..=SINGULAR).contains(&size) {
                     return (0, size > SINGULAR);
                 }
-                change_of_first = size;
             }
             used = k + 1;
             for _ in 0..2 {
@@ -54,7 +49,7 @@ impl Stepper<'_> {
             }
             let size = normalise_in(&mut v, &roots);
             h[(k + 1, k)] = size;
-            if size.is_nan() || size <= NOTHING_LEFT * change_of_first {
+            if size.is_nan() || size <= 1e-8 {
                 break;
             }
             basis.push(v);

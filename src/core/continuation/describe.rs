@@ -30,7 +30,19 @@ impl Stepper<'_> {
             let continued = self.equations.released()[0];
             special.error = (special.parameters[continued] - value).abs();
         }
+        // Near a homoclinic orbit the parameter depends on the mesh as much as the solution does.
+        if let End::LongPeriod { .. } = end {
+            special.error += self.mesh_share(&place.unknowns);
+        }
         special
+    }
+
+    /// The relative error of the mesh, in units of the continued parameter.
+    fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
+        let parameter = unknowns[self.equations.parameters_at()];
+        self.equations.load(unknowns);
+        let At { system, x, .. } = self.equations.at();
+        system.cycles().map_or(0.0, |cycles| cycles.mesh_error(x)) * parameter.abs()
     }
 
     /// A point of the branch with everything that a branch can start from.
@@ -96,10 +108,7 @@ impl Stepper<'_> {
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if event.condition.is_none() {
-            self.equations.load(unknowns);
-            let at = self.equations.at();
-            let mesh_error = at.system.cycles().map_or(0.0, |cycles| cycles.mesh_error(at.x));
-            special.error += mesh_error * unknowns[parameter].abs();
+            special.error += self.mesh_share(unknowns);
             return Some(Located { event: Some(index), along, special });
         }
         let rungs = if end_of_branch { 1 } else { usize::MAX };

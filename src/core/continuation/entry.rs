@@ -1,4 +1,4 @@
-//! Where a closed curve is entered, and is to be met again.
+//! The place at which a closed curve closes.
 
 use super::closing::Reference;
 use super::run::Tracer;

@@ -79,7 +79,7 @@ pub enum TraceError {
         /// How many there are.
         count: usize,
     },
-    /// A monitor that has no gradient is to be held.
+    /// A monitor without a gradient, which cannot be held.
     #[error(
         "the monitor `{0}` has no gradient and cannot be held: attach it with `smooth_monitor`"
     )]

@@ -261,7 +261,7 @@ impl Tracer<'_> {
         Some(found)
     }
 
-    /// Saves every so many points.
+    /// Saves the point if its number is a multiple of `save_every`.
     fn save_regular(&mut self, walk: &mut Walk) {
         let (points, every) = (walk.half.points.len(), self.stepper.settings.save_every);
         if every > 0 && points.is_multiple_of(every) {
