@@ -5,6 +5,7 @@ mod common;
 mod continuation;
 mod grazing;
 mod hybrid;
+mod models;
 mod orbits;
 mod plates;
 mod program;

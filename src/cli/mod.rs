@@ -1,5 +1,6 @@
 //! The command line: arguments, exit codes and messages; no mathematics.
 
+mod asked;
 mod error;
 mod list;
 mod plot;
@@ -27,6 +28,7 @@ enum Command {
     WorkPrecision(report::WorkPrecision),
     Robustness(report::Robustness),
     Trace(trace::Trace),
+    Scene(trace::Written),
     Points(list::Points),
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
@@ -53,6 +55,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::WorkPrecision(diagrams) => diagrams.run(&mut out),
         Command::Robustness(maps) => maps.run(&mut out),
         Command::Trace(trace) => trace.run(&catalogue, &mut out),
+        Command::Scene(scene) => scene.run(&catalogue, &mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),
         Command::Sweep(sweep) => sweep.run(&catalogue, &mut out),

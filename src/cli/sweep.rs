@@ -58,7 +58,7 @@ fn share(text: &str) -> Result<Part, String> {
 impl Sweep {
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or Ctrl-C.
     pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read(catalogue)?;
+        let (name, scene) = self.scene.read(catalogue, None)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: name });
         }

@@ -1,5 +1,6 @@
 //! `tangency trace SCENE`: traces a scene, saves its branches, draws them.
 
+use super::asked::{Asking, Switch, value};
 use super::error::CommandError;
 use super::plot::same_file;
 use super::watch::Watch;
@@ -7,25 +8,43 @@ use crate::core::continuation::Branch;
 use crate::core::flow::{Work, work};
 use crate::core::names::UnknownName;
 use crate::output::{Document, FileError, Sweeps, draw, figures, write_atomically};
-use crate::scene::{Catalogue, Scene, SceneError, StartPoint, execute};
+use crate::scene::{Asked, Catalogue, Problem, Scene, SceneError, StartPoint, execute, explore};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Trace a scene, and save its branches
+/// Trace a scene or a model, and save its branches
 #[derive(Debug, Args)]
 pub struct Trace {
     #[command(flatten)]
     pub scene: SceneAt,
-    /// Start from a special point of an earlier result
-    #[arg(long, value_name = "FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
-    pub start: Option<Start>,
+    /// Start in given states, or from a special point of an earlier result
+    #[arg(long, value_name = "NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL", value_parser = start)]
+    pub start: Option<Begin>,
+    #[command(flatten)]
+    pub asking: Asking,
+}
+
+/// Print the scene that a command amounts to, to be edited
+#[derive(Debug, Args)]
+pub struct Written {
+    #[command(flatten)]
+    pub trace: Trace,
+}
+
+/// Where `--start` begins.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Begin {
+    /// In states by name.
+    In(Vec<(String, f64)>),
+    /// At a special point.
+    At(Start),
 }
 
 /// Which scene, with what changed in it, and where its results go.
 #[derive(Debug, Args)]
 pub struct SceneAt {
-    /// The name of a scene (see `tangency scenes`), or the path of a RON file
+    /// The name of a scene (see `tangency scenes`), or the path of a scene, of equations in RON, or of an .ode file
     pub scene: String,
     /// Change a value of the scene; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
@@ -36,15 +55,41 @@ pub struct SceneAt {
 }
 
 impl SceneAt {
-    /// The name of the scene's results, and the scene with what was changed.
-    pub fn read(&self, catalogue: &Catalogue) -> Result<(String, Scene), CommandError> {
+    /// The name of the scene's results, and the scene with what was changed and asked for.
+    pub fn read(
+        &self,
+        catalogue: &Catalogue,
+        asked: Option<&Asked>,
+    ) -> Result<(String, Scene), CommandError> {
         let (name, text) = self.text(catalogue)?;
-        let mut scene = catalogue.parse(&text).map_err(|cause| self.at_fault(cause))?;
-        for (name, value) in &self.settings {
-            scene.set(name, value).map_err(|cause| self.at_fault(cause))?;
-        }
+        let path = Path::new(&self.scene);
+        let scene = match (asked, Problem::is_file_of_equations(path, &text)) {
+            (Some(asked), true) => {
+                let problem = Problem::from_file(path, &[]);
+                problem.and_then(|problem| Scene::of_model(problem, &name, &self.settings, asked))
+            }
+            _ => self.changed(catalogue, path, &text, asked),
+        };
         self.refuse_folder()?;
-        Ok((name, scene))
+        Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
+    }
+
+    /// A scene with what was changed and asked for.
+    fn changed(
+        &self,
+        catalogue: &Catalogue,
+        path: &Path,
+        text: &str,
+        asked: Option<&Asked>,
+    ) -> Result<Scene, SceneError> {
+        let mut scene = catalogue.parse_in(path.parent().unwrap_or(Path::new("")), text)?;
+        for (name, value) in &self.settings {
+            scene.set(name, value)?;
+        }
+        match asked {
+            Some(asked) => scene.asked(asked),
+            None => Ok(scene),
+        }
     }
 
     /// What is wrong with the scene.
@@ -84,15 +129,18 @@ impl SceneAt {
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
     pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read(catalogue)?;
-        let start = self.start.as_ref().map(Start::point).transpose()?;
+        let (name, scene) = self.read(catalogue)?;
+        let start = self.point()?;
         let document = self.scene.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;
-        if !scene.runs.iter().any(|run| run.shown) {
-            return Err(CommandError::NoRun { scene: name });
+        for warning in scene.warnings() {
+            writeln!(std::io::stderr(), "warning: {warning}")?;
         }
         let mut watch = Watch::new(out);
-        let outcome = execute(&scene, start.as_ref(), &mut watch);
+        let outcome = match (&self.asking.switch, &start) {
+            (Some(Switch::All), None) => explore(&scene, self.asking.depth, &mut watch).1,
+            _ => execute(&scene, start.as_ref(), &mut watch),
+        };
         let watched = watch.finish();
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
@@ -102,6 +150,27 @@ impl Trace {
         match outcome.error {
             Some(cause) => Err(self.scene.at_fault(cause)),
             None => saved.and(if watched? { Err(CommandError::Interrupted) } else { Ok(()) }),
+        }
+    }
+
+    /// The name of the results, and the scene.
+    fn read(&self, catalogue: &Catalogue) -> Result<(String, Scene), CommandError> {
+        let state = match &self.start {
+            Some(Begin::In(state)) => &state[..],
+            _ => &[],
+        };
+        let (name, scene) = self.scene.read(catalogue, Some(&self.asking.asked(state)))?;
+        match scene.runs.iter().any(|run| run.shown) {
+            true => Ok((name, scene)),
+            false => Err(CommandError::NoRun { scene: name }),
+        }
+    }
+
+    /// The special point to start from.
+    fn point(&self) -> Result<Option<StartPoint>, CommandError> {
+        match &self.start {
+            Some(Begin::At(start)) => start.point().map(Some),
+            _ => Ok(None),
         }
     }
 
@@ -129,7 +198,10 @@ impl Trace {
 
     /// The results must not replace the scene's file or the document that is started from.
     fn refuse_inputs(&self, document: &Path) -> Result<(), CommandError> {
-        let start = self.start.as_ref().map(|start| start.file.as_path());
+        let start = match &self.start {
+            Some(Begin::At(start)) => Some(start.file.as_path()),
+            _ => None,
+        };
         for input in [Some(Path::new(&self.scene.scene)), start].into_iter().flatten() {
             for output in [document.to_path_buf(), document.with_extension("svg")] {
                 if same_file(input, &output) {
@@ -138,6 +210,18 @@ impl Trace {
             }
         }
         Ok(())
+    }
+}
+
+impl Written {
+    /// Writes the scene; with `--switch`, after tracing it.
+    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+        let (_, scene) = self.trace.read(catalogue)?;
+        let scene = match self.trace.asking.switch {
+            Some(Switch::All) => explore(&scene, self.trace.asking.depth, &mut ()).0,
+            None => scene,
+        };
+        Ok(writeln!(out, "{}", scene.to_ron())?)
     }
 }
 
@@ -184,7 +268,19 @@ pub struct Start {
     pub label: usize,
 }
 
-fn start(text: &str) -> Result<Start, String> {
+/// `NAME=VALUE,…`, or a special point.
+fn start(text: &str) -> Result<Begin, String> {
+    if !text.contains('=') {
+        return point(text).map(Begin::At);
+    }
+    let one = |part: &str| {
+        let (name, number) = setting(part)?;
+        Ok((name, value(&number)?))
+    };
+    text.split(',').map(one).collect::<Result<_, _>>().map(Begin::In)
+}
+
+fn point(text: &str) -> Result<Start, String> {
     let parts = || {
         let (file, point) = text.rsplit_once(':')?;
         let (branch, label) = match point.rsplit_once('/') {
@@ -197,8 +293,8 @@ fn start(text: &str) -> Result<Start, String> {
     };
     parts().ok_or_else(|| {
         format!(
-            "`{text}` is not of the form FILE:LABEL or FILE:BRANCH/LABEL, for example pull-in.ron:3; \
-             labels are counted from 1"
+            "`{text}` is not of the form NAME=VALUE,… or FILE:LABEL or FILE:BRANCH/LABEL, for example x=1,y=2 or \
+             pull-in.ron:3; labels are counted from 1"
         )
     })
 }

@@ -1,18 +1,24 @@
 //! The problems and scenes that the command line knows by name.
 
-use super::discretisation::{BoundarySettings, FieldSettings, HybridOrbitSettings, ZeroSettings};
+use super::discretisation::{
+    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ZeroSettings,
+};
 use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem};
 use super::slot::options;
 use super::statement::Scene;
+use super::text::{self, SceneText, kind_of, with_default_settings};
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::field::VectorField;
 use crate::core::hybrid::HybridSystem;
 use crate::core::names;
+use crate::core::orbit::DiscreteMap;
 use crate::core::zero::ZeroProblem;
+use crate::problems::text::KINDS;
 use ron::error::{Position, SpannedError};
 use ron::value::RawValue;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The problems that scenes can name, and scenes that can be traced by name.
@@ -78,6 +84,11 @@ impl Catalogue {
         self.model::<_, FieldSettings>(name, Arc::new(field))
     }
 
+    /// Adds a map: its fixed points and cycles.
+    pub fn map(self, name: &'static str, map: impl DiscreteMap + 'static) -> Self {
+        self.model::<_, MapSettings>(name, Arc::new(map))
+    }
+
     /// Adds a boundary-value problem.
     pub fn boundary(self, name: &'static str, problem: impl BoundaryProblem + 'static) -> Self {
         let defaults = problem.defaults();
@@ -138,29 +149,59 @@ impl Catalogue {
     /// [`SceneError::Invalid`] for what a scene must not hold: numbers that are not finite, names given
     /// twice or unknown, runs that start nowhere.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
-        let read: Scene<&RawValue> = options()
+        self.parse_in(Path::new(""), text)
+    }
+
+    /// Reads a scene that names files of equations from a folder.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); [`SceneError::Value`] for files that cannot be read.
+    pub fn parse_in(&self, folder: &Path, text: &str) -> Result<Scene, SceneError> {
+        let read: Scene<Option<&RawValue>> = options()
             .from_str(text)
             .map_err(|error| syntax(error, Position { line: 1, col: 1 }))?;
-        let problem = self.problem(read.problem, text)?;
+        let given: Vec<String> = read.parameters.iter().map(|(name, _)| name.clone()).collect();
+        let within = SceneText { text, folder };
+        let problem = match (&read.problem, &read.model) {
+            (Some(stated), None) => self.problem(stated, within, &given)?,
+            (None, Some(file)) => with_default_settings(within, file, &given)?,
+            (stated, _) => {
+                let found = if stated.is_some() { "given twice" } else { "missing" };
+                let rule = "must be given once, as `problem: …` or as `model: \"file.ron\"`";
+                return Err(SceneError::invalid("the problem", found, rule));
+            }
+        };
         let Scene { title, parameters, accuracy, settings, plot, runs, sweeps, .. } = read;
-        let scene = Scene { title, problem, parameters, accuracy, settings, plot, runs, sweeps };
+        let model = None;
+        let scene =
+            Scene { title, problem, model, parameters, accuracy, settings, plot, runs, sweeps };
         scene.check()?;
         Ok(scene)
     }
 
     /// The problem of a scene, whose statement is a part of the scene's text: a name, and settings.
-    fn problem(&self, stated: &RawValue, text: &str) -> Result<Problem, SceneError> {
+    fn problem(
+        &self,
+        stated: &RawValue,
+        scene: SceneText,
+        given: &[String],
+    ) -> Result<Problem, SceneError> {
+        let text = scene.text;
         let stated = stated.trim().get_ron();
         let end = stated.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(stated.len());
         let (name, settings) = stated.split_at(end);
-        let begin = settings.as_ptr() as usize - text.as_ptr() as usize;
-        let begin = position(&text[..begin]);
+        let at = settings.as_ptr() as usize - text.as_ptr() as usize;
+        let begin = position(&text[..at]);
         if name.is_empty() {
             let Position { line, col: column } = begin;
             let reason = "expected the name of a problem".into();
             return Err(SceneError::Syntax { line, column, reason });
         }
         let known = self.problems.iter().map(Problem::name);
+        if let (Some(kind), false) = (kind_of(name), known.clone().any(|known| known == name)) {
+            return text::stated(scene, kind, (settings, at), given);
+        }
+        let known = known.chain(KINDS.iter().map(|(kind, _)| *kind));
         let problem = &self.problems[names::position("problem", name, known)?];
         problem.read(settings).map_err(|error| syntax(error, begin))
     }
@@ -170,6 +211,11 @@ impl Catalogue {
 fn position(before: &str) -> Position {
     let last = before.rsplit('\n').next().unwrap_or_default();
     Position { line: 1 + before.matches('\n').count(), col: 1 + last.chars().count() }
+}
+
+/// An error in a part of a text that begins there.
+pub(super) fn syntax_in(text: &str, error: SpannedError, at: usize) -> SceneError {
+    syntax(error, position(&text[..at]))
 }
 
 /// An error in a text that begins at a place.

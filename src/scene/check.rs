@@ -29,6 +29,17 @@ impl Scene {
                 (format!("the setting `{}`", error.name), format!("must be {}", error.range));
             SceneError::invalid(place, error.value.to_string(), rule)
         })?;
+        let aperiodic = self.problem.text().is_some_and(|model| model.is_aperiodic());
+        if aperiodic
+            && (self.runs.iter().any(|run| !run.along.is_empty()) || !self.sweeps.is_empty())
+        {
+            let rule = "must be periodic where branches are traced: state `period`, the period in which it enters";
+            return Err(SceneError::invalid(
+                "the time `t` in the equations",
+                "without a period",
+                rule,
+            ));
+        }
         if let Ok(motion) = self.problem.model().motion() {
             check_measures(&*motion)?;
         }
@@ -113,6 +124,14 @@ impl Scene {
             return Err(SceneError::invalid(place + ", start", "a simulation", rule));
         }
         Ok(())
+    }
+}
+
+impl Scene {
+    /// What is probably a mistake: parameters that no formula of equations which are given as text uses.
+    pub fn warnings(&self) -> Vec<String> {
+        let unused = self.problem.text().map_or(&[][..], |model| model.unused());
+        unused.iter().map(|name| format!("no formula uses the parameter `{name}`")).collect()
     }
 }
 

@@ -37,6 +37,31 @@ impl ProblemSettings for ZeroSettings {
     }
 }
 
+/// The settings of a map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MapSettings {
+    /// How many iterates a cycle has (1 to 4096), where a run does not start from an earlier one: fixed points by default.
+    pub iterates: usize,
+}
+
+impl Default for MapSettings {
+    fn default() -> Self {
+        MapSettings { iterates: 1 }
+    }
+}
+
+impl ProblemSettings for MapSettings {
+    fn slots(&mut self) -> Slots<'_> {
+        slots!(self => MapSettings { iterates: Plain })
+    }
+
+    fn check(&self) -> Result<(), SettingError> {
+        let holds = (1..=4096).contains(&self.iterates);
+        in_range("iterates", self.iterates as f64, holds, "between 1 and 4096")
+    }
+}
+
 /// Which solutions of a field are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -7,6 +7,7 @@ use crate::core::hybrid::{CycleSearchError, HybridError};
 use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::output::Chosen;
+use crate::problems::text::ModelError;
 use std::error::Error;
 use std::sync::Arc;
 
@@ -25,6 +26,12 @@ impl ProblemError {
 impl PartialEq for ProblemError {
     fn eq(&self, other: &Self) -> bool {
         self.to_string() == other.to_string()
+    }
+}
+
+impl From<ModelError> for SceneError {
+    fn from(error: ModelError) -> Self {
+        SceneError::Model(Box::new(error))
     }
 }
 
@@ -67,6 +74,9 @@ pub enum SceneError {
         /// What the reader expected.
         reason: String,
     },
+    /// Equations that are given as text cannot be understood.
+    #[error(transparent)]
+    Model(Box<ModelError>),
     /// Something that a scene must not hold.
     #[error("{place} is {found}, but {rule}")]
     Invalid {

@@ -34,24 +34,30 @@ pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]
     if special.kind != Kind::G || branch.condition.is_some() {
         return;
     }
-    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
-        branch.column(column).and_then(|k| special.value(k))
-    };
-    let same = |other: &Branch, there: &SpecialPoint| {
-        branch.columns().all(|column| {
-            match (value(branch, column, special), value(other, column, there)) {
-                (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
-                    (a - b).abs() <= SAME * a.abs().max(1.0)
-                }
-                _ => true,
-            }
-        })
-    };
     let others = done.iter().copied().filter(|other| other.condition.is_none());
     let mut met = others.flat_map(|other| other.of_kind(Kind::G).map(move |there| (other, there)));
-    if let Some((other, there)) = met.find(|(other, there)| same(other, there)) {
+    if let Some((other, there)) = met.find(|(other, there)| same((branch, special), (other, there)))
+    {
         special.kind = Kind::EP;
         special.event =
             format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
     }
+}
+
+/// Whether two special points are one, by the numbers that both branches have.
+pub(super) fn same(
+    (branch, special): (&Branch, &SpecialPoint),
+    (other, there): (&Branch, &SpecialPoint),
+) -> bool {
+    let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
+        branch.column(column).and_then(|k| special.value(k))
+    };
+    branch.columns().all(|column| {
+        match (value(branch, column, special), value(other, column, there)) {
+            (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
+                (a - b).abs() <= SAME * a.abs().max(1.0)
+            }
+            _ => true,
+        }
+    })
 }

@@ -1,18 +1,20 @@
 //! Zero problems, vector fields, boundary-value problems and hybrid systems as problems of scenes.
 
 use super::discretisation::{
-    BoundarySettings, FieldSettings, HybridOrbitSettings, Solution, Started, ZeroSettings,
+    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, Solution, Started,
+    ZeroSettings, no_start,
 };
-use super::error::SceneError;
+use super::error::{ProblemError, SceneError};
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters};
+use super::simulate::{Simulated, at_rest};
 use crate::core::bvp::{Birth, Equations};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
 use crate::core::grazing::LocalMap;
-use crate::core::hybrid::HybridEquations;
-use crate::core::orbit::{HybridOrbit, Itinerary, Smooth};
+use crate::core::hybrid::{HybridEquations, Mode};
+use crate::core::orbit::{DiscreteMap, HybridOrbit, Itinerary, MapCycle, Smooth};
 use crate::core::zero::{System, ZeroProblem};
 use std::sync::Arc;
 
@@ -83,6 +85,33 @@ impl<F: VectorField + 'static> Model for Configured<Arc<F>, FieldSettings> {
 
 fn no_equilibrium(reason: &str) -> SceneError {
     SceneError::value("solution", "equilibrium", reason)
+}
+
+/// The cycles of a map.
+impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
+    fn kind(&self) -> &'static str {
+        "a map"
+    }
+
+    fn parameters(&self) -> Parameters {
+        with_defaults(self.problem.names().parameters, &self.problem.defaults())
+    }
+
+    fn system(&self, _p: &[f64], _reach: &[f64]) -> Result<Box<dyn System>, SceneError> {
+        let cycles = MapCycle::shared(self.problem.clone(), self.settings.iterates);
+        Ok(Box::new(cycles.system().map_err(ProblemError::new)?))
+    }
+
+    fn settled(&self, _run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
+        let names = self.problem.names().unknowns.into_iter().map(|state| state.name);
+        let start = at_rest(&Mode::new("map", names), &simulated.state)?.x;
+        let transient = simulated.transient.round() as usize;
+        let cycle = MapCycle::settled(self.problem.clone(), &start, transient, p);
+        let (cycles, states) = cycle.map_err(no_start)?;
+        let system = cycles.system().map_err(ProblemError::new)?;
+        let z = system.flowed(&states, &[], p).map_err(no_start)?;
+        Ok((Box::new(system), z))
+    }
 }
 
 /// A boundary-value problem with the default values of its parameters.

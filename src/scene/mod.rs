@@ -14,12 +14,14 @@
 //! )
 //! ```
 
+mod asked;
 mod builtin;
 mod catalogue;
 mod check;
 mod discretisation;
 mod error;
 mod execute;
+mod explore;
 mod fidelity;
 mod join;
 mod kinds;
@@ -31,15 +33,19 @@ mod simulate;
 mod slot;
 mod statement;
 mod sweep;
+mod text;
 mod trace;
 
+pub use asked::Asked;
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use catalogue::{Catalogue, NamedScene};
 pub use discretisation::{
-    BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, Solution, ZeroSettings,
+    BoundarySettings, Discretised, FieldSettings, HybridOrbitSettings, MapSettings, Solution,
+    ZeroSettings,
 };
 pub use error::{ProblemError, RunError, SceneError};
 pub use execute::execute;
+pub use explore::explore;
 pub use local::Local;
 pub use plan::StartPoint;
 pub use problem::Problem;

@@ -3,17 +3,21 @@
 use super::discretisation::{ProblemSettings, Started};
 use super::error::SceneError;
 use super::local::Local;
+use super::simulate::{Simulated, settled};
 use super::slot::{self, Slots, options, written};
+use super::text::{SceneText, Stated, kind_of, with_default_settings};
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
 use crate::core::hybrid::HybridEquations;
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
+use crate::problems::text;
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Names of parameters, and their defaults; `None` where there is no default.
@@ -46,6 +50,11 @@ pub(super) trait Model: Adjustable {
     /// The system of the orbits like a simulated one, and that orbit.
     fn started(&self, _simulated: Birth<HybridOrbit>, _p: &[f64]) -> Result<Started, SceneError> {
         Err(self.lacks(SIMULATED))
+    }
+
+    /// The system of the orbits like the one on which a simulation settles, and that orbit.
+    fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
+        self.started(settled(self.motion()?, run, simulated, p)?, p)
     }
 
     /// The local map at a grazing, for a run or a sweep.
@@ -128,6 +137,8 @@ where
 pub struct Problem {
     name: &'static str,
     model: Box<dyn Model>,
+    /// Its equations, if they are given as text.
+    text: Option<Arc<Stated>>,
 }
 
 impl Problem {
@@ -136,7 +147,39 @@ impl Problem {
     where
         Configured<P, S>: Model + 'static,
     {
-        Problem { name, model: Box::new(Configured { problem, settings: S::default() }) }
+        let model = Box::new(Configured { problem, settings: S::default() });
+        Problem { name, model, text: None }
+    }
+
+    /// A problem whose equations are given as text.
+    pub(super) fn stated(name: &'static str, model: Box<dyn Model>, text: Stated) -> Self {
+        Problem { name, model, text: Some(Arc::new(text)) }
+    }
+
+    /// Its equations, if they are given as text.
+    pub fn text(&self) -> Option<&text::Model> {
+        self.text.as_ref().map(|text| &text.model)
+    }
+
+    /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
+    pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        with_default_settings(SceneText { text: "", folder }, &name, given)
+    }
+
+    /// Whether a file with this text states equations, and is no scene.
+    pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
+        let ode = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ode"));
+        ode || kind_of(text::statement_in(text).0).is_some()
+    }
+
+    /// Values of states, where motion and branches begin if nothing else is said.
+    pub(super) fn initial(&self) -> &[(String, f64)] {
+        self.text().map_or(&[], text::Model::initial)
     }
 
     /// Its name in the catalogue.
@@ -171,7 +214,7 @@ impl Problem {
     }
 
     fn with(&self, model: Box<dyn Model>) -> Problem {
-        Problem { name: self.name, model }
+        Problem { name: self.name, model, text: self.text.clone() }
     }
 
     /// The same problem with settings read from RON.
@@ -182,6 +225,23 @@ impl Problem {
     /// The same problem with default settings.
     pub(super) fn with_defaults(&self) -> Problem {
         self.with(self.model.with_defaults())
+    }
+
+    /// Its equations, if they are given as text, and its settings, as a scene has them.
+    pub(super) fn written(&self) -> String {
+        let settings = self.model.written();
+        let Some(text) = &self.text else { return settings };
+        let inner = |written: &str| {
+            let inner = written.trim().strip_prefix('(').and_then(|rest| rest.strip_suffix(')'));
+            inner
+                .unwrap_or(written)
+                .trim_matches(|c: char| c.is_whitespace() || c == ',')
+                .to_string()
+        };
+        let parts = [inner(&text.written), inner(&settings)];
+        let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        // The last line may be a comment.
+        format!("({}\n)", parts.join("\n, "))
     }
 
     /// Sets one setting by name; false if there is none of this name.
@@ -205,19 +265,19 @@ impl Clone for Problem {
 /// Problems are equal if they have the same name and the same settings.
 impl PartialEq for Problem {
     fn eq(&self, other: &Self) -> bool {
-        self.name == other.name && self.model.written() == other.model.written()
+        self.name == other.name && self.written() == other.written()
     }
 }
 
 impl fmt::Debug for Problem {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}{}", self.name, self.model.written())
+        write!(f, "{}{}", self.name, self.written())
     }
 }
 
 impl Serialize for Problem {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let written = self.model.written();
+        let written = self.written();
         let settings = RawValue::from_ron(&written).map_err(serde::ser::Error::custom)?;
         serializer.serialize_newtype_variant("Problem", 0, self.name, settings)
     }

@@ -2,11 +2,13 @@
 
 use super::catalogue::Catalogue;
 use super::error::SceneError;
-use super::slot::{Plain, Slots, Usual, assign, read, slots};
+use super::slot::{Plain, Slots, Usual, assign, options, slots};
 use super::statement::{Grid, Scene, Sweep};
 use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
 use crate::core::names::UnknownName;
+use crate::problems::text::number;
+use ron::ser::PrettyConfig;
 
 /// The settings of the continuation by name.
 fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
@@ -64,6 +66,24 @@ impl Scene {
     /// ```
     pub fn parse(text: &str) -> Result<Scene, SceneError> {
         Catalogue::built_in().parse(text)
+    }
+
+    /// The scene as a file that [`Catalogue::parse`] reads: what differs from defaults, and all settings of its problem.
+    ///
+    /// ```
+    /// use tangency::scene::Scene;
+    /// let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a - x^2\")]), parameters: [(\"a\", 1)],
+    ///     runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 1)])])";
+    /// let scene = Scene::parse(text)?;
+    /// assert_eq!(Scene::parse(&scene.to_ron())?, scene);
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn to_ron(&self) -> String {
+        let pretty = PrettyConfig::new().struct_names(true).depth_limit(3);
+        // Scenes are plain lists, numbers and names: they can always be written.
+        let text = options().to_string_pretty(self, pretty).unwrap_or_default();
+        let (name, written) = (self.problem.name(), self.problem.written());
+        text.replacen(&format!("{name}({written})"), &format!("{name}{written}"), 1)
     }
 
     /// Changes a parameter, a setting of the problem or of the continuation, by name.
@@ -160,7 +180,9 @@ impl Scene {
 
     fn assign_parameter(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         self.require_parameter(name, true)?;
-        let number: f64 = read(name, value)?;
+        let read =
+            |_| number(value).map_err(|error| SceneError::value(name, value, error.to_string()));
+        let number: f64 = value.parse().or_else(read)?;
         if !number.is_finite() {
             let reason = "a parameter must be a finite number";
             return Err(SceneError::value(name, value, reason));

@@ -3,6 +3,7 @@
 
 use super::discretisation::no_start;
 use super::error::SceneError;
+use super::statement::values;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
@@ -21,6 +22,7 @@ use std::sync::Arc;
 #[serde(default, deny_unknown_fields)]
 pub struct Simulated {
     /// The states at its beginning by name, where they are not zero.
+    #[serde(deserialize_with = "values")]
     pub state: Vec<(String, f64)>,
     /// The simulated run in whose last state it begins instead.
     pub after: Option<String>,
@@ -33,6 +35,16 @@ pub struct Simulated {
 impl Default for Simulated {
     fn default() -> Self {
         Simulated { state: Vec::new(), after: None, transient: 200.0, duration: 1.0 }
+    }
+}
+
+impl Simulated {
+    /// The same from where a problem begins, unless it states something else.
+    pub(super) fn from(&self, initial: &[(String, f64)]) -> Self {
+        let mut state = self.state.clone();
+        let stated = |name: &String| self.state.iter().any(|(known, _)| known == name);
+        state.extend(initial.iter().filter(|(name, _)| !stated(name)).cloned());
+        Simulated { state, ..self.clone() }
     }
 }
 

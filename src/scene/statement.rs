@@ -8,7 +8,8 @@ use crate::core::continuation::{Kind, Settings};
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::Order;
 use crate::output::Plot;
-use serde::{Deserialize, Serialize};
+use crate::problems::text::{ModelError, Phrase, number};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// What is traced.
 ///
@@ -20,25 +21,31 @@ pub struct Scene<P = Problem> {
     /// The title of its diagram.
     pub title: String,
     /// The problem and its terms.
-    pub problem: P,
-    /// Values of parameters at the start, where they differ from the problem's defaults; all of them, if it has none.
     #[serde(default)]
+    pub problem: P,
+    /// The file that states the problem's equations, in place of `problem`; `None` once it has been read.
+    #[serde(default, skip_serializing)]
+    pub model: Option<String>,
+    /// Values of parameters at the start, where they differ from the problem's defaults; all of them, if it has none.
+    /// A value may be a formula of numbers, `"8/3"`.
+    #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
     /// The relative error asked of special points, and of ends at bounds: of the parameters that vary
     /// along their branch, and of the columns that the setting `settle` names. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.
+    #[serde(skip_serializing_if = "is_default")]
     pub accuracy: Option<f64>,
     /// Settings of the continuation.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub settings: Settings,
     /// How the branches are drawn.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub plot: Plot,
     /// What is traced, in this order.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub runs: Vec<Run>,
     /// What is swept, in this order.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub sweeps: Vec<Sweep>,
 }
 
@@ -49,51 +56,96 @@ pub struct Run {
     /// The branch's name.
     pub name: String,
     /// What differs from the scene, as `--set` would: parameters and settings by name.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
     /// Where it starts.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub start: Start,
     /// The local map near a grazing of which fixed or periodic points are followed, in place of orbits of the flow.
+    #[serde(skip_serializing_if = "is_default")]
     pub local: Option<Local>,
     /// Whether each iterate of a point of the local map impacts: none, of fixed points before the surface. A start
     /// from another run goes on with its iterates.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub impacts: Vec<bool>,
     /// The curve of folds (`LP`) or period doublings (`PD`) that begins at the grazing of the local map, by its Taylor
     /// series to the map's order, in place of points of the map: released is one of its two parameters.
+    #[serde(skip_serializing_if = "is_default")]
     pub expanded: Option<Kind>,
     /// The kind of special point that is held along the curve, where it is a curve of events.
+    #[serde(skip_serializing_if = "is_default")]
     pub hold: Option<Kind>,
     /// The parameter or monitor that is held at a level along the curve, where it is a curve of marks.
+    #[serde(skip_serializing_if = "is_default")]
     pub hold_level: Option<(String, f64)>,
     /// The parameters that are released, the continued one first, with their ranges. A simulation that
     /// releases none is kept as a history.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors, where the branch ends.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub bounds: Vec<Range>,
     /// Values of parameters and monitors that are marked.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub marks: Vec<(String, f64)>,
     /// Values of monitors at which a solution touches something, marked as grazings (`G`). The branch goes
     /// on behind them, as if nothing were touched.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub grazings: Vec<(String, f64)>,
     /// Whether the branch goes on where solutions graze, and pass through surfaces beyond: virtual ones.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub beyond_grazings: bool,
     /// Which way it is traced.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub direction: Way,
     /// Whether the branch is kept: a run that only leads to the start of others is not.
-    #[serde(default = "yes")]
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shown: bool,
+}
+
+/// Names with numbers, or with formulas of numbers.
+pub(super) fn values<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<(String, f64)>, D::Error> {
+    let read: Vec<(String, Phrase)> = Deserialize::deserialize(deserializer)?;
+    let value = |(name, phrase): (String, Phrase)| Ok((name, number(&phrase.text)?));
+    let values = read.into_iter().map(value).collect::<Result<_, ModelError>>();
+    values.map_err(serde::de::Error::custom)
 }
 
 fn yes() -> bool {
     true
+}
+
+fn is_yes(value: &bool) -> bool {
+    *value
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl Run {
+    /// A run from rest, both ways.
+    pub fn along(name: &str, along: Vec<Range>) -> Self {
+        Run {
+            name: name.into(),
+            set: Vec::new(),
+            start: Start::Rest,
+            local: None,
+            impacts: Vec::new(),
+            expanded: None,
+            hold: None,
+            hold_level: None,
+            along,
+            bounds: Vec::new(),
+            marks: Vec::new(),
+            grazings: Vec::new(),
+            beyond_grazings: false,
+            direction: Way::Both,
+            shown: true,
+        }
+    }
 }
 
 /// A range; an end that is not given is open.
@@ -103,8 +155,10 @@ pub struct Range {
     /// The parameter or monitor.
     pub name: String,
     /// The lower end.
+    #[serde(skip_serializing_if = "is_default")]
     pub low: Option<f64>,
     /// The upper end.
+    #[serde(skip_serializing_if = "is_default")]
     pub high: Option<f64>,
 }
 
@@ -124,7 +178,7 @@ pub enum Start {
     #[default]
     Rest,
     /// Near a guess: values of unknowns by name, the others zero.
-    Guess(Vec<(String, f64)>),
+    Guess(#[serde(deserialize_with = "values")] Vec<(String, f64)>),
     /// At the periodic motion on which a simulation settles; or, where no parameter is
     /// released, the simulated history itself.
     Simulated(Simulated),

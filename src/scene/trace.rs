@@ -3,8 +3,8 @@
 use super::error::SceneError;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
-use super::plan::{Planned, StartPoint, leading, plan};
-use super::simulate::{Simulated, settled, simulate};
+use super::plan::{StartPoint, leading, plan};
+use super::simulate::{Simulated, simulate};
 use super::statement::{Run, Scene, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
 use crate::core::grazing::LocalMap;
@@ -12,6 +12,7 @@ use crate::core::hybrid::HybridState;
 use crate::core::names::position;
 use crate::core::zero::{Group, System};
 use crate::output::Document;
+use std::ops::ControlFlow;
 
 /// Sees the runs of a scene.
 pub trait SceneObserver: Observer {
@@ -36,51 +37,71 @@ pub(super) fn traced(
     start: Option<&StartPoint>,
     observer: &mut dyn SceneObserver,
 ) -> Outcome {
-    let mut document = Document::new(scene.title.clone(), Vec::new());
-    document.plot = scene.plot.clone();
-    document.settings = scene.record();
-    let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
-    document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
-    let mut done: Vec<Branch> = Vec::new();
-    let mut last = LastStates::new();
-    let mut error = None;
     let plan = plan(scene, start);
-    for (index, Planned { run, start, .. }) in plan.iter().enumerate() {
-        observer.run(run, index, plan.len());
-        let akin = scene.runs.iter().filter(|other| other.is_akin_to(run));
-        let akin: Vec<&str> = akin.map(|other| other.name.as_str()).collect();
-        // Branches of other motions do not meet this one.
-        let alike: Vec<&Branch> =
-            done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
-        let outcome = match (&run.start, run.along.is_empty()) {
-            (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut last),
-            _ => {
-                let mut joined = Joined { done: &alike, observer: &mut *observer };
-                trace(scene, run, *start, &done, &mut joined)
-            }
-        };
-        match outcome {
-            Ok(mut branch) => {
-                let mut special = std::mem::take(&mut branch.special);
-                special.iter_mut().for_each(|special| join(&branch, special, &alike));
-                branch.special = special;
-                let interrupted = branch.ends.contains(&End::Interrupted);
-                done.push(branch);
-                if interrupted {
-                    break;
-                }
-            }
+    let mut tracing = Tracing::default();
+    for (index, planned) in plan.iter().enumerate() {
+        observer.run(planned.run, index, plan.len());
+        match tracing.run(scene, planned.run, planned.start, observer) {
+            Ok(ControlFlow::Continue(())) => {}
+            Ok(ControlFlow::Break(())) => break,
             Err(cause) => {
-                error = Some(cause);
+                tracing.error = Some(cause);
                 break;
             }
         }
     }
-    let shown = |branch: &Branch| {
-        plan.iter().any(|planned| planned.shown && planned.run.name == branch.name)
-    };
-    document.branches = done.into_iter().filter(shown).collect();
-    Outcome { document, error }
+    let shown = |name: &str| plan.iter().any(|planned| planned.shown && planned.run.name == name);
+    tracing.outcome(scene, shown)
+}
+
+/// The branches of a scene that have been traced.
+#[derive(Default)]
+pub(super) struct Tracing {
+    pub done: Vec<Branch>,
+    last: LastStates,
+    /// Why a run failed.
+    pub error: Option<SceneError>,
+}
+
+impl Tracing {
+    /// Traces one more run; tells whether it was interrupted.
+    pub fn run(
+        &mut self,
+        scene: &Scene,
+        run: &Run,
+        start: Option<&StartPoint>,
+        observer: &mut dyn SceneObserver,
+    ) -> Result<ControlFlow<()>, SceneError> {
+        let akin = scene.runs.iter().filter(|other| other.is_akin_to(run));
+        let akin: Vec<&str> = akin.map(|other| other.name.as_str()).collect();
+        // Branches of other motions do not meet this one.
+        let alike: Vec<&Branch> =
+            self.done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
+        let mut branch = match (&run.start, run.along.is_empty()) {
+            (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut self.last),
+            _ => {
+                let mut joined = Joined { done: &alike, observer };
+                trace(scene, run, start, &self.done, &mut joined)
+            }
+        }?;
+        let mut special = std::mem::take(&mut branch.special);
+        special.iter_mut().for_each(|special| join(&branch, special, &alike));
+        branch.special = special;
+        let interrupted = branch.ends.contains(&End::Interrupted);
+        self.done.push(branch);
+        Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
+
+    /// What came of it, with the branches that are shown.
+    pub fn outcome(self, scene: &Scene, shown: impl Fn(&str) -> bool) -> Outcome {
+        let mut document = Document::new(scene.title.clone(), Vec::new());
+        document.plot = scene.plot.clone();
+        document.settings = scene.record();
+        let different = scene.runs.iter().filter(|run| run.shown && !run.set.is_empty());
+        document.differences = different.map(|run| (run.name.clone(), run.set.clone())).collect();
+        document.branches = self.done.into_iter().filter(|branch| shown(&branch.name)).collect();
+        Outcome { document, error: self.error }
+    }
 }
 
 /// The states in which simulated runs ended, by the run's name.
@@ -94,10 +115,12 @@ fn history(
     last: &mut LastStates,
 ) -> Result<Branch, SceneError> {
     let seen = scene.with(&run.set)?;
+    seen.check_begin(run, None)?;
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
-    let (branch, end) = simulate(&*motion, &run.name, simulated, &seen.values()?, start)?;
+    let simulated = simulated.from(seen.problem.initial());
+    let (branch, end) = simulate(&*motion, &run.name, &simulated, &seen.values()?, start)?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }
@@ -110,16 +133,18 @@ fn trace(
     observer: &mut dyn Observer,
 ) -> Result<Branch, SceneError> {
     let seen = scene.with(&run.set)?;
+    seen.check_begin(run, start)?;
     let (mut system, guess) = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => {
             let (model, p) = (seen.problem.model(), seen.values()?);
-            model.started(settled(model.motion()?, &run.name, simulated, &p)?, &p)?
+            let simulated = simulated.from(seen.problem.initial());
+            model.settled(&run.name, &simulated, &p)?
         }
         (start, begin) => {
             let system = system_of(scene, &seen, run, done)?;
             let guess = match (start, begin) {
-                (None, Start::Guess(values)) => guess(&*system, values)?,
-                _ => vec![0.0; system.names().dimension()],
+                (None, Start::Guess(values)) => guess(&*system, values, seen.problem.initial())?,
+                _ => guess(&*system, &[], seen.problem.initial())?,
             };
             (system, guess)
         }
@@ -150,6 +175,25 @@ fn trace(
     };
     let traced = conditions(curve, run).trace_with(observer);
     traced.map_err(|cause| SceneError::of_run(&run.name, cause))
+}
+
+impl Scene {
+    /// Refuses a run that begins where equations which are given as text have no finite value.
+    fn check_begin(&self, run: &Run, start: Option<&StartPoint>) -> Result<(), SceneError> {
+        let given = match (start, &run.start) {
+            (None, Start::Rest) => &[][..],
+            (None, Start::Guess(values)) => values,
+            (None, Start::Simulated(simulated)) => &simulated.state,
+            _ => return Ok(()),
+        };
+        let Some(model) = self.problem.text() else { return Ok(()) };
+        let value = |state: &String| {
+            let mut all = given.iter().chain(self.problem.initial());
+            all.find(|(name, _)| name == state).map_or(0.0, |(_, value)| *value)
+        };
+        let x: Vec<f64> = model.states().iter().map(value).collect();
+        Ok(model.undefined_at(&x, &self.values()?).map_or(Ok(()), Err)?)
+    }
 }
 
 /// The system of a run: the problem's own, or that of the points of a local map.
@@ -238,13 +282,17 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     }
 }
 
-/// The unknowns of a guess: the same value all over a group.
-fn guess(system: &dyn System, values: &[(String, f64)]) -> Result<Vec<f64>, SceneError> {
+/// The unknowns of a guess: the same value all over a group; where none is given, the one in which the problem begins.
+fn guess(
+    system: &dyn System,
+    values: &[(String, f64)],
+    initial: &[(String, f64)],
+) -> Result<Vec<f64>, SceneError> {
     let groups = &system.names().unknowns;
     for (name, _) in values {
         position("unknown", name, groups.iter().map(|group| &group.name))?;
     }
-    let value = |group: &Group| values.iter().find(|(name, _)| *name == group.name);
+    let value = |group: &Group| values.iter().chain(initial).find(|(name, _)| *name == group.name);
     let all = |group: &Group| vec![value(group).map_or(0.0, |(_, value)| *value); group.length];
     Ok(groups.iter().flat_map(all).collect())
 }

@@ -8,11 +8,13 @@ mod birth;
 mod equations;
 mod hybrid;
 mod itinerary;
+mod map_cycle;
 mod measures;
 mod periodic;
 mod smooth;
 
 pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
+pub use map_cycle::{DiscreteMap, MapCycle};
 pub use periodic::{from_cycle, periodic_orbits};
 pub use smooth::Smooth;

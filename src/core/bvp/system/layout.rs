@@ -1,7 +1,7 @@
 //! Where the unknowns and equations of a boundary-value problem are.
 
 use crate::core::bvp::{
-    BoundaryError, Equations, Legs, Mesh, Method, Return, Span, Unknown, Watched,
+    BoundaryError, Ends, Equations, Legs, Mesh, Method, Residual, Return, Span, Unknown, Watched,
 };
 use crate::core::scalar::Scalar;
 
@@ -97,7 +97,7 @@ impl Layout {
             order: Vec::new(),
             ends: Vec::new(),
         };
-        layout.closes = layout.is_one_cycle();
+        layout.closes = layout.is_one_cycle(problem);
         layout.check(problem)?;
         layout.tabulate();
         Ok(layout)
@@ -142,9 +142,20 @@ impl Layout {
         self.closes
     }
 
-    fn is_one_cycle(&self) -> bool {
+    fn is_one_cycle(&self, problem: &dyn Equations) -> bool {
         let alone = self.segments.len() == 1 && self.boundary == self.states && self.integrals == 0;
-        alone && self.returns == Return::of_states(self.states)
+        alone && self.returns == Return::of_states(self.states) && self.subtracts(problem)
+    }
+
+    /// Whether the boundary conditions are `x(0) − x(1)`: those of a map have the image of `x(1)` there.
+    fn subtracts(&self, problem: &dyn Equations) -> bool {
+        let values = |first: f64| (0..self.states).map(|i| first + 0.375 * i as f64).collect();
+        let [start, end]: [Vec<f64>; 2] = [values(0.625), values(-1.25)];
+        let q = vec![0.5; self.parameters + self.extras];
+        let mut b = vec![f64::NAN; self.states];
+        let face: &dyn Residual<f64> = problem;
+        face.boundary_in(Ends { start: &start, end: &end }, &q, &mut b);
+        b.iter().zip(start.iter().zip(&end)).all(|(b, (start, end))| *b == start - end)
     }
 
     /// The position in `z` of an unknown.

@@ -102,7 +102,8 @@ impl BoundarySystem {
         let meshes = meshes_of(&solution.mesh)?;
         let degree = self.degree_of(solution, &meshes)?;
         let values = self.values_on(&meshes, degree);
-        let once = self.equations.layout.extras - meshes.len();
+        // The legs of orbits have an unknown each, segments without motion have none.
+        let once = self.equations.layout.extras.saturating_sub(meshes.len());
         in_unknowns(solution, |z| {
             let (values, extras) = z.split_at(values);
             [values, values, extras, &extras[once..]].concat()

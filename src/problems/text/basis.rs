@@ -1,0 +1,261 @@
+//! What all models have: parameters, definitions, functions and monitors.
+
+use super::assembly::Value;
+use super::scope::{Assembling, Element, Meaning, Scope};
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::{Common, Formulas};
+use super::syntax::Formula;
+use super::tape::Tape;
+use crate::core::measure::Measure;
+
+/// The parameters of a model, and where its motion begins.
+#[derive(Clone, Debug)]
+pub(super) struct Basis {
+    pub source: Source,
+    pub parameters: Vec<String>,
+    /// Values of the first parameters, which have them.
+    pub defaults: Vec<f64>,
+    /// Values of states, where motion and branches begin.
+    pub initial: Vec<(String, f64)>,
+    /// Parameters that no formula uses.
+    pub unused: Vec<String>,
+}
+
+/// The value of a formula without names, as of a number: `8/3`, `2*pi`.
+///
+/// # Errors
+/// [`ModelError`] if it is none.
+///
+/// ```
+/// use tangency::problems::text::number;
+/// assert_eq!(number("8/3")?, 8.0 / 3.0);
+/// assert!(number("8/x").is_err());
+/// # Ok::<(), tangency::problems::text::ModelError>(())
+/// ```
+pub fn number(text: &str) -> Result<f64, ModelError> {
+    let source = Source::new("", text);
+    constant(&Scope::new(source.clone()), &source.phrase(&source.text))
+}
+
+/// The value of a formula that must not depend on states, parameters or time.
+fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError> {
+    let value = Assembling::new(scope).read(phrase)?;
+    value.as_number().filter(|value| value.is_finite()).ok_or_else(|| {
+        let (what, reason) =
+            (format!("`{}`", phrase.text), "a finite number must stand here".into());
+        scope.source.fault_of(phrase, Fault::Misplaced { what, reason })
+    })
+}
+
+impl Basis {
+    /// The parameters that a statement and a scene give, by the names of the latter.
+    pub fn of(source: &Source, common: Common, given: &[String]) -> Result<Self, ModelError> {
+        let scope = Scope::new(source.clone());
+        let (mut parameters, mut defaults) = (Vec::new(), Vec::new());
+        for (name, value) in common.parameters {
+            parameters.push(plain(source, name)?);
+            defaults.push(constant(&scope, value)?);
+        }
+        for name in given {
+            if !parameters.contains(name) {
+                parameters.push(name.clone());
+            }
+        }
+        let source = source.clone();
+        Ok(Basis { source, parameters, defaults, initial: Vec::new(), unused: Vec::new() })
+    }
+
+    /// The names that formulas may use: states, parameters, definitions and functions.
+    pub fn scope(&self, common: Common, states: &[(Phrase, String)]) -> Result<Scope, ModelError> {
+        let mut scope = Scope::new(self.source.clone());
+        for (k, name) in self.parameters.iter().enumerate() {
+            let phrase = common
+                .parameters
+                .get(k)
+                .map_or_else(|| name.as_str().into(), |(name, _)| name.clone());
+            scope.declare(&phrase, name, Meaning::Parameter(k))?;
+        }
+        for (k, (phrase, name)) in states.iter().enumerate() {
+            scope.declare(phrase, name, Meaning::State(k))?;
+        }
+        scope.declare(&"t".into(), "t", Meaning::Time)?;
+        for (name, arguments, formula) in common.functions {
+            scope.function(name, arguments, formula)?;
+        }
+        for (name, formula) in common.definitions {
+            scope.define(name, formula)?;
+        }
+        Ok(scope)
+    }
+
+    /// Sets where motion begins.
+    pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
+        for (name, value) in common.initial {
+            for (element, index) in scope.elements(name)? {
+                if !matches!(scope.meaning(&element), Some(Meaning::State(_))) {
+                    let (what, reason) =
+                        (format!("`{element}`"), "only states begin somewhere".to_string());
+                    return Err(scope.source.fault_of(name, Fault::Misplaced { what, reason }));
+                }
+                let mut assembling = Assembling::new(scope);
+                let formula = Formula::read(&scope.source, value)?;
+                let value = assembling.indexed(&formula, index.as_ref())?;
+                let mut p = self.defaults.clone();
+                p.resize(self.parameters.len(), f64::NAN);
+                let number =
+                    match assembling.tape(&[value]).value(0.0, &vec![f64::NAN; scope.states()], &p)
+                    {
+                        number if number.is_finite() => number,
+                        _ => constant(scope, &formula.phrase)?,
+                    };
+                self.initial.push((element, number));
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes which parameters no formula of some scopes has used.
+    pub fn look_for_unused(&mut self, scopes: &[&Scope]) {
+        let unused = |name: &&String| !scopes.iter().any(|scope| scope.uses(name));
+        self.unused = self.parameters.iter().filter(unused).cloned().collect();
+    }
+}
+
+/// A name without an index.
+pub(super) fn plain(source: &Source, phrase: &Phrase) -> Result<String, ModelError> {
+    use super::syntax::Declared;
+    match Declared::read(source, phrase)? {
+        Declared { name, index: None } => Ok(name),
+        _ => {
+            let fault = Fault::Syntax { expected: "a name without an index".into() };
+            Err(source.fault_of(phrase, fault))
+        }
+    }
+}
+
+/// Names of states with the phrases that state them.
+pub(super) type States = Vec<(Phrase, String)>;
+/// The formulas of their rates.
+pub(super) type Rates = Vec<(Element, Formula)>;
+
+/// The names of states with the phrases that state them: arrays with all their elements.
+pub(super) fn states_of(
+    basis: &Basis,
+    common: Common,
+    states: &Formulas,
+    what: &str,
+) -> Result<(States, Rates), ModelError> {
+    if states.is_empty() {
+        let needed = format!("there must be one {what} or more");
+        let fault = Fault::Missing { what: "the equations".into(), needed };
+        return Err(basis.source.fault_of(&Phrase::default(), fault));
+    }
+    // Ends of arrays may be definitions, which may depend on nothing else.
+    let ends = ends_of(basis, common);
+    let (mut names, mut rates) = (Vec::new(), Vec::new());
+    for (phrase, rate) in states {
+        let formula = Formula::read(&basis.source, rate)?;
+        for element in ends.elements(phrase)? {
+            names.push((phrase.clone(), element.0.clone()));
+            rates.push((element, formula.clone()));
+        }
+    }
+    Ok((names, rates))
+}
+
+/// The definitions that are numbers, which ends of arrays may be.
+fn ends_of(basis: &Basis, common: Common) -> Scope {
+    let mut scope = Scope::new(basis.source.clone());
+    for (name, formula) in common.definitions {
+        // What is wrong with them is found where all names are known.
+        let _ = scope.define(name, formula);
+    }
+    scope
+}
+
+/// The rates of all states.
+pub(super) fn values_of(
+    assembling: &mut Assembling,
+    rates: &[(Element, Formula)],
+) -> Result<Vec<Value>, ModelError> {
+    rates.iter().map(|((_, index), formula)| assembling.indexed(formula, index.as_ref())).collect()
+}
+
+/// The formula that has no finite value at `(t, x, p)`, if one has none.
+pub(super) fn undefined(
+    basis: &Basis,
+    common: Common,
+    states: &Formulas,
+    (t, x, p): (f64, &[f64], &[f64]),
+) -> Option<ModelError> {
+    // What has been understood once is understood again.
+    let (names, rates) = states_of(basis, common, states, "state").ok()?;
+    let scope = basis.scope(common, &names).ok()?;
+    let mut assembling = Assembling::new(&scope);
+    let values = values_of(&mut assembling, &rates).ok()?;
+    assembling.undefined(&values, t, x, p)
+}
+
+/// Monitors by name.
+pub(super) fn monitors_of(
+    scope: &Scope,
+    monitors: &Formulas,
+) -> Result<Vec<(String, Tape)>, ModelError> {
+    let mut all: Vec<(String, Tape)> = Vec::new();
+    for (name, formula) in monitors {
+        let called = plain(&scope.source, name)?;
+        let first = match all.iter().any(|(known, _)| *known == called) {
+            true => Some("a monitor"),
+            false => scope.meaning(&called).map(Meaning::words),
+        };
+        if let Some(first) = first {
+            return Err(scope.source.fault_of(name, Fault::Twice { name: called, first }));
+        }
+        let mut assembling = Assembling::new(scope);
+        let value = assembling.read(formula)?;
+        all.push((called, assembling.tape(&[value])));
+    }
+    Ok(all)
+}
+
+/// The most elements of an array whose extremes are recorded one by one.
+const SINGLE: usize = 10;
+
+/// What is recorded by default: as of all problems, but of a long array only its norm.
+pub(super) fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
+    let array =
+        |name: &str| name.split_once('[').map_or(name.to_string(), |(array, _)| array.to_string());
+    let arrays = states.chunk_by(|a, b| array(a) == array(b));
+    let (long, short): (Vec<_>, Vec<_>) = arrays.partition(|elements| elements.len() > SINGLE);
+    let norm = |elements: &[String]| {
+        (format!("norm_{}", array(&elements[0])), Measure::norm(elements.iter().cloned()))
+    };
+    let norms = long.into_iter().map(norm);
+    norms.chain(Measure::by_default(short.concat(), monitors)).collect()
+}
+
+/// Sizes of states, in their order; none if all are 1.
+pub(super) fn scales_of(
+    source: &Source,
+    scales: &Formulas,
+    states: &[String],
+    time: bool,
+) -> Result<Vec<(String, f64)>, ModelError> {
+    let mut all = Vec::new();
+    for (name, value) in scales {
+        let known = states.iter().map(String::as_str).chain(time.then_some("t"));
+        let index = states.iter().any(|state| state.starts_with(&format!("{}[", name.text)));
+        if !index {
+            crate::core::names::position("state", &name.text, known.collect::<Vec<_>>())
+                .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
+        }
+        let size = constant(&Scope::new(source.clone()), value)?;
+        let array = format!("{}[", name.text);
+        let named = |state: &&String| **state == name.text || state.starts_with(&array);
+        all.extend(states.iter().filter(named).map(|state| (state.clone(), size)));
+        if name.text == "t" {
+            all.push(("t".into(), size));
+        }
+    }
+    Ok(all)
+}

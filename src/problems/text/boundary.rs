@@ -1,0 +1,161 @@
+//! Boundary-value problems that are given as text.
+
+use super::basis::{Basis, monitors_of, plain, scales_of, states_of, values_of};
+use super::scope::Assembling;
+use super::smooth::{period_of, sizes_in_order};
+use super::source::{Fault, ModelError, Source};
+use super::statement::Boundary;
+use super::tape::Tape;
+use crate::core::bvp::{BoundaryProblem, Ends, Monitor, Watched};
+use crate::core::measure::Integral;
+use crate::core::scalar::Scalar;
+use crate::core::watch::Observable;
+
+/// A boundary-value problem that is given as text: on one segment.
+#[derive(Clone, Debug)]
+pub struct Conditions {
+    pub(super) basis: Basis,
+    states: Vec<String>,
+    unknowns: Vec<String>,
+    rates: Tape,
+    /// In the states at the beginning, then those at the end.
+    conditions: Tape,
+    integrands: Tape,
+    integrals: usize,
+    length: Option<Tape>,
+    monitors: Vec<(String, Tape)>,
+    scales: Vec<f64>,
+}
+
+impl Conditions {
+    /// Understands a statement, for a scene that gives some parameters.
+    pub(super) fn new(
+        source: &Source,
+        statement: Boundary,
+        given: &[String],
+    ) -> Result<Self, ModelError> {
+        let common = statement.common();
+        let mut basis = Basis::of(source, common, given)?;
+        let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
+        let unknowns = statement
+            .unknowns
+            .iter()
+            .map(|name| plain(source, name))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut scope = basis.scope(common, &states)?;
+        for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
+            scope.declare_unknown(phrase, name, basis.parameters.len() + k)?;
+        }
+        basis.begin(common, &scope)?;
+        let mut assembling = Assembling::new(&scope);
+        assembling.check_definitions()?;
+        let values = values_of(&mut assembling, &rates)?;
+        let rates = assembling.tape(&values);
+        let values = statement.integrals.iter().map(|formula| assembling.read(formula));
+        let values = values.collect::<Result<Vec<_>, _>>()?;
+        let integrands = assembling.tape(&values);
+        let mut ends = Assembling::at_ends(&scope);
+        let values = statement.conditions.iter().map(|formula| ends.read(formula));
+        let values = values.collect::<Result<Vec<_>, _>>()?;
+        let conditions = ends.tape(&values);
+        let (given, needed) =
+            (values.len() + statement.integrals.len(), states.len() + unknowns.len());
+        if given != needed {
+            let what = format!("{given} conditions and integrals");
+            let needed = format!(
+                "there must be {needed}, as many as states ({}) and unknowns ({})",
+                states.len(),
+                unknowns.len()
+            );
+            let phrase = statement.conditions.first().cloned().unwrap_or_default();
+            return Err(source.fault_of(&phrase, Fault::Missing { what, needed }));
+        }
+        let length =
+            statement.length.as_ref().map(|length| period_of(&scope, length)).transpose()?;
+        let monitors = monitors_of(&scope, &statement.monitors)?;
+        basis.look_for_unused(&[&scope]);
+        let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
+        let scales =
+            sizes_in_order(&scales_of(source, &statement.scales, &states, false)?, &states);
+        let integrals = statement.integrals.len();
+        Ok(Conditions {
+            basis,
+            states,
+            unknowns,
+            rates,
+            conditions,
+            integrands,
+            integrals,
+            length,
+            monitors,
+            scales,
+        })
+    }
+}
+
+impl BoundaryProblem for Conditions {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![self.states.clone()]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.basis.parameters.clone()
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.basis.defaults.clone()
+    }
+
+    fn extras(&self) -> Vec<String> {
+        self.unknowns.clone()
+    }
+
+    fn field<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.rates.evaluate(t, x, q, f);
+    }
+
+    fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
+        self.length.as_ref().map_or(T::one(), |length| length.value(T::zero(), &[], q))
+    }
+
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        let x = [ends.start, ends.end].concat();
+        self.conditions.evaluate(T::zero(), &x, q, b);
+    }
+
+    fn integrals(&self) -> usize {
+        self.integrals
+    }
+
+    fn integrand<T: Scalar>(&self, _segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
+        self.integrands.evaluate(t, x, q, g);
+    }
+
+    fn watch<T: Scalar>(&self, function: usize, _segment: usize, t: T, x: &[T], q: &[T]) -> T {
+        self.monitors[function].1.value(t, x, q)
+    }
+
+    /// Extremes of all states, and of every monitor its mean and its extremes.
+    fn monitors(&self) -> Vec<(String, Monitor)> {
+        let extremes = |name: &str, observable| {
+            let watched = || vec![Watched { segment: 0, observable }];
+            [
+                (format!("max_{name}"), Monitor::Maximum(watched())),
+                (format!("min_{name}"), Monitor::Minimum(watched())),
+            ]
+        };
+        let states = self.states.iter().enumerate();
+        let mut all: Vec<(String, Monitor)> =
+            states.flat_map(|(k, name)| extremes(name, Observable::State(k))).collect();
+        for (k, (name, _)) in self.monitors.iter().enumerate() {
+            let mean = Monitor::Integral(Integral::Mean, vec![Watched::function(0, k)]);
+            all.push((name.clone(), mean));
+            all.extend(extremes(name, Observable::Function(k)));
+        }
+        all
+    }
+
+    fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
+        self.scales.clone()
+    }
+}

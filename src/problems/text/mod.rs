@@ -1,0 +1,249 @@
+//! Problems whose equations are given as text, in scenes and in files of their own.
+//!
+//! A **statement** is RON: names with formulas, as in
+//!
+//! ```ron
+//! Equations(
+//!     states: [("x", "sigma*(y - x)"), ("y", "x*(rho - z) - y"), ("z", "x*y - beta*z")],
+//!     parameters: [("sigma", 10), ("rho", 28), ("beta", "8/3")],
+//! )
+//! ```
+//!
+//! `docs/models.md` has the language. A formula is read into nodes in postfix order; what its names mean is looked up
+//! in the scope of its mode, and all formulas that are evaluated together become one tape of operations, in which
+//! common parts are computed once. A tape is evaluated over any [`Scalar`](crate::core::scalar::Scalar) without
+//! allocation, so that a [`Model`] is a problem like any other: derivatives of every order, orbits, local maps.
+
+mod assembly;
+mod basis;
+mod boundary;
+mod hybrid;
+mod map;
+mod operation;
+mod residual;
+mod scope;
+mod smooth;
+mod source;
+pub mod statement;
+mod syntax;
+mod tape;
+
+pub use basis::number;
+pub use boundary::Conditions;
+pub use hybrid::Hybrid;
+pub use map::Iteration;
+pub use residual::Zero;
+pub use smooth::Field;
+pub(crate) use source::blanked;
+pub use source::{Fault, ModelError, Phrase, Place, Source};
+
+use basis::Basis;
+use ron::extensions::Extensions;
+use serde::de::DeserializeOwned;
+use statement::{Boundary, Equations, HybridEquations, Map, Residual};
+use std::sync::Arc;
+
+/// A problem whose equations are given as text.
+///
+/// ```
+/// use tangency::core::field::VectorField;
+/// use tangency::problems::text::{Model, Source};
+/// let text = "Equations(states: [(\"x\", \"v\"), (\"v\", \"-sin(x) - c*v\")], parameters: [(\"c\", \"1/4\")])";
+/// let Model::Field(pendulum) = Model::read(&Source::new("pendulum.ron", text), &[])? else { panic!() };
+/// let mut rates = [0.0; 2];
+/// pendulum.field(0.0, &[1.0, 2.0], &[0.25], &mut rates);
+/// assert_eq!(rates, [2.0, -1.0_f64.sin() - 0.5]);
+/// # Ok::<(), tangency::problems::text::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Model {
+    /// A vector field: `Equations`.
+    Field(Arc<Field>),
+    /// Equations `F = 0`: `Residual`.
+    Zero(Arc<Zero>),
+    /// A map: `Map`.
+    Map(Arc<Iteration>),
+    /// A boundary-value problem: `Boundary`.
+    Boundary(Arc<Conditions>),
+    /// A hybrid system: `HybridEquations`.
+    Hybrid(Arc<Hybrid>),
+}
+
+/// A statement of any kind.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Statement {
+    /// Of a vector field.
+    Equations(Equations),
+    /// Of equations `F = 0`.
+    Residual(Residual),
+    /// Of a map.
+    Map(Map),
+    /// Of a boundary-value problem.
+    Boundary(Boundary),
+    /// Of a hybrid system.
+    HybridEquations(HybridEquations),
+}
+
+/// The kinds of statements with the names of what they state.
+pub const KINDS: [(&str, &[&str]); 5] = [
+    ("Equations", Equations::FIELDS),
+    ("Residual", Residual::FIELDS),
+    ("Map", Map::FIELDS),
+    ("Boundary", Boundary::FIELDS),
+    ("HybridEquations", HybridEquations::FIELDS),
+];
+
+impl Statement {
+    /// Reads what stands between the brackets of a statement, brackets included, and stands in the source at `part`.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the place, if it is not of the form.
+    pub fn read(source: &Source, kind: &str, part: &str) -> Result<Self, ModelError> {
+        Ok(match kind {
+            "Equations" => Statement::Equations(read(source, part)?),
+            "Residual" => Statement::Residual(read(source, part)?),
+            "Map" => Statement::Map(read(source, part)?),
+            "Boundary" => Statement::Boundary(read(source, part)?),
+            "HybridEquations" => Statement::HybridEquations(read(source, part)?),
+            _ => {
+                let kinds = KINDS.map(|(name, _)| name);
+                let unknown =
+                    crate::core::names::UnknownName::new("kind of equations", kind, kinds);
+                return Err(source.fault_of(&kind.into(), Fault::Unknown(unknown)));
+            }
+        })
+    }
+
+    /// What is stated, understood; with the names of parameters that a scene gives.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the place.
+    pub fn model(self, source: &Source, given: &[String]) -> Result<Model, ModelError> {
+        Ok(match self {
+            Statement::Equations(stated) => {
+                Model::Field(Arc::new(Field::new(source, stated, given)?))
+            }
+            Statement::Residual(stated) => Model::Zero(Arc::new(Zero::new(source, stated, given)?)),
+            Statement::Map(stated) => Model::Map(Arc::new(Iteration::new(source, stated, given)?)),
+            Statement::Boundary(stated) => {
+                Model::Boundary(Arc::new(Conditions::new(source, stated, given)?))
+            }
+            Statement::HybridEquations(stated) => {
+                Model::Hybrid(Arc::new(Hybrid::new(source, stated, given)?))
+            }
+        })
+    }
+}
+
+/// Reads a part of a source as RON.
+fn read<S: DeserializeOwned>(source: &Source, part: &str) -> Result<S, ModelError> {
+    let options = ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES);
+    options.from_str(part).map_err(|error| {
+        let ron::error::Position { line, col } = error.span.start;
+        let before: usize = part.split_inclusive('\n').take(line - 1).map(str::len).sum();
+        let within = part[before..].char_indices().nth(col.saturating_sub(1));
+        let at = before + within.map_or(0, |(at, _)| at);
+        let phrase = source.phrase(part);
+        source.fault(&phrase, at..at, Fault::Form { reason: error.code.to_string() })
+    })
+}
+
+impl Model {
+    /// Reads and understands the statement that is all of a text; with the names of parameters that a scene gives.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the place.
+    pub fn read(source: &Source, given: &[String]) -> Result<Model, ModelError> {
+        let (kind, part) = statement_in(&source.text);
+        Statement::read(source, kind, part)?.model(source, given)
+    }
+
+    /// Values of states, where motion and branches begin.
+    pub fn initial(&self) -> &[(String, f64)] {
+        &self.basis().initial
+    }
+
+    /// Parameters that no formula uses.
+    pub fn unused(&self) -> &[String] {
+        &self.basis().unused
+    }
+
+    /// Whether time enters, but not with a period: such motion can be simulated, but has no equilibria and no periodic
+    /// orbits.
+    pub fn is_aperiodic(&self) -> bool {
+        match self {
+            Model::Field(field) => field.is_aperiodic(),
+            Model::Hybrid(hybrid) => hybrid.is_aperiodic(),
+            _ => false,
+        }
+    }
+
+    /// What is not finite where motion or a branch begins, at time 0: a division by zero, a logarithm of a negative number.
+    ///
+    /// ```
+    /// use tangency::problems::text::{Model, Source};
+    /// let text = "Residual(unknowns: [(\"u\", \"1/u - a\")], parameters: [(\"a\", 1)])";
+    /// let error = Model::read(&Source::new("", text), &[])?.undefined_at(&[0.0], &[1.0]).expect("a division by zero");
+    /// assert!(error.to_string().contains("a division by zero at the start"), "{error}");
+    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// ```
+    pub fn undefined_at(&self, x: &[f64], p: &[f64]) -> Option<ModelError> {
+        match self {
+            Model::Field(field) => field.undefined(0.0, x, p),
+            Model::Zero(zero) => zero.undefined(x, p),
+            Model::Map(map) => map.undefined(x, p),
+            Model::Hybrid(hybrid) => hybrid.undefined(0.0, x, p),
+            Model::Boundary(_) => None,
+        }
+    }
+
+    /// The names of states in which motion begins, or of unknowns.
+    pub fn states(&self) -> Vec<String> {
+        use crate::core::hybrid::HybridSystem;
+        use crate::core::{field::VectorField, orbit::DiscreteMap, zero::ZeroProblem};
+        let names = match self {
+            Model::Field(field) => VectorField::names(&**field),
+            Model::Zero(zero) => ZeroProblem::names(&**zero),
+            Model::Map(map) => DiscreteMap::names(&**map),
+            Model::Hybrid(hybrid) => return hybrid.modes().swap_remove(0).states,
+            Model::Boundary(conditions) => {
+                use crate::core::bvp::BoundaryProblem;
+                return conditions.segments().swap_remove(0);
+            }
+        };
+        names.unknowns.into_iter().map(|state| state.name).collect()
+    }
+
+    fn basis(&self) -> &Basis {
+        match self {
+            Model::Field(field) => &field.basis,
+            Model::Zero(zero) => &zero.basis,
+            Model::Map(map) => &map.basis,
+            Model::Boundary(conditions) => &conditions.basis,
+            Model::Hybrid(hybrid) => &hybrid.basis,
+        }
+    }
+}
+
+/// The kind of the statement that is all of a text, and what stands behind it.
+pub(crate) fn statement_in(text: &str) -> (&str, &str) {
+    let text = skip_comments(text);
+    text.split_at(text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len()))
+}
+
+/// A text from behind its first comments.
+fn skip_comments(mut text: &str) -> &str {
+    loop {
+        text = text.trim_start();
+        let rest = match text.as_bytes() {
+            [b'/', b'/', ..] => text.split_once('\n').map(|(_, rest)| rest),
+            [b'/', b'*', ..] => text.split_once("*/").map(|(_, rest)| rest),
+            _ => return text,
+        };
+        text = rest.unwrap_or("");
+    }
+}

@@ -1,0 +1,176 @@
+//! The operations of formulas: what they are called, and what they do to numbers.
+
+use crate::core::scalar::Scalar;
+
+/// Declares the operations, with the names of those that are called as functions and their values.
+macro_rules! operations {
+    ($(
+        $(#[$docs:meta])*
+        $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal)*;
+    )*) => {
+        /// What a step of a tape does with the values of its arguments.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub(super) enum Operation {
+            $($(#[$docs])* $operation,)*
+        }
+
+        /// The names of functions, with their operations.
+        pub(super) const FUNCTIONS: &[(&str, Operation)] = &[$($(($name, Operation::$operation),)*)*];
+
+        impl Operation {
+            /// What it is called in formulas, or here.
+            pub fn name(self) -> &'static str {
+                let function = FUNCTIONS.iter().find(|(_, operation)| *operation == self);
+                match (self, function) {
+                    (_, Some((name, _))) => name,
+                    $((Operation::$operation, _) => stringify!($operation),)*
+                }
+            }
+
+            /// How many arguments it has.
+            pub fn arity(self) -> usize {
+                match self {
+                    $(Operation::$operation => [$(stringify!($argument)),+].len(),)*
+                }
+            }
+
+            /// Its value.
+            #[inline(always)]
+            pub fn of<T: Scalar>(self, a: &T, b: &T, c: &T) -> T {
+                match self {
+                    $(Operation::$operation => {
+                        operations!(@bind [a, b, c] $($argument),+);
+                        $value
+                    })*
+                }
+            }
+        }
+    };
+    (@bind [$a:ident, $b:ident, $c:ident] $x:ident) => { let $x = *$a; let _ = ($b, $c); };
+    (@bind [$a:ident, $b:ident, $c:ident] $x:ident, $y:ident) => { let ($x, $y) = (*$a, *$b); let _ = $c; };
+    (@bind [$a:ident, $b:ident, $c:ident] $x:ident, $y:ident, $z:ident) => { let ($x, $y, $z) = (*$a, *$b, *$c); };
+}
+
+operations! {
+    Add(a, b) = a + b;
+    Subtract(a, b) = a - b;
+    Multiply(a, b) = a * b;
+    Divide(a, b) = a / b;
+    Negate(a) = -a;
+    /// A product of integer powers is faster and exact: constant exponents have steps of their own.
+    Power(a, b) = power(&a, &b), "pow";
+    Less(a, b) = truth(a.real() < b.real());
+    AtMost(a, b) = truth(a.real() <= b.real());
+    More(a, b) = truth(a.real() > b.real());
+    AtLeast(a, b) = truth(a.real() >= b.real());
+    Equal(a, b) = truth(a.real() == b.real());
+    Unequal(a, b) = truth(a.real() != b.real());
+    And(a, b) = truth(a.real() != 0.0 && b.real() != 0.0);
+    Or(a, b) = truth(a.real() != 0.0 || b.real() != 0.0);
+    Not(a) = truth(a.real() == 0.0), "not";
+    /// The second value where the first is not zero, else the third.
+    Select(c, a, b) = if c.real() != 0.0 { a } else { b };
+    Minimum(a, b) = if b.real() < a.real() { b } else { a }, "min";
+    Maximum(a, b) = if b.real() > a.real() { b } else { a }, "max";
+    Absolute(a) = if a.real() < 0.0 { -a } else { a }, "abs";
+    /// −1, 0 or 1.
+    Sign(a) = constant(if a.real() == 0.0 { 0.0 } else { a.real().signum() }), "sign", "sgn", "signum";
+    /// 0 before zero, else 1.
+    Heaviside(a) = truth(a.real() >= 0.0), "heaviside", "heav";
+    Floor(a) = constant(a.real().floor()), "floor", "flr";
+    Ceiling(a) = constant(a.real().ceil()), "ceil";
+    Round(a) = constant(a.real().round()), "round";
+    /// `a − b ⌊a/b⌋`.
+    Modulo(a, b) = a - b * (a.real() / b.real()).floor(), "mod";
+    Square(a) = a * a;
+    Cube(a) = a * a * a;
+    Reciprocal(a) = a.recip(), "recip";
+    SquareRoot(a) = a.sqrt(), "sqrt";
+    CubeRoot(a) = a.cbrt(), "cbrt";
+    Exponential(a) = a.exp(), "exp";
+    Exponential2(a) = a.exp2(), "exp2";
+    ExponentialLessOne(a) = a.exp_m1(), "exp_m1", "expm1";
+    Logarithm(a) = a.ln(), "ln", "log";
+    Logarithm2(a) = a.log2(), "log2";
+    Logarithm10(a) = a.log10(), "log10";
+    LogarithmOfOnePlus(a) = a.ln_1p(), "ln_1p", "log1p";
+    Sine(a) = a.sin(), "sin";
+    Cosine(a) = a.cos(), "cos";
+    Tangent(a) = a.tan(), "tan";
+    ArcSine(a) = a.asin(), "asin";
+    ArcCosine(a) = a.acos(), "acos";
+    ArcTangent(a) = a.atan(), "atan";
+    ArcTangent2(a, b) = a.atan2(b), "atan2";
+    HyperbolicSine(a) = a.sinh(), "sinh";
+    HyperbolicCosine(a) = a.cosh(), "cosh";
+    HyperbolicTangent(a) = a.tanh(), "tanh";
+    AreaSine(a) = a.asinh(), "asinh";
+    AreaCosine(a) = a.acosh(), "acosh";
+    AreaTangent(a) = a.atanh(), "atanh";
+    Hypotenuse(a, b) = hypotenuse(&a, &b), "hypot";
+}
+
+/// Functions of several names, in other programs written so.
+impl Operation {
+    /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for several motions at once.
+    pub fn decides(self) -> bool {
+        use Operation::*;
+        matches!(
+            self,
+            Power
+                | Less
+                | AtMost
+                | More
+                | AtLeast
+                | Equal
+                | Unequal
+                | And
+                | Or
+                | Not
+                | Select
+                | Minimum
+                | Maximum
+                | Absolute
+                | Sign
+                | Heaviside
+                | Floor
+                | Ceiling
+                | Round
+                | Modulo
+                | Hypotenuse
+        )
+    }
+}
+
+fn constant<T: Scalar>(value: f64) -> T {
+    T::constant(value)
+}
+
+fn truth<T: Scalar>(holds: bool) -> T {
+    constant(if holds { 1.0 } else { 0.0 })
+}
+
+/// `√(a² + b²)`, with the value of `f64::hypot` where that is infinite or zero.
+fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
+    let scale = a.real().abs().max(b.real().abs());
+    if scale == 0.0 || !scale.is_finite() {
+        return constant(scale);
+    }
+    let [a, b] = [*a / scale, *b / scale];
+    (a * a + b * b).sqrt() * scale
+}
+
+/// `a^b`. Of numbers that are not positive there are only integer powers.
+fn power<T: Scalar>(a: &T, b: &T) -> T {
+    let exponent = b.real();
+    if a.real() > 0.0 {
+        return (a.ln() * b).exp();
+    }
+    if exponent.fract() != 0.0 && a.real() != 0.0 {
+        return constant(f64::NAN);
+    }
+    if exponent.fract() == 0.0 && exponent.abs() <= i32::MAX as f64 {
+        return a.powi(exponent as i32);
+    }
+    a.powf(exponent)
+}

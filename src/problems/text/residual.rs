@@ -1,0 +1,76 @@
+//! Equations `F = 0` that are given as text.
+
+use super::basis::{Basis, monitors_of, states_of, undefined, values_of};
+use super::scope::Assembling;
+use super::source::{ModelError, Source};
+use super::statement::Residual;
+use super::tape::Tape;
+use crate::core::scalar::Scalar;
+use crate::core::zero::{Dynamics, Names, ZeroProblem};
+
+/// Equations `F = 0` that are given as text.
+#[derive(Clone, Debug)]
+pub struct Zero {
+    pub(super) basis: Basis,
+    statement: Residual,
+    names: Names,
+    residual: Tape,
+    monitors: Tape,
+}
+
+impl Zero {
+    /// Understands a statement, for a scene that gives some parameters.
+    pub(super) fn new(
+        source: &Source,
+        statement: Residual,
+        given: &[String],
+    ) -> Result<Self, ModelError> {
+        let mut basis = Basis::of(source, statement.common(), given)?;
+        let (unknowns, rows) =
+            states_of(&basis, statement.common(), &statement.unknowns, "unknown")?;
+        let scope = basis.scope(statement.common(), &unknowns)?;
+        basis.begin(statement.common(), &scope)?;
+        let mut assembling = Assembling::new(&scope);
+        assembling.check_definitions()?;
+        let values = values_of(&mut assembling, &rows)?;
+        let residual = assembling.tape(&values);
+        // Checked one by one, evaluated together.
+        let monitors = monitors_of(&scope, &statement.monitors)?;
+        let values = statement.monitors.iter().map(|(_, formula)| assembling.read(formula));
+        let values = values.collect::<Result<Vec<_>, _>>()?;
+        let tape = assembling.tape(&values);
+        scope.refuse_time("equations without motion have no time")?;
+        basis.look_for_unused(&[&scope]);
+        let unknowns = unknowns.iter().map(|(_, name)| name.as_str());
+        let names = Names::new(unknowns, basis.parameters.clone());
+        let names = names.with_monitors(monitors.into_iter().map(|(name, _)| name));
+        Ok(Zero { basis, statement, names, residual, monitors: tape })
+    }
+
+    /// The formula that has no finite value at `(z, p)`, if one has none.
+    pub(super) fn undefined(&self, z: &[f64], p: &[f64]) -> Option<ModelError> {
+        undefined(&self.basis, self.statement.common(), &self.statement.unknowns, (0.0, z, p))
+    }
+}
+
+impl ZeroProblem for Zero {
+    fn names(&self) -> Names {
+        self.names.clone()
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.basis.defaults.clone()
+    }
+
+    fn residual<T: Scalar>(&self, z: &[T], p: &[T], r: &mut [T]) {
+        self.residual.evaluate(T::zero(), z, p, r);
+    }
+
+    fn monitors<T: Scalar>(&self, z: &[T], p: &[T], values: &mut [T]) {
+        self.monitors.evaluate(T::zero(), z, p, values);
+    }
+
+    fn dynamics(&self) -> Dynamics {
+        self.statement.dynamics.into()
+    }
+}

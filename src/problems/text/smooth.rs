@@ -1,0 +1,133 @@
+//! Vector fields that are given as text.
+
+use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
+use super::scope::Assembling;
+use super::source::{Fault, ModelError, Source};
+use super::statement::Equations;
+use super::tape::Tape;
+use crate::core::field::{Forcing, VectorField};
+use crate::core::measure::Measure;
+use crate::core::scalar::Scalar;
+use crate::core::zero::Names;
+use std::f64::consts::TAU;
+
+/// A vector field that is given as text.
+#[derive(Clone, Debug)]
+pub struct Field {
+    pub(super) basis: Basis,
+    statement: Equations,
+    names: Names,
+    measures: Vec<(String, Measure)>,
+    rates: Tape,
+    period: Option<Tape>,
+    monitors: Vec<Tape>,
+    scales: Vec<f64>,
+    /// Whether time occurs though no period is stated.
+    aperiodic: bool,
+}
+
+impl Field {
+    /// Understands a statement, for a scene that gives some parameters.
+    pub(super) fn new(
+        source: &Source,
+        statement: Equations,
+        given: &[String],
+    ) -> Result<Self, ModelError> {
+        let mut basis = Basis::of(source, statement.common(), given)?;
+        let (states, rates) = states_of(&basis, statement.common(), &statement.states, "state")?;
+        let scope = basis.scope(statement.common(), &states)?;
+        basis.begin(statement.common(), &scope)?;
+        let mut assembling = Assembling::new(&scope);
+        assembling.check_definitions()?;
+        let values = values_of(&mut assembling, &rates)?;
+        let rates = assembling.tape(&values);
+        let monitors = monitors_of(&scope, &statement.monitors)?;
+        let period =
+            statement.period.as_ref().map(|period| period_of(&scope, period)).transpose()?;
+        basis.look_for_unused(&[&scope]);
+        let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
+        let sizes = scales_of(source, &statement.scales, &states, false)?;
+        let scales = sizes_in_order(&sizes, &states);
+        let aperiodic = period.is_none() && scope.uses("t");
+        let (monitor_names, monitors): (Vec<String>, Vec<Tape>) = monitors.into_iter().unzip();
+        let measures = measures(&states, monitor_names.clone());
+        let names = Names::new(states.iter().map(String::as_str), basis.parameters.clone());
+        let names = names.with_monitors(monitor_names);
+        Ok(Field { basis, statement, names, measures, rates, period, monitors, scales, aperiodic })
+    }
+
+    /// Whether time enters, but not with a period: there are no equilibria and no periodic orbits then.
+    pub fn is_aperiodic(&self) -> bool {
+        self.aperiodic
+    }
+
+    /// The formula that has no finite value at `(t, x, p)`, if one has none.
+    pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
+        undefined(&self.basis, self.statement.common(), &self.statement.states, (t, x, p))
+    }
+}
+
+/// The tape of a period, which may depend on parameters only.
+pub(super) fn period_of(
+    scope: &super::scope::Scope,
+    phrase: &super::source::Phrase,
+) -> Result<Tape, ModelError> {
+    let mut assembling = Assembling::new(scope);
+    let value = assembling.read(phrase)?;
+    if assembling.depends(value, |input| !input.is_parameter()) {
+        let reason = "it may depend on parameters only, not on states or time".to_string();
+        return Err(scope
+            .source
+            .fault_of(phrase, Fault::Misplaced { what: "the period".into(), reason }));
+    }
+    Ok(assembling.tape(&[value]))
+}
+
+/// Sizes in the order of states, 1 where none is given; none if none is given at all.
+pub(super) fn sizes_in_order(sizes: &[(String, f64)], states: &[String]) -> Vec<f64> {
+    if sizes.is_empty() {
+        return Vec::new();
+    }
+    let size = |state: &String| {
+        sizes.iter().find(|(name, _)| name == state).map_or(1.0, |(_, size)| *size)
+    };
+    states.iter().map(size).collect()
+}
+
+impl VectorField for Field {
+    fn names(&self) -> Names {
+        self.names.clone()
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.basis.defaults.clone()
+    }
+
+    #[inline]
+    fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        self.rates.evaluate(t, x, p, f);
+    }
+
+    fn forcing(&self) -> Forcing {
+        match self.period {
+            Some(_) => Forcing::Periodic { phase: TAU },
+            None => Forcing::None,
+        }
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        self.period.as_ref().map_or(T::one(), |period| period.value(T::zero(), &[], p))
+    }
+
+    fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.monitors[monitor].value(t, x, p)
+    }
+
+    fn measures(&self) -> Vec<(String, Measure)> {
+        self.measures.clone()
+    }
+
+    fn scales(&self, _p: &[f64]) -> Vec<f64> {
+        self.scales.clone()
+    }
+}

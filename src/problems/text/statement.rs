@@ -1,0 +1,235 @@
+//! What a text states about equations, as RON has it: names and formulas, not yet understood.
+
+use super::source::Phrase;
+use crate::core::zero::Dynamics;
+use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
+use std::fmt;
+
+/// Names with formulas.
+pub type Formulas = Vec<(Phrase, Phrase)>;
+
+/// Declares the statements of kinds of problems, each with what all of them have.
+macro_rules! statements {
+    ($(
+        $(#[$docs:meta])*
+        $name:ident { $($(#[$field_docs:meta])* $field:ident: $type:ty,)* }
+    )*) => {$(
+        $(#[$docs])*
+        #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$field_docs])* pub $field: $type,)*
+            /// Parameters with default values. Those that a scene gives need not be among them.
+            pub parameters: Formulas,
+            /// Names for formulas; each may use those before it.
+            pub definitions: Formulas,
+            /// Functions: name, arguments, formula.
+            pub functions: Vec<(Phrase, Vec<Phrase>, Phrase)>,
+            /// Further columns.
+            pub monitors: Formulas,
+            /// Values of states, where motion and branches begin.
+            pub initial: Formulas,
+        }
+
+        impl $name {
+            /// The names of what is stated.
+            pub const FIELDS: &[&str] = &[
+                $(stringify!($field),)* "parameters", "definitions", "functions", "monitors", "initial",
+            ];
+
+            pub(super) fn common(&self) -> Common<'_> {
+                let $name { parameters, definitions, functions, initial, .. } = self;
+                Common { parameters, definitions, functions, initial }
+            }
+        }
+    )*};
+}
+
+statements! {
+    /// A vector field: the rates of states.
+    Equations {
+        /// States with their rates; `u[i=1..n]` is an array.
+        states: Formulas,
+        /// The period in which time enters, if it does.
+        period: Option<Phrase>,
+        /// Typical sizes of states, where they are far from 1.
+        scales: Formulas,
+    }
+
+    /// Equations `F = 0`.
+    Residual {
+        /// Unknowns with what vanishes.
+        unknowns: Formulas,
+        /// What the equations say about motion.
+        dynamics: Static,
+    }
+
+    /// A map.
+    Map {
+        /// States with their next values.
+        states: Formulas,
+    }
+
+    /// A boundary-value problem.
+    Boundary {
+        /// States with their rates.
+        states: Formulas,
+        /// What vanishes, in values of states at the ends, as `u(0)` and `u(1)`.
+        conditions: Vec<Phrase>,
+        /// Formulas whose integrals vanish.
+        integrals: Vec<Phrase>,
+        /// Further unknown numbers.
+        unknowns: Vec<Phrase>,
+        /// How long the interval is; 1 by default.
+        length: Option<Phrase>,
+        /// Typical sizes of states, where they are far from 1.
+        scales: Formulas,
+    }
+
+    /// A hybrid system.
+    HybridEquations {
+        /// The modes.
+        modes: Vec<Mode>,
+        /// The guards.
+        guards: Vec<Guard>,
+        /// The period in which time enters, if it does.
+        period: Option<Phrase>,
+        /// Typical sizes of states, where they are far from 1; that of time under the name `t`.
+        scales: Formulas,
+    }
+}
+
+/// What all statements have.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    pub parameters: &'a Formulas,
+    pub definitions: &'a Formulas,
+    pub functions: &'a [(Phrase, Vec<Phrase>, Phrase)],
+    pub initial: &'a Formulas,
+}
+
+/// A mode of motion.
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mode {
+    /// Its name.
+    pub name: Phrase,
+    /// States with their rates.
+    pub states: Formulas,
+}
+
+/// A guard.
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Guard {
+    /// The event's name. Guards of one name in different modes are one event, whichever mode it comes in.
+    pub name: Phrase,
+    /// The modes that end there; may be left out where there is one mode only.
+    #[serde(default)]
+    pub modes: Vec<Phrase>,
+    /// What is positive while the mode lasts.
+    pub function: Phrase,
+    /// The mode that follows; the same one if it is left out.
+    #[serde(default)]
+    pub next: Next,
+    /// States with their values after the event; others keep theirs.
+    #[serde(default)]
+    pub reset: Formulas,
+    /// The mode that follows where events accumulate.
+    #[serde(default)]
+    pub accumulates_to: Next,
+}
+
+/// A mode that follows: the first one whose function is positive, or else the last one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Next(pub Vec<(Phrase, Option<Phrase>)>);
+
+impl<'de> Deserialize<'de> for Next {
+    /// A name; or names with functions, the last one with or without.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Next;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a mode, or a list of names with functions")
+            }
+
+            fn visit_borrowed_str<E: serde::de::Error>(self, text: &'de str) -> Result<Next, E> {
+                let name =
+                    Phrase::deserialize(serde::de::value::BorrowedStrDeserializer::new(text))?;
+                Ok(Next(vec![(name, None)]))
+            }
+
+            fn visit_str<E>(self, text: &str) -> Result<Next, E> {
+                Ok(Next(vec![(text.into(), None)]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Next, A::Error> {
+                let mut next = Vec::new();
+                while let Some(Choice(name, function)) = items.next_element()? {
+                    next.push((name, function));
+                }
+                Ok(Next(next))
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+/// A mode with its function, or without.
+struct Choice(Phrase, Option<Phrase>);
+
+impl<'de> Deserialize<'de> for Choice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Choice;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str(
+                    "a mode with its function, as in `(\"stick\", \"F - abs(f)\")`, or its name",
+                )
+            }
+
+            fn visit_borrowed_str<E: serde::de::Error>(self, text: &'de str) -> Result<Choice, E> {
+                let name =
+                    Phrase::deserialize(serde::de::value::BorrowedStrDeserializer::new(text))?;
+                Ok(Choice(name, None))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Choice, A::Error> {
+                let missing = || serde::de::Error::custom("expected the name of a mode");
+                let name = items.next_element()?.ok_or_else(missing)?;
+                Ok(Choice(name, items.next_element()?))
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+/// What equations say about motion: nothing, unless it is stated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Static {
+    /// They are no motion's: no stability is reported.
+    #[default]
+    None,
+    /// `z' = F(z, p)`.
+    Flow,
+    /// `F` is the gradient of a potential.
+    Potential,
+    /// `M z'' = −F(z, p)` with a positive definite `M`.
+    Restoring,
+}
+
+impl From<Static> for Dynamics {
+    fn from(stated: Static) -> Self {
+        match stated {
+            Static::None => Dynamics::Static,
+            Static::Flow => Dynamics::Flow,
+            Static::Potential => Dynamics::Potential,
+            Static::Restoring => Dynamics::Restoring,
+        }
+    }
+}

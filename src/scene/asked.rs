@@ -1,0 +1,186 @@
+//! What is asked of a model without a scene, or of a scene beyond what it states.
+
+use super::error::SceneError;
+use super::problem::Problem;
+use super::simulate::{Simulated, at_rest};
+use super::statement::{Range, Run, Scene, Start, Way};
+use super::trace::traced;
+use crate::core::continuation::{Kind, Settings};
+use crate::core::field::Forcing;
+use crate::core::hybrid::{HybridFlow, HybridSettings};
+use crate::core::names::position;
+use crate::output::Plot;
+
+/// What is asked of a model without a scene, or of a scene beyond what it states.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// The parameters that are released, the continued one first, with their ranges.
+    pub along: Vec<Range>,
+    /// Bounds of parameters and monitors.
+    pub bounds: Vec<Range>,
+    /// States in which the first run begins.
+    pub state: Vec<(String, f64)>,
+    /// How long motion settles before the first run: in periods of the forcing, or else in units of time.
+    pub settle: Option<f64>,
+    /// The kind of special point whose curve is followed in all released parameters, from each one that the first run finds.
+    pub hold: Option<Kind>,
+}
+
+/// How long motion settles where a branch is asked for and no equilibrium is found.
+const SETTLE: f64 = 500.0;
+
+/// Rates this small, compared with the states, are those of an equilibrium.
+const AT_REST: f64 = 1e-6;
+
+impl Scene {
+    /// The scene that a model amounts to: from where its motion begins, or settles, one branch; and the curves of special points.
+    ///
+    /// # Errors
+    /// [`SceneError`] if nothing is released, or motion settles on nothing.
+    pub fn of_model(
+        problem: Problem,
+        title: &str,
+        set: &[(String, String)],
+        asked: &Asked,
+    ) -> Result<Scene, SceneError> {
+        let Some(first) = asked.along.first() else {
+            let rule =
+                "name the parameter of the diagram with its range, as in `--along rho=0..30`";
+            return Err(SceneError::invalid("what is asked of the model", "no parameter", rule));
+        };
+        let mut scene = Scene {
+            title: title.into(),
+            problem,
+            model: None,
+            parameters: Vec::new(),
+            accuracy: None,
+            settings: Settings::default(),
+            plot: Plot::default(),
+            runs: Vec::new(),
+            sweeps: Vec::new(),
+        };
+        // A parameter without a value begins where its range does.
+        for range in &asked.along {
+            let value =
+                range.low.filter(|low| *low > 0.0).or(range.high.filter(|high| *high < 0.0));
+            if scene.value(&range.name).is_none() {
+                scene.require_parameter(&range.name, false)?;
+                scene.parameters.push((range.name.clone(), value.or(range.low).unwrap_or(0.0)));
+            }
+        }
+        for (name, value) in set {
+            scene.set(name, value)?;
+        }
+        let mut run = Run::along("branch", vec![first.clone()]);
+        run.bounds = asked.bounds.clone();
+        scene.runs.push(run);
+        scene.begin(asked)?;
+        scene.hold(asked);
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The scene with other ranges, bounds and starts.
+    ///
+    /// # Errors
+    /// [`SceneError`] for names that no run has.
+    pub fn asked(mut self, asked: &Asked) -> Result<Scene, SceneError> {
+        let released =
+            |run: &Run| run.along.iter().map(|range| range.name.clone()).collect::<Vec<_>>();
+        let names: Vec<String> = self.runs.iter().flat_map(released).collect();
+        for wanted in &asked.along {
+            if asked.hold.is_none() {
+                position("released parameter", &wanted.name, &names)?;
+            }
+            let ranges = self.runs.iter_mut().flat_map(|run| &mut run.along);
+            ranges
+                .filter(|range| range.name == wanted.name)
+                .for_each(|range| *range = wanted.clone());
+        }
+        for wanted in &asked.bounds {
+            for run in &mut self.runs {
+                run.bounds.retain(|range| range.name != wanted.name);
+                run.bounds.push(wanted.clone());
+            }
+        }
+        if asked.settle.is_some() || !asked.state.is_empty() {
+            self.begin(asked)?;
+        }
+        self.hold(asked);
+        self.check()?;
+        Ok(self)
+    }
+
+    /// Adds the curves of special points that are asked for.
+    fn hold(&mut self, asked: &Asked) {
+        let (Some(kind), Some(first)) = (asked.hold, self.runs.first()) else { return };
+        let mut run = Run::along(&format!("{}-{kind}-curve", first.name), asked.along.clone());
+        run.bounds = asked.bounds.clone();
+        run.hold = Some(kind);
+        run.set = first.set.clone();
+        run.start = Start::From {
+            run: first.name.clone(),
+            kind,
+            nth: 0,
+            switch: false,
+            unconverged: false,
+        };
+        self.runs.push(run);
+    }
+
+    /// Sets where the first run begins: where motion settles, if it must; else in given states.
+    fn begin(&mut self, asked: &Asked) -> Result<(), SceneError> {
+        let start = self.start(asked)?;
+        let [run, ..] = &mut self.runs[..] else { return Ok(()) };
+        run.start = start;
+        Ok(())
+    }
+
+    fn start(&mut self, asked: &Asked) -> Result<Start, SceneError> {
+        let simulated = |transient| {
+            let state = asked.state.clone();
+            Start::Simulated(Simulated { state, transient, ..Simulated::default() })
+        };
+        let guess = || match asked.state.is_empty() {
+            true => Start::Rest,
+            false => Start::Guess(asked.state.clone()),
+        };
+        let Ok(motion) = self.problem.model().motion() else {
+            let moves = self.problem.model().kind() == "a map";
+            return Ok(asked.settle.filter(|_| moves).map_or(guess(), simulated));
+        };
+        let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
+        if !smooth {
+            return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
+        }
+        self.problem.set("solution", "equilibrium")?;
+        if asked.settle.is_none() && self.is_near(&guess()) {
+            return Ok(guess());
+        }
+        let settle = asked.settle.unwrap_or(SETTLE);
+        let p = self.values()?;
+        let began = Simulated { state: asked.state.clone(), ..Simulated::default() };
+        let mut state = at_rest(&motion.modes()[0], &began.from(self.problem.initial()).state)?;
+        let failed = |cause| SceneError::of_run("the start", cause);
+        let mut flow = HybridFlow::new(&*motion, HybridSettings::default()).map_err(failed)?;
+        flow.advance(&mut state, settle, &p, &mut ()).map_err(failed)?;
+        let mut rates = vec![0.0; state.x.len()];
+        motion.field(0, state.time, &state.x, &p, &mut rates);
+        let rests = |(rate, x): (&f64, &f64)| rate.abs() <= AT_REST * (1.0 + x.abs());
+        if rates.iter().zip(&state.x).all(rests) {
+            let names = motion.modes().swap_remove(0).states;
+            return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
+        }
+        self.problem.set("solution", "orbit")?;
+        Ok(simulated(settle))
+    }
+
+    /// Whether a branch can start from a guess.
+    fn is_near(&self, start: &Start) -> bool {
+        let mut trial = self.clone();
+        trial.settings.max_points = 1;
+        let [run, ..] = &mut trial.runs[..] else { return false };
+        (run.start, run.direction) = (start.clone(), Way::Forward);
+        traced(&trial, None, &mut ()).error.is_none()
+    }
+}

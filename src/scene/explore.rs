@@ -1,0 +1,122 @@
+//! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones from period doublings.
+
+use super::join::same;
+use super::statement::{Run, Scene, Start};
+use super::trace::{Outcome, SceneObserver, Tracing};
+use crate::core::continuation::{Branch, Kind, SpecialPoint};
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+
+/// The most runs that are added to a scene.
+const RUNS: usize = 50;
+
+/// Traces a scene's runs, and then what goes on from the special points found, to a depth: 1 follows what the scene's own
+/// runs find, 2 also what is found then. A point that two branches share is followed once. Gives the scene with all runs
+/// that were added, which traces the same.
+///
+/// A run that fails is left out, and the first error is kept; the others go on.
+///
+/// ```
+/// use tangency::scene::{Scene, explore};
+/// let scene = Scene::parse("Scene(
+///     title: \"Brusselator\",
+///     problem: Equations(
+///         states: [(\"x\", \"a - (b + 1)*x + x^2*y\"), (\"y\", \"b*x - x^2*y\")],
+///         initial: [(\"x\", 1), (\"y\", 1)],
+///         solution: equilibrium,
+///     ),
+///     parameters: [(\"a\", 1), (\"b\", 1)],
+///     runs: [Run(name: \"rest\", along: [(name: \"b\", low: 1, high: 3)])],
+/// )")?;
+/// let (scene, outcome) = explore(&scene, 1, &mut ());
+/// assert_eq!(scene.runs[1].name, "rest-HB");
+/// assert!(outcome.document.branches[1].column("period").is_some());
+/// # Ok::<(), tangency::scene::SceneError>(())
+/// ```
+pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) -> (Scene, Outcome) {
+    let mut whole = Scene { runs: Vec::new(), ..scene.clone() };
+    // Runs that are to come, with how many special points lead to them.
+    let mut coming: VecDeque<(Run, usize)> =
+        scene.runs.iter().map(|run| (run.clone(), 0)).collect();
+    let mut tracing = Tracing::default();
+    while let Some((run, steps)) = coming.pop_front() {
+        if is_known(&run, &tracing.done) {
+            continue;
+        }
+        whole.runs.push(run.clone());
+        observer.run(&run, whole.runs.len() - 1, whole.runs.len() + coming.len());
+        match tracing.run(&whole, &run, None, observer) {
+            Ok(ControlFlow::Continue(())) => {}
+            Ok(ControlFlow::Break(())) => break,
+            Err(cause) => {
+                whole.runs.pop();
+                tracing.error.get_or_insert(cause);
+                // Of the scene's own runs later ones may start from this one.
+                if steps == 0 {
+                    break;
+                }
+                continue;
+            }
+        }
+        if let Some(branch) = tracing.done.last().filter(|_| steps < depth) {
+            let room = RUNS.saturating_sub(whole.runs.len() + coming.len());
+            let next = following(&whole, &run, branch).into_iter().take(room);
+            coming.extend(next.map(|run| (run, steps + 1)));
+        }
+    }
+    let shown: Vec<String> =
+        whole.runs.iter().filter(|run| run.shown).map(|run| run.name.clone()).collect();
+    let outcome = tracing.outcome(&whole, |name| shown.iter().any(|known| known == name));
+    (whole, outcome)
+}
+
+/// The special point that a run starts from.
+fn origin<'a>(run: &Run, done: &'a [Branch]) -> Option<(&'a Branch, &'a SpecialPoint)> {
+    let Start::From { run: from, kind, nth, .. } = &run.start else { return None };
+    let branch = done.iter().find(|branch| branch.name == *from)?;
+    Some((branch, branch.of_kind(*kind).nth(*nth)?))
+}
+
+/// Whether another branch has come to the point that a run would start from.
+fn is_known(run: &Run, done: &[Branch]) -> bool {
+    let Some((from, point)) = origin(run, done) else { return false };
+    let others = done.iter().filter(|other| other.name != from.name && other.condition.is_none());
+    let mut points =
+        others.flat_map(|other| other.of_kind(point.kind).map(move |there| (other, there)));
+    points.any(|there| same((from, point), there))
+}
+
+/// The runs that go on from the special points of a branch.
+fn following(scene: &Scene, run: &Run, branch: &Branch) -> Vec<Run> {
+    if branch.condition.is_some() {
+        return Vec::new();
+    }
+    let mut runs: Vec<Run> = Vec::new();
+    for kind in [Kind::BP, Kind::HB, Kind::PD] {
+        let points: Vec<&SpecialPoint> = branch.of_kind(kind).collect();
+        let converged = points.iter().enumerate().filter(|(_, point)| point.converged);
+        let several = points.len() > 1;
+        let name = |count: usize| match several {
+            true => format!("{}-{kind}{count}", run.name),
+            false => format!("{}-{kind}", run.name),
+        };
+        let next = converged.filter_map(|(nth, _)| next(scene, run, kind, nth));
+        runs.extend(next.enumerate().map(|(k, next)| Run { name: name(k + 1), ..next }));
+    }
+    runs
+}
+
+/// The run that goes on from a special point, if there is one of its kind.
+fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
+    let start =
+        |switch| Start::From { run: run.name.clone(), kind, nth, switch, unconverged: false };
+    let mut next = Run { grazings: Vec::new(), ..run.clone() };
+    next.start = start(kind != Kind::HB);
+    if kind == Kind::HB {
+        let setting = |(name, _): &(&str, String)| *name == "solution";
+        scene.problem.settings().iter().find(|known| setting(known))?;
+        next.set.retain(|(name, _)| name != "solution");
+        next.set.push(("solution".into(), "orbit".into()));
+    }
+    Some(next)
+}

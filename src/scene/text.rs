@@ -1,0 +1,216 @@
+//! Problems whose equations a scene states as text, or names a file of.
+
+use super::discretisation::{
+    BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings,
+    ZeroSettings,
+};
+use super::error::SceneError;
+use super::kinds::{Boundary, Hybrid};
+use super::problem::{Configured, Model, Problem};
+use super::slot::options;
+use crate::core::bvp::{BoundaryProblem, IntoEquations};
+use crate::core::names::UnknownName;
+use crate::problems::text::{self, KINDS, Source, Statement, blanked};
+use ron::error::SpannedError;
+use ron::value::RawValue;
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use std::ops::Range;
+use std::path::Path;
+
+/// The text of a scene, and the folder that files are named from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SceneText<'a> {
+    pub text: &'a str,
+    pub folder: &'a Path,
+}
+
+/// A model with its statement, by which problems are told apart.
+#[derive(Clone, Debug)]
+pub(super) struct Stated {
+    pub model: text::Model,
+    /// What is stated: between the brackets.
+    pub written: String,
+}
+
+/// The kind of equations that a name stands for, with the names of what they state.
+pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static str])> {
+    KINDS.into_iter().find(|(kind, _)| *kind == name)
+}
+
+/// The name under which a scene gives a file of equations.
+const FILE: &str = "model";
+
+/// The problem whose equations and settings stand together in brackets, `part`, which begins in the scene's text at `at`.
+pub(super) fn stated(
+    scene: SceneText,
+    (kind, fields): (&'static str, &[&'static str]),
+    (part, at): (&str, usize),
+    given: &[String],
+) -> Result<Problem, SceneError> {
+    let source = Source::new("", scene.text);
+    let all =
+        fields_of(part).map_err(|error| super::catalogue::syntax_in(scene.text, error, at))?;
+    let known = settings_of(kind);
+    let of = |keep: &dyn Fn(&str) -> bool| -> Vec<Range<usize>> {
+        all.iter().filter(|field| keep(&field.name)).map(|field| field.part.clone()).collect()
+    };
+    for field in &all {
+        let names = fields.iter().copied().chain([FILE]).chain(known.iter().map(String::as_str));
+        if !names.clone().any(|name| name == field.name) {
+            return Err(UnknownName::new(format!("part of `{kind}`"), &field.name, names).into());
+        }
+    }
+    let stated = of(&|name| fields.contains(&name) || name == FILE);
+    let settings = blanked(part, &stated);
+    let moved = |part: Range<usize>| part.start + at..part.end + at;
+    let (model, written) = match all.iter().find(|field| field.name == FILE) {
+        Some(field) => of_file(scene, &super::slot::read::<String>(FILE, field.value)?, given)?,
+        None => {
+            let others =
+                of(&|name| !fields.contains(&name)).into_iter().map(moved).collect::<Vec<_>>();
+            let source = source.without(&others);
+            let part = &source.readable()[at..at + part.len()];
+            (Statement::read(&source, kind, part)?.model(&source, given)?, part.to_string())
+        }
+    };
+    if kind != name_of(&model) {
+        let (found, rule) = (kind.to_string(), format!("the file holds `{}`", name_of(&model)));
+        return Err(SceneError::invalid("the kind of the problem", found, rule));
+    }
+    problem(model, written, &settings)
+        .map_err(|error| super::catalogue::syntax_in(scene.text, error, at))
+}
+
+/// The model of a file, and its statement.
+pub(super) fn of_file(
+    scene: SceneText,
+    file: &str,
+    given: &[String],
+) -> Result<(text::Model, String), SceneError> {
+    let path = scene.folder.join(file);
+    let text = std::fs::read_to_string(&path).map_err(|cause| {
+        SceneError::value(FILE, file, format!("`{}` cannot be read: {cause}", path.display()))
+    })?;
+    let source = Source::new(file, text);
+    let (kind, part) = text::statement_in(&source.text);
+    Ok((Statement::read(&source, kind, part)?.model(&source, given)?, part.to_string()))
+}
+
+/// The problem of a file of equations, with default settings.
+pub(super) fn with_default_settings(
+    scene: SceneText,
+    file: &str,
+    given: &[String],
+) -> Result<Problem, SceneError> {
+    let (model, written) = of_file(scene, file, given)?;
+    problem(model, written, "()").map_err(|error| super::catalogue::syntax_in("", error, 0))
+}
+
+/// The kind of a model's equations.
+pub(super) fn name_of(model: &text::Model) -> &'static str {
+    match model {
+        text::Model::Field(_) => "Equations",
+        text::Model::Zero(_) => "Residual",
+        text::Model::Map(_) => "Map",
+        text::Model::Boundary(_) => "Boundary",
+        text::Model::Hybrid(_) => "HybridEquations",
+        #[allow(unreachable_patterns)]
+        _ => "",
+    }
+}
+
+fn problem(model: text::Model, written: String, settings: &str) -> Result<Problem, SpannedError> {
+    let configured: Box<dyn Model> = match model.clone() {
+        text::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
+        text::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
+        text::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
+        text::Model::Boundary(conditions) => {
+            let defaults = conditions.defaults();
+            let problem: Boundary = ((*conditions).clone().into_equations(), defaults);
+            configured::<_, BoundarySettings>(problem, settings)?
+        }
+        text::Model::Hybrid(hybrid) => {
+            let hybrid: Hybrid = hybrid;
+            configured::<_, HybridOrbitSettings>(hybrid, settings)?
+        }
+    };
+    Ok(Problem::stated(name_of(&model), configured, Stated { model, written }))
+}
+
+fn configured<P, S: ProblemSettings>(
+    problem: P,
+    settings: &str,
+) -> Result<Box<dyn Model>, SpannedError>
+where
+    Configured<P, S>: Model + 'static,
+{
+    Ok(Box::new(Configured { problem, settings: options().from_str::<S>(settings)? }))
+}
+
+/// The names of the settings of a kind of problem.
+fn settings_of(kind: &str) -> Vec<String> {
+    fn names<S: ProblemSettings>() -> Vec<String> {
+        S::default().slots().into_iter().map(|(name, _)| name.to_string()).collect()
+    }
+    match kind {
+        "Equations" => names::<FieldSettings>(),
+        "Residual" => names::<ZeroSettings>(),
+        "Map" => names::<MapSettings>(),
+        "Boundary" => names::<BoundarySettings>(),
+        _ => names::<HybridOrbitSettings>(),
+    }
+}
+
+/// A named part of what stands in brackets, with where it stands: from its name to the comma behind it.
+struct Field<'a> {
+    name: String,
+    value: &'a str,
+    part: Range<usize>,
+}
+
+/// The named parts of what stands in brackets.
+fn fields_of(part: &str) -> Result<Vec<Field<'_>>, SpannedError> {
+    let Parts(all) = options().from_str(part)?;
+    Ok(all.into_iter().map(|(name, value)| Field::of(part, name, value)).collect())
+}
+
+impl<'a> Field<'a> {
+    fn of(part: &'a str, name: String, value: &'a RawValue) -> Self {
+        let value = value.trim().get_ron();
+        let begin = value.as_ptr() as usize - part.as_ptr() as usize;
+        let start = part[..begin].rfind(&name).unwrap_or(begin);
+        let end = begin + value.len();
+        let behind = part[end..].trim_start();
+        let end = if behind.starts_with(',') { part.len() - behind.len() + 1 } else { end };
+        Field { name, value, part: start..end }
+    }
+}
+
+/// Names with what stands behind them, not yet read.
+struct Parts<'a>(Vec<(String, &'a RawValue)>);
+
+impl<'de> Deserialize<'de> for Parts<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Parts<'de>;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("names with values in brackets, as in `(states: [(\"x\", \"-x\")])`")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut parts = Vec::new();
+                while let Some(part) = map.next_entry()? {
+                    parts.push(part);
+                }
+                Ok(Parts(parts))
+            }
+
+            fn visit_unit<E>(self) -> Result<Self::Value, E> {
+                Ok(Parts(Vec::new()))
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}

@@ -1,0 +1,229 @@
+//! What is wrong with equations: each mistake has its text and its place.
+
+use tangency::problems::text::{Fault, Model, ModelError, Source};
+use tangency::scene::{Scene, execute};
+
+fn refused(text: &str) -> ModelError {
+    match Model::read(&Source::new("model.ron", text), &[]) {
+        Ok(_) => panic!("{text}"),
+        Err(error) => error,
+    }
+}
+
+/// The error of a text, which must be at the place that `»…«` marks in it.
+fn at(marked: &str) -> ModelError {
+    let start = marked.find('»').expect("a mark");
+    let text = marked.replace(['»', '«'], "");
+    let error = refused(&text);
+    let before = &marked[..start];
+    let line = 1 + before.matches('\n').count();
+    let column = 1 + before.rsplit('\n').next().unwrap_or("").chars().count();
+    assert_eq!((error.place.line, error.place.column), (Some(line), column), "{error}");
+    let end = marked.find('«').expect("an end");
+    let width = marked[start + '»'.len_utf8()..end].chars().count();
+    assert_eq!(error.place.width, width.max(1), "{error}");
+    error
+}
+
+fn says(marked: &str, words: &str) {
+    let error = at(marked);
+    assert!(error.to_string().contains(words), "{error}\n\nlacks: {words}");
+}
+
+#[test]
+fn formulas() {
+    let of = |formula: &str| {
+        format!(
+            "Equations(\n  states: [(\"x\", \"{formula}\")],\n  parameters: [(\"alpha\", 1)],\n  period: \"1\")"
+        )
+    };
+    says(&of("1 + »alhpa« - x"), "unknown name `alhpa`; did you mean `alpha`?");
+    says(&of("»snh(x)«"), "unknown function `snh`; did you mean `sinh`?");
+    says(&of("»sin(x, 2)«"), "`sin` takes one argument, not 2");
+    says(&of("1 + »«"), "expected a number, a name or `(`");
+    says(&of("(x + 1»«"), "expected an operator or `)`");
+    says(&of("x »x«"), "expected an operator, or the end of the formula");
+    says(&of("x + »§« 2"), "expected a number, a name or `(`");
+    says(&of("if(x, 1»)«"), "expected an operator, `,` or `)`");
+    says(
+        &of("»sum(i, 1, x, i)«"),
+        "the last index of a sum must be an integer that does not depend on states",
+    );
+    says(&of("»u[1]«"), "unknown name `u[1]`");
+    says(
+        &of("2*»x[1.5]«"),
+        "the index must be an integer that does not depend on states, parameters or time; it is 1.5",
+    );
+}
+
+#[test]
+fn names() {
+    says(
+        "Equations(states: [(\"x\", \"1\"), (\"»x«\", \"2\")])",
+        "`x` is a state already; each name may be given once",
+    );
+    says(
+        "Equations(states: [(\"x\", \"a\")], parameters: [(\"a\", 1)], definitions: [(\"»a«\", \"2\")])",
+        "`a` is a parameter already",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], functions: [(\"»x«\", [\"u\"], \"u\")])",
+        "`x` is a state already",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], functions: [(\"»sin«\", [\"u\"], \"u\")])",
+        "`sin` is a function of the language already",
+    );
+    says("Equations(states: [(\"»t«\", \"1\")])", "the language uses this name by itself");
+    says(
+        "Equations(states: [(\"»2x«\", \"1\")])".replace("»2x«", "»2«x").as_str(),
+        "expected a name",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], monitors: [(\"»x«\", \"2\")])",
+        "`x` is a state already",
+    );
+    says(
+        "Equations(states: [(\"x\", \"d\")], definitions: [(\"d\", \"»c« + 1\"), (\"c\", \"2\")])",
+        "`c` is defined by itself: `d` may use the definitions before it",
+    );
+    says(
+        "Equations(states: [(\"x\", \"f(x)\")], functions: [(\"f\", [\"u\"], \"»f(u - 1)«\")])",
+        "`f` is defined by itself: f",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], initial: [(\"»a«\", 2)], parameters: [(\"a\", 1)])",
+        "only states begin somewhere",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], period: \"»2*x«\")",
+        "the period: it may depend on parameters only",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], parameters: [(\"a\", \"»1/0«\")])",
+        "a finite number must stand here",
+    );
+    says("Equations(states: [(\"x\", \"1\")], scales: [(\"»y«\", 2)])", "unknown state `y`");
+}
+
+#[test]
+fn statements() {
+    let error = refused("Equations(states: [(\"x\", \"1\")], stats: [])");
+    assert!(error.to_string().contains("stats"), "{error}");
+    assert_eq!(error.place.line, Some(1));
+    let error = refused("Equation(states: [(\"x\", \"1\")])");
+    assert!(
+        error
+            .to_string()
+            .contains("unknown kind of equations `Equation`; did you mean `Equations`?"),
+        "{error}"
+    );
+    let error = refused("Equations()");
+    assert!(matches!(error.fault, Fault::Missing { .. }), "{error}");
+    assert!(
+        refused("Map(states: [(\"x\", \"x + t\")])")
+            .to_string()
+            .contains("maps that depend on the number of the iterate")
+    );
+    says(
+        "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
+        "1 conditions and integrals: there must be 2, as many as states (2) and unknowns (0)",
+    );
+    says(
+        "Boundary(states: [(\"u\", \"1\")], conditions: [\"»u(2)«\"])",
+        "expected `u(0)` at the beginning or `u(1)` at the end",
+    );
+    says(
+        "Boundary(states: [(\"u\", \"1\")], conditions: [\"»u« - 1\"])",
+        "expected `u(0)` at the beginning or `u(1)` at the end",
+    );
+}
+
+#[test]
+fn modes_and_guards() {
+    let of = |guard: &str| {
+        format!(
+            "HybridEquations(\n  modes: [\n    (name: \"up\", states: [(\"x\", \"v\"), (\"v\", \"-1\")]),
+    (name: \"down\", states: [(\"x\", \"w\"), (\"w\", \"1\")]),\n  ],\n  guards: [\n    {guard},\n  ],\n)"
+        )
+    };
+    says(
+        &of("(name: \"»hit«\", function: \"x\")"),
+        "the guard `hit` is in no mode: name those that end there",
+    );
+    says(
+        &of("(name: \"hit\", modes: [\"»upp«\"], function: \"x\")"),
+        "unknown mode `upp`; did you mean `up`?",
+    );
+    says(
+        &of("(name: \"hit\", modes: [\"up\"], function: \"x\", next: \"»dwn«\")"),
+        "unknown mode `dwn`; did you mean `down`?",
+    );
+    says(
+        &of("(name: \"»hit«\", modes: [\"up\"], function: \"x\", next: \"down\")"),
+        "the reset of `hit` leaves `w` undefined: `down` has this state, `up` before it has not",
+    );
+    says(
+        &of("(name: \"hit\", modes: [\"up\"], function: \"»w«\", next: \"up\")"),
+        "unknown name `w`",
+    );
+    says(
+        &of(
+            "(name: \"hit\", modes: [\"up\"], function: \"x\", next: \"up\", reset: [(\"»z«\", \"1\")])",
+        ),
+        "unknown state `z`",
+    );
+    says(
+        "HybridEquations(modes: [(name: \"a\", states: [(\"x\", \"1\")]), (name: \"»a«\", states: [(\"x\", \"1\")])])",
+        "`a` is a mode already",
+    );
+}
+
+#[test]
+fn scenes_show_the_line() {
+    let text = "Scene(\n    title: \"t\",\n    problem: Equations(states: [(\"x\", \"rho - x^2\")], solution: equilibrium),\n    parameters: [(\"rh\", 1)],
+    runs: [Run(name: \"r\", along: [(name: \"rh\", low: 0)])],\n)";
+    let error = Scene::parse(text).unwrap_err().to_string();
+    assert!(
+        error.starts_with("line 3, column 40: unknown name `rho`; did you mean `rh`?"),
+        "{error}"
+    );
+    assert!(error.ends_with("\n   |                                        ^^^"), "{error}");
+    assert!(
+        error.contains(
+            " 3 |     problem: Equations(states: [(\"x\", \"rho - x^2\")], solution: equilibrium),"
+        ),
+        "{error}"
+    );
+    let wrong = text.replace("solution", "solutoin").replace("rho", "rh");
+    let error = Scene::parse(&wrong).unwrap_err().to_string();
+    assert!(
+        error.contains("unknown part of `Equations` `solutoin`; did you mean `solution`?"),
+        "{error}"
+    );
+    let unused = text.replace("rho", "2").replace("(\"rh\", 1)", "(\"rh\", 1), (\"q\", 2)");
+    let scene = Scene::parse(&unused).unwrap();
+    assert_eq!(scene.warnings().len(), 2);
+    assert!(scene.warnings()[1].contains("`q`"));
+}
+
+#[test]
+fn a_start_where_a_formula_is_not_finite() {
+    let scene = |formula: &str, start: &str| {
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"{formula}\")], solution: equilibrium),
+    parameters: [(\"a\", 1)], runs: [Run(name: \"r\"{start}, along: [(name: \"a\", low: 0.5, high: 2)])])"
+        );
+        execute(&Scene::parse(&text).unwrap(), None, &mut ())
+    };
+    let error = scene("a - 1/x", "").error.expect("a division by zero").to_string();
+    assert!(error.contains("column 58: a division by zero at the start: 1/0"), "{error}");
+    assert!(scene("a - 1/x", ", start: Guess([(\"x\", 1)])").error.is_none());
+    let error = scene("a - ln(x - 1)", "").error.expect("a logarithm").to_string();
+    assert!(error.contains("a value that is not a number at the start: ln of -1"), "{error}");
+    // Time without a period: motion can be simulated, but not continued.
+    let text = "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"a*t - x\")]), parameters: [(\"a\", 1)],
+        runs: [Run(name: \"r\", along: [(name: \"a\", low: 0.5, high: 2)])])";
+    let error = Scene::parse(text).unwrap_err().to_string();
+    assert!(error.contains("state `period`"), "{error}");
+}

@@ -1,0 +1,326 @@
+//! The language of formulas: what they mean, in values and derivatives.
+
+use crate::common::close;
+use num_dual::Dual64;
+use std::fmt::Write;
+use tangency::core::continuation::{Continuation, Kind};
+use tangency::core::dense::Dense;
+use tangency::core::field::{Forcing, VectorField};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::ZeroProblem;
+use tangency::problems::text::{Field, Model, Source, number};
+use tangency::scene::{Scene, execute, explore};
+
+/// A field of one state `x` and the parameters `a`, `b` with a formula as its rate.
+fn field(formula: &str) -> std::sync::Arc<Field> {
+    let text = format!(
+        "Equations(states: [(\"x\", {formula:?})], parameters: [(\"a\", 2), (\"b\", -3)], period: \"1\",
+            functions: [(\"f\", [\"u\", \"v\"], \"u - 2*v\")], definitions: [(\"d\", \"a + b\")])"
+    );
+    match Model::read(&Source::new("", text), &[]) {
+        Ok(Model::Field(field)) => field,
+        Ok(_) => panic!("a field"),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// The value of a formula and its derivative in `x`, at `t = 0.4`.
+fn slope(formula: &str, x: f64) -> (f64, f64) {
+    let parameters = [2.0, -3.0].map(Dual64::from);
+    let mut f = [Dual64::from(0.0)];
+    field(formula).field(Dual64::from(0.4), &[Dual64::from(x).derivative()], &parameters, &mut f);
+    (f[0].re, f[0].eps)
+}
+
+fn is(formula: &str, x: f64, (value, derivative): (f64, f64)) {
+    let (found, rate) = slope(formula, x);
+    assert!(
+        (found - value).abs() <= 1e-14 * value.abs().max(1.0),
+        "{formula}: {found}, not {value}"
+    );
+    let tolerance = 1e-13 * derivative.abs().max(1.0);
+    assert!((rate - derivative).abs() <= tolerance, "d/dx {formula}: {rate}, not {derivative}");
+}
+
+#[test]
+fn operators_bind_as_on_paper() {
+    let x = 1.5_f64;
+    is("-x^2", x, (-x * x, -2.0 * x));
+    is("2^-x", x, (2.0_f64.powf(-x), -(2.0_f64.ln()) * 2.0_f64.powf(-x)));
+    is("x^2^3", x, (x.powi(8), 8.0 * x.powi(7)));
+    is("2**3*x", x, (12.0, 8.0));
+    is("x - 1 - 2", x, (x - 3.0, 1.0));
+    is("x/2/4*8", x, (x, 1.0));
+    is("1 - x*a/b", x, (1.0 + x * 2.0 / 3.0, 2.0 / 3.0));
+    is("-(-x)", x, (x, 1.0));
+    is("+x - -x", x, (2.0 * x, 2.0));
+    is("x*-2", x, (-3.0, -2.0));
+    is("1e3*x + .5 - 2.", x, (1498.5, 1000.0));
+    is("1.5d-1*x", x, (0.225, 0.15));
+    is("x < 2", x, (1.0, 0.0));
+    is("x + 1 > 2 & x < 3 | 0", x, (1.0, 0.0));
+    is("!(x == 1.5)", x, (0.0, 0.0));
+    is("x != 1.5", x, (0.0, 0.0));
+    is("if(x > 1, x^2, 1/(x - 1.5))", x, (2.25, 3.0));
+    is("if(x > 1)then(x^2)else(0)", x, (2.25, 3.0));
+    is("sum(i, 1, 4, i*x)", x, (15.0, 10.0));
+    is("sum(1, 4)of(i'*x)", x, (15.0, 10.0));
+    is("sum(i, 1, 3, sum(j, 1, i, x^j/i))", x, (4.875 / 3.0 * 0.0 + sums(x).0, sums(x).1));
+    is("f(x, a)", x, (x - 4.0, 1.0));
+    is("d*x + t", x, (-1.5 + 0.4, -1.0));
+    is("(-2)^2*x", x, (6.0, 4.0));
+    is("pi*x - e", x, (1.5 * std::f64::consts::PI - std::f64::consts::E, std::f64::consts::PI));
+}
+
+fn sums(x: f64) -> (f64, f64) {
+    let terms =
+        |i: i32| (1..=i).map(move |j| (x.powi(j) / i as f64, j as f64 * x.powi(j - 1) / i as f64));
+    (1..=3).flat_map(terms).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d))
+}
+
+#[test]
+fn functions_are_those_of_f64() {
+    let x = 0.3_f64;
+    let one = [
+        ("sin", x.sin(), x.cos()),
+        ("cos", x.cos(), -x.sin()),
+        ("tan", x.tan(), 1.0 + x.tan().powi(2)),
+        ("asin", x.asin(), 1.0 / (1.0 - x * x).sqrt()),
+        ("acos", x.acos(), -1.0 / (1.0 - x * x).sqrt()),
+        ("atan", x.atan(), 1.0 / (1.0 + x * x)),
+        ("sinh", x.sinh(), x.cosh()),
+        ("cosh", x.cosh(), x.sinh()),
+        ("tanh", x.tanh(), 1.0 - x.tanh().powi(2)),
+        ("asinh", x.asinh(), 1.0 / (1.0 + x * x).sqrt()),
+        ("atanh", x.atanh(), 1.0 / (1.0 - x * x)),
+        ("exp", x.exp(), x.exp()),
+        ("exp2", x.exp2(), x.exp2() * 2.0_f64.ln()),
+        ("exp_m1", x.exp_m1(), x.exp()),
+        ("ln", x.ln(), 1.0 / x),
+        ("log", x.ln(), 1.0 / x),
+        ("log2", x.log2(), 1.0 / x / 2.0_f64.ln()),
+        ("log10", x.log10(), 1.0 / x / 10.0_f64.ln()),
+        ("ln_1p", x.ln_1p(), 1.0 / (1.0 + x)),
+        ("sqrt", x.sqrt(), 0.5 / x.sqrt()),
+        ("cbrt", x.cbrt(), x.cbrt() / (3.0 * x)),
+        ("recip", 1.0 / x, -1.0 / (x * x)),
+        ("abs", x, 1.0),
+        ("sign", 1.0, 0.0),
+        ("heaviside", 1.0, 0.0),
+        ("floor", 0.0, 0.0),
+        ("ceil", 1.0, 0.0),
+        ("round", 0.0, 0.0),
+    ];
+    for (name, value, derivative) in one {
+        is(&format!("{name}(x)"), x, (value, derivative));
+    }
+    is("acosh(x)", 1.3, (1.3_f64.acosh(), 1.0 / (0.69_f64).sqrt()));
+    is("abs(x) + sign(x) + heav(x) + floor(x)", -0.3, (0.3 - 1.0 - 1.0, -1.0));
+    is("min(x, 2*x, 1) + max(x, 2*x)", x, (0.9, 3.0));
+    is("mod(x, 0.2)", x, (0.1, 1.0));
+    is("mod(-x, 1)", x, (0.7, -1.0));
+    is("atan2(x, 2)", x, (x.atan2(2.0), 2.0 / (4.0 + x * x)));
+    is("hypot(x, 2)", x, (x.hypot(2.0), x / x.hypot(2.0)));
+    is(
+        "pow(x, 3) + pow(3, x)",
+        x,
+        (x.powi(3) + 3.0_f64.powf(x), 3.0 * x * x + 3.0_f64.ln() * 3.0_f64.powf(x)),
+    );
+    is("(-x)^3 + x^b", x, (-x.powi(3) + x.powi(-3), -3.0 * x * x - 3.0 * x.powi(-4)));
+    // The sine and the cosine of one angle are computed at once, in either order.
+    is("cos(a*x)*sin(a*x)", x, ((0.6_f64).cos() * (0.6_f64).sin(), 2.0 * (1.2_f64).cos()));
+}
+
+#[test]
+fn numbers_may_be_formulas() {
+    assert_eq!(number("8/3").unwrap(), 8.0 / 3.0);
+    close(number("2*pi").unwrap(), std::f64::consts::TAU, 0.0);
+    assert!(number("1/0").is_err() && number("x").is_err() && number("").is_err());
+    let scene = Scene::parse(
+        "Scene(title: \"t\", problem: Residual(unknowns: [(\"u\", \"a - u\")]), parameters: [(\"a\", \"8/3\")],
+            runs: [Run(name: \"r\", start: Guess([(\"u\", \"2*4/3\")]), along: [(name: \"a\", high: 3)])])",
+    );
+    let mut scene = scene.unwrap();
+    assert_eq!(scene.value("a"), Some(8.0 / 3.0));
+    scene.set("a", "sqrt(2)").unwrap();
+    assert_eq!(scene.value("a"), Some(2.0_f64.sqrt()));
+}
+
+/// One tape is evaluated in every scalar alike.
+#[test]
+fn declared_names_come_before_constants() {
+    let text = "Equations(states: [(\"pi\", \"-e*pi\")], parameters: [(\"e\", 3)])";
+    let Model::Field(field) = Model::read(&Source::new("", text), &[]).unwrap() else { panic!() };
+    let mut f = [0.0];
+    field.field(0.0, &[2.0], &[3.0], &mut f);
+    assert_eq!((f, field.forcing()), ([-6.0], Forcing::None));
+}
+
+#[test]
+fn arrays_state_discretised_equations() {
+    let bratu = "Residual(
+        unknowns: [(\"u[i=1..n]\", \"(u[i-1] - 2*u[i] + u[i+1])*(n + 1)^2 + lambda*exp(u[i])\")],
+        definitions: [(\"n\", 40), (\"u[0]\", 0), (\"u[n+1]\", 0)],
+        monitors: [(\"norm\", \"sqrt(sum(i, 1, n, u[i]^2)/n)\")],
+        parameters: [(\"lambda\", 0)],
+    )";
+    let Model::Zero(zero) = Model::read(&Source::new("", bratu), &[]).unwrap() else { panic!() };
+    let mut system = Dense::shared(zero);
+    let branch = Continuation::of(&mut system)
+        .along("lambda", 0.0..=4.0)
+        .bound("norm", 0.0..=3.0)
+        .trace()
+        .unwrap();
+    let fold = branch.of_kind(Kind::LP).next().expect("a fold");
+    // Differences of second order: 3.513830719 less 1.1e-3 at n = 40.
+    close(fold.parameters[0], 3.513830719125, 2e-3);
+    assert!(branch.column("norm").is_some());
+}
+
+/// Reading and evaluating take a time in proportion to the number of states.
+#[test]
+fn two_thousand_states() {
+    let text = |n: usize| {
+        format!(
+            "Equations(states: [(\"u[i=1..n]\", \"d*(u[i-1] - 2*u[i] + u[i+1])*(n + 1)^2 + u[i]*(1 - u[i])\")],
+                definitions: [(\"n\", {n}), (\"u[0]\", \"u[1]\"), (\"u[n+1]\", \"u[n]\")], parameters: [(\"d\", 1)])"
+        )
+    };
+    let read = |n: usize| match Model::read(&Source::new("", text(n)), &[]).unwrap() {
+        Model::Field(field) => field,
+        _ => panic!("a field"),
+    };
+    let memory = |n: usize| allocation_counter::measure(|| drop(read(n))).bytes_max as f64;
+    assert!(memory(2000) < 12.0 * memory(200), "{} and {}", memory(2000), memory(200));
+    let field = read(2000);
+    let x: Vec<f64> = (0..2000).map(|k| 0.2 + 1e-4 * k as f64).collect();
+    let mut f = vec![0.0; 2000];
+    let used = allocation_counter::measure(|| field.field(0.0, &x, &[1.0], &mut f));
+    assert_eq!(used.count_total, 0);
+    let inner =
+        |k: usize| (x[k - 1] - 2.0 * x[k] + x[k + 1]) * 2001.0_f64.powi(2) + x[k] * (1.0 - x[k]);
+    close(f[1000], inner(1000), 1e-6);
+    close(f[0], (x[1] - x[0]) * 2001.0_f64.powi(2) + x[0] * (1.0 - x[0]), 1e-6);
+    // Of many elements only the norm is recorded.
+    assert_eq!(VectorField::measures(&*field).len(), 1);
+}
+
+#[test]
+fn maps_and_their_cycles() {
+    let scene = "Scene(
+        title: \"Hénon\",
+        problem: Map(states: [(\"x\", \"1 - a*x^2 + y\"), (\"y\", \"b*x\")]),
+        parameters: [(\"a\", 0), (\"b\", 0.3)],
+        runs: [
+            Run(name: \"fixed\", along: [(name: \"a\", low: 0, high: 1.2)]),
+            Run(name: \"two\", start: From(run: \"fixed\", kind: PD, switch: true), along: [(name: \"a\", low: 0, high: 1.2)]),
+            Run(name: \"doublings\", hold: PD, start: From(run: \"fixed\", kind: PD),
+                along: [(name: \"a\", low: 0, high: 3), (name: \"b\", low: -0.9, high: 0.9)]),
+            Run(name: \"settled\", set: [(\"a\", \"0.9\")], start: Simulated(transient: 500), along: [(name: \"a\", low: 0, high: 0.95)]),
+        ],
+    )";
+    let outcome = execute(&Scene::parse(scene).unwrap(), None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let branches = &outcome.document.branches;
+    // Fixed points double at a = 3 (1 − b)²/4, cycles of two at a = (1 − b)² + (1 + b)²/4.
+    let doubling =
+        |k: usize| branches[k].of_kind(Kind::PD).next().expect("a doubling").parameters[0];
+    close(doubling(0), 0.75 * 0.49, 1e-12);
+    close(doubling(1), 0.49 + 1.69 / 4.0, 1e-12);
+    for point in &branches[2].points {
+        let [a, b] = [point.parameters[0], point.parameters[1]];
+        close(a, 0.75 * (1.0 - b).powi(2), 1e-8);
+    }
+    close(
+        branches[3].of_kind(Kind::PD).next().expect("a doubling").parameters[0],
+        0.49 + 1.69 / 4.0,
+        1e-12,
+    );
+}
+
+#[test]
+fn what_is_found_is_followed() {
+    let text = "Scene(
+        title: \"Lorenz\",
+        problem: Equations(
+            states: [(\"x\", \"sigma*(y - x)\"), (\"y\", \"x*(rho - z) - y\"), (\"z\", \"x*y - beta*z\")],
+            solution: equilibrium,
+        ),
+        parameters: [(\"sigma\", 10), (\"rho\", 0), (\"beta\", \"8/3\")],
+        runs: [Run(name: \"rest\", along: [(name: \"rho\", low: 0, high: 30)])],
+    )";
+    let (scene, outcome) = explore(&Scene::parse(text).unwrap(), 2, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let names: Vec<&str> =
+        outcome.document.branches.iter().map(|branch| branch.name.as_str()).collect();
+    assert_eq!(names, ["rest", "rest-BP", "rest-BP-HB1", "rest-BP-HB2"]);
+    let hopf = outcome.document.branches[1].of_kind(Kind::HB).next().expect("a Hopf point");
+    // σ (σ + β + 3)/(σ − β − 1).
+    close(hopf.parameters[1], 10.0 * (10.0 + 8.0 / 3.0 + 3.0) / (10.0 - 8.0 / 3.0 - 1.0), 1e-11);
+    // The scene that it amounts to traces the same.
+    let written = scene.to_ron();
+    let again = Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}"));
+    assert_eq!(again, scene);
+    let again = execute(&again, None, &mut ());
+    assert_eq!(again.document.branches.len(), 4);
+    assert_eq!(
+        again.document.branches[3].special.len(),
+        outcome.document.branches[3].special.len()
+    );
+}
+
+#[test]
+fn conditions_at_ends_and_integrals() {
+    // u'' + λu = 0, u(0) = u(1) = 0, ∫u² = c: the first eigenvalue is π² for any c.
+    let scene = "Scene(
+        title: \"Taut string\",
+        problem: Boundary(
+            states: [(\"u\", \"v\"), (\"v\", \"-lambda*u\")],
+            conditions: [\"u(0)\", \"u(1)\"], integrals: [\"u^2 - c\"], unknowns: [\"lambda\"], length: \"1\",
+            monitors: [(\"energy\", \"v^2/2\")],
+        ),
+        parameters: [(\"c\", 1)],
+        runs: [Run(name: \"r\", start: Guess([(\"u\", 1), (\"lambda\", 9)]), along: [(name: \"c\", low: 0.5, high: 2)])],
+    )";
+    let outcome = execute(&Scene::parse(scene).unwrap(), None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let branch = &outcome.document.branches[0];
+    let (lambda, energy) =
+        (branch.special[0].state.last().unwrap(), branch.column("energy").unwrap());
+    close(*lambda, std::f64::consts::PI.powi(2), 1e-8);
+    // ∫v²/2 = λ c/2.
+    let end = branch.special.last().unwrap();
+    close(end.value(energy).unwrap(), std::f64::consts::PI.powi(2) * end.parameters[0] / 2.0, 1e-7);
+}
+
+#[test]
+fn residuals_say_nothing_of_motion_unless_they_state_it() {
+    let zero = |dynamics: &str| {
+        let text =
+            format!("Residual(unknowns: [(\"u\", \"a - u\")], parameters: [(\"a\", 1)]{dynamics})");
+        match Model::read(&Source::new("", text), &[]).unwrap() {
+            Model::Zero(zero) => zero.dynamics(),
+            _ => panic!("a residual"),
+        }
+    };
+    use tangency::core::zero::Dynamics;
+    assert_eq!(zero(""), Dynamics::Static);
+    assert_eq!(zero(", dynamics: flow"), Dynamics::Flow);
+    assert_eq!(zero(", dynamics: potential"), Dynamics::Potential);
+}
+
+/// Registers are shared: a long formula needs few of them, and all are right.
+#[test]
+fn long_formulas_in_any_scalar() {
+    let mut formula = String::from("x");
+    for k in 1..400 {
+        write!(formula, " + sin({k}*x)*cos({k}*x)/{k}").unwrap();
+    }
+    fn expected<T: Scalar>(x: T) -> T {
+        (1..400).fold(x, |sum, k| sum + (x * k as f64).sin() * (x * k as f64).cos() / k as f64)
+    }
+    let (value, derivative) = slope(&formula, 0.3);
+    let exact = expected(Dual64::from(0.3).derivative());
+    close(value, exact.re, 1e-12);
+    close(derivative, exact.eps, 1e-10);
+}

@@ -1,0 +1,6 @@
+//! Equations that are given as text.
+
+mod errors;
+mod fuzz;
+mod language;
+mod restated;
