@@ -1,8 +1,9 @@
 //! Tapes from operations: equal parts are found, constants computed, and registers shared.
 
+use super::layout::Layout;
 use super::operation::Operation;
-use super::tape::{Code, Place, Step, Tape};
-use std::collections::{HashMap, HashSet};
+use super::tape::Tape;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// A value in a formula: a number, an input, or what an earlier operation gave.
@@ -41,14 +42,15 @@ pub(super) struct Origin {
     pub part: Range<usize>,
 }
 
-type Applied = (Operation, [Value; 3]);
+/// An operation with its arguments; those that it has not are the first one.
+pub(super) type Applied = (Operation, [Value; 3]);
 
 /// Operations, each of which is there once.
 #[derive(Default)]
 pub(super) struct Assembly {
-    applied: Vec<Applied>,
+    pub applied: Vec<Applied>,
     origins: Vec<Origin>,
-    known: HashMap<Applied, u32>,
+    pub known: HashMap<Applied, u32>,
 }
 
 impl Assembly {
@@ -139,7 +141,7 @@ impl Assembly {
     }
 
     /// Which operations some results need.
-    fn needed(&self, results: &[Value]) -> Vec<bool> {
+    pub fn needed(&self, results: &[Value]) -> Vec<bool> {
         let mut needed = vec![false; self.applied.len()];
         let mut mark = |value: &Value| {
             if let Value::Result(k) = value {
@@ -167,190 +169,4 @@ pub(super) struct Undefined {
     pub arguments: Vec<f64>,
     pub value: f64,
     pub origin: Origin,
-}
-
-/// Where the values of a tape are.
-struct Layout<'a> {
-    assembly: &'a Assembly,
-    needed: Vec<bool>,
-    /// The last operation that reads each value.
-    last_use: Vec<usize>,
-    /// The cosine that is computed with each sine.
-    cosines: HashMap<usize, usize>,
-    places: Vec<Place>,
-    free: Vec<usize>,
-    registers: usize,
-}
-
-impl<'a> Layout<'a> {
-    fn of(assembly: &'a Assembly, results: &[Value]) -> Self {
-        let needed = assembly.needed(results);
-        let count = assembly.applied.len();
-        let mut last_use = vec![0; count];
-        for (k, (operation, arguments)) in assembly.applied.iter().enumerate() {
-            for argument in arguments[..operation.arity()].iter().filter(|_| needed[k]) {
-                if let Value::Result(i) = argument {
-                    last_use[*i as usize] = k;
-                }
-            }
-        }
-        let places = vec![Place::TIME; count];
-        let mut layout = Layout {
-            assembly,
-            needed,
-            last_use,
-            cosines: HashMap::new(),
-            places,
-            free: Vec::new(),
-            registers: 1,
-        };
-        layout.pair_cosines();
-        for (k, result) in results.iter().enumerate().rev() {
-            // What is a result is kept where results are; what several are, at the first of them.
-            if let Value::Result(i) = result {
-                layout.places[*i as usize] = Place::result(k);
-            }
-        }
-        layout
-    }
-
-    /// Sine and cosine of one angle are computed at once, where the first of them is.
-    fn pair_cosines(&mut self) {
-        use Operation::{Cosine, Sine};
-        for (k, (operation, [a, ..])) in self.assembly.applied.iter().enumerate() {
-            let other = match operation {
-                Sine => Cosine,
-                Cosine => Sine,
-                _ => continue,
-            };
-            let other = self.assembly.known.get(&(other, [*a; 3])).map(|other| *other as usize);
-            if let Some(other) =
-                other.filter(|other| *other > k && self.needed[k] && self.needed[*other])
-            {
-                self.cosines.insert(k, other);
-            }
-        }
-    }
-
-    fn new_register(&mut self) -> usize {
-        self.free.pop().unwrap_or_else(|| {
-            self.registers += 1;
-            self.registers - 1
-        })
-    }
-
-    fn tape(mut self, results: &[Value]) -> Tape {
-        let mut steps = Vec::new();
-        let second: HashSet<usize> = self.cosines.values().copied().collect();
-        // Registers are free again behind the last use of their values.
-        let mut ending: HashMap<usize, Vec<usize>> = HashMap::new();
-        for k in 0..self.assembly.applied.len() {
-            if !self.needed[k] || second.contains(&k) {
-                self.release(&mut ending, k);
-                continue;
-            }
-            let mut step = self.step(k, &mut steps);
-            self.release(&mut ending, k);
-            step.into = self.place(k, &mut ending);
-            if let Some(other) = self.cosines.get(&k).copied() {
-                step.code = Code::SineCosine;
-                step.c = self.place(other, &mut ending);
-                if self.assembly.applied[k].0 == Operation::Cosine {
-                    (step.into, step.c) = (step.c, step.into);
-                }
-            }
-            steps.push(step);
-        }
-        for (k, result) in results.iter().enumerate() {
-            let into = Place::result(k);
-            let step = Step { code: Code::Copy, into, a: into, b: into, c: into, n: 0.0 };
-            match result {
-                Value::Number(bits) => {
-                    steps.push(Step { code: Code::Number, n: f64::from_bits(*bits), ..step });
-                }
-                other => {
-                    let a = self.input(other);
-                    if a != into {
-                        steps.push(Step { a, ..step });
-                    }
-                }
-            }
-        }
-        Tape { steps, registers: self.registers }
-    }
-
-    fn release(&mut self, ending: &mut HashMap<usize, Vec<usize>>, k: usize) {
-        self.free.extend(ending.remove(&k).into_iter().flatten());
-    }
-
-    /// Where the value of an operation goes.
-    fn place(&mut self, k: usize, ending: &mut HashMap<usize, Vec<usize>>) -> Place {
-        if self.places[k] == Place::TIME {
-            let register = self.new_register();
-            ending.entry(self.last_use[k]).or_default().push(register);
-            self.places[k] = Place::register(register);
-        }
-        self.places[k]
-    }
-
-    fn input(&self, value: &Value) -> Place {
-        match value {
-            Value::Time | Value::Number(_) => Place::TIME,
-            Value::State(k) => Place::state(*k as usize),
-            Value::Parameter(k) => Place::parameter(*k as usize),
-            Value::Result(k) => self.places[*k as usize],
-        }
-    }
-
-    /// The step of an operation, but for where it goes; numbers that no code takes are put into registers before.
-    fn step(&mut self, k: usize, steps: &mut Vec<Step>) -> Step {
-        use Operation::*;
-        let (operation, arguments) = self.assembly.applied[k];
-        let numbers = arguments.map(Value::as_number);
-        let [a, b, c] = arguments.map(|argument| self.input(&argument));
-        let step = Step { code: Code::General(operation), into: a, a, b, c, n: 0.0 };
-        let with = |code, a, n| Step { code, a, n, ..step };
-        match (operation, numbers) {
-            (Add, [Some(n), ..]) => with(Code::Shift, b, n),
-            (Add, [_, Some(n), _]) => with(Code::Shift, a, n),
-            (Subtract, [Some(n), ..]) => with(Code::Reflect, b, n),
-            (Subtract, [_, Some(n), _]) => with(Code::Shift, a, -n),
-            (Multiply, [Some(n), ..]) => with(Code::Scale, b, n),
-            (Multiply, [_, Some(n), _]) => with(Code::Scale, a, n),
-            (Divide, [Some(n), ..]) => with(Code::Invert, b, n),
-            (Divide, [_, Some(n), _]) => with(Code::Share, a, n),
-            (Power, [_, Some(n), _]) if n.fract() == 0.0 && n.abs() < 1e9 => {
-                with(Code::PowerInteger, a, n)
-            }
-            (Power, [_, Some(n), _]) => with(Code::PowerReal, a, n),
-            (Add, _) => with(Code::Add, a, 0.0),
-            (Subtract, _) => with(Code::Subtract, a, 0.0),
-            (Multiply, _) => with(Code::Multiply, a, 0.0),
-            (Divide, _) => with(Code::Divide, a, 0.0),
-            _ => self.general(step, numbers, operation.arity(), steps),
-        }
-    }
-
-    /// A step of an operation whose numbers must be in registers: in ones of their own.
-    fn general(
-        &mut self,
-        mut step: Step,
-        numbers: [Option<f64>; 3],
-        arity: usize,
-        steps: &mut Vec<Step>,
-    ) -> Step {
-        let places = [&mut step.a, &mut step.b, &mut step.c];
-        let mut given = Vec::new();
-        for (place, number) in places.into_iter().zip(numbers).take(arity) {
-            if let Some(n) = number {
-                self.registers += 1;
-                let register = Place::register(self.registers - 1);
-                given.push((register, n));
-                *place = register;
-            }
-        }
-        let number = |(into, n)| Step { code: Code::Number, into, a: into, b: into, c: into, n };
-        steps.extend(given.into_iter().map(number));
-        step
-    }
 }

@@ -18,6 +18,7 @@ mod assembly;
 mod basis;
 mod boundary;
 mod hybrid;
+mod layout;
 mod map;
 mod operation;
 mod residual;

@@ -3,37 +3,19 @@
 use super::operation::Operation;
 use crate::core::scalar::Scalar;
 
-/// Where a value is: in a register, or among states, parameters or results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place(u32);
-
-impl Place {
-    const BANK: u32 = 30;
-    /// The register that holds the time.
-    pub const TIME: Place = Place(0);
-    /// The most places of a kind.
-    pub const LIMIT: usize = 1 << Self::BANK;
-
-    pub fn register(k: usize) -> Self {
-        Place(k as u32)
-    }
-
-    pub fn state(k: usize) -> Self {
-        Place(k as u32 | 1 << Self::BANK)
-    }
-
-    pub fn parameter(k: usize) -> Self {
-        Place(k as u32 | 2 << Self::BANK)
-    }
-
-    pub fn result(k: usize) -> Self {
-        Place(k as u32 | 3 << Self::BANK)
-    }
-}
-
-/// What a step does. `a`, `b` and `c` are places, `n` is a number.
+/// What a step does. `a`, `b` and `c` are registers, `n` is a number.
+///
+/// Products are added as soon as they are there: every step costs a dispatch, which for real numbers takes longer than what it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
+    /// A state, by its position `a`.
+    State,
+    /// A parameter, by its position `a`.
+    Parameter,
+    /// `n`.
+    Number,
+    /// Puts register `a` where results are, at `into`.
+    Result,
     /// `a + b`.
     Add,
     /// `a − b`.
@@ -52,16 +34,20 @@ pub(super) enum Code {
     Share,
     /// `n/a`.
     Invert,
+    /// `a b + c`.
+    MultiplyAdd,
+    /// `c − a b`.
+    SubtractProduct,
+    /// `a n + b`.
+    ScaleAdd,
+    /// `a²`.
+    Square,
     /// `a^n` for an integer `n`.
     PowerInteger,
     /// `a^n`.
     PowerReal,
     /// `sin a`, and `cos a` into `c`.
     SineCosine,
-    /// `a`.
-    Copy,
-    /// `n`.
-    Number,
     /// Any operation on `a`, `b` and `c`.
     General(Operation),
 }
@@ -70,10 +56,10 @@ pub(super) enum Code {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub code: Code,
-    pub into: Place,
-    pub a: Place,
-    pub b: Place,
-    pub c: Place,
+    pub into: u32,
+    pub a: u32,
+    pub b: u32,
+    pub c: u32,
     pub n: f64,
 }
 
@@ -81,38 +67,14 @@ pub(super) struct Step {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     pub steps: Vec<Step>,
-    /// How many registers it needs, that of the time among them.
+    /// How many registers it needs. The first one has the time.
     pub registers: usize,
 }
 
-/// What a tape reads and writes.
-struct Banks<'a, T> {
-    registers: &'a mut [T],
+/// What a tape reads.
+struct Inputs<'a, T> {
     x: &'a [T],
     p: &'a [T],
-    results: &'a mut [T],
-}
-
-impl<T> Banks<'_, T> {
-    #[inline(always)]
-    fn at(&self, place: Place) -> &T {
-        let k = (place.0 & (Place::LIMIT - 1) as u32) as usize;
-        match place.0 >> Place::BANK {
-            0 => &self.registers[k],
-            1 => &self.x[k],
-            2 => &self.p[k],
-            _ => &self.results[k],
-        }
-    }
-
-    #[inline(always)]
-    fn put(&mut self, place: Place, value: T) {
-        let k = (place.0 & (Place::LIMIT - 1) as u32) as usize;
-        match place.0 >> Place::BANK {
-            0 => self.registers[k] = value,
-            _ => self.results[k] = value,
-        }
-    }
 }
 
 /// The largest array of registers on the stack, in bytes.
@@ -125,14 +87,15 @@ impl Tape {
         let fits = |registers: usize| {
             self.registers <= registers && registers * size_of::<T>() <= ON_STACK
         };
+        let inputs = Inputs { x, p };
         match () {
-            () if fits(4) => self.on_stack::<T, 4>(t, x, p, results),
-            () if fits(8) => self.on_stack::<T, 8>(t, x, p, results),
-            () if fits(16) => self.on_stack::<T, 16>(t, x, p, results),
-            () if fits(64) => self.on_stack::<T, 64>(t, x, p, results),
-            () if fits(512) => self.on_stack::<T, 512>(t, x, p, results),
+            () if fits(8) => self.run(&mut [t; 8], inputs, results),
+            () if fits(16) => self.on_stack::<T, 16>(t, inputs, results),
+            () if fits(32) => self.on_stack::<T, 32>(t, inputs, results),
+            () if fits(128) => self.on_stack::<T, 128>(t, inputs, results),
+            () if fits(1024) => self.on_stack::<T, 1024>(t, inputs, results),
             // Of many long numbers an allocation is no cost.
-            () => self.run(Banks { registers: &mut vec![t; self.registers.max(1)], x, p, results }),
+            () => self.run(&mut vec![t; self.registers.max(1)], inputs, results),
         }
     }
 
@@ -145,37 +108,44 @@ impl Tape {
     }
 
     #[inline(never)]
-    fn on_stack<T: Scalar, const N: usize>(&self, t: T, x: &[T], p: &[T], results: &mut [T]) {
-        self.run(Banks { registers: &mut [t; N], x, p, results });
+    fn on_stack<T: Scalar, const N: usize>(&self, t: T, inputs: Inputs<T>, results: &mut [T]) {
+        self.run(&mut [t; N], inputs, results);
     }
 
     #[inline(never)]
-    fn run<T: Scalar>(&self, mut banks: Banks<T>) {
+    fn run<T: Scalar>(&self, r: &mut [T], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
         for &Step { code, into, a, b, c, n } in &self.steps {
-            let value = match code {
-                Code::Add => *banks.at(a) + banks.at(b),
-                Code::Subtract => *banks.at(a) - banks.at(b),
-                Code::Multiply => *banks.at(a) * banks.at(b),
-                Code::Divide => *banks.at(a) / banks.at(b),
-                Code::Shift => *banks.at(a) + n,
-                Code::Reflect => -*banks.at(a) + n,
-                Code::Scale => *banks.at(a) * n,
-                Code::Share => *banks.at(a) / n,
-                Code::Invert => banks.at(a).recip() * n,
-                Code::PowerInteger => banks.at(a).powi(n as i32),
-                Code::PowerReal => banks.at(a).powf(n),
+            let [into, a, b, c] = [into as usize, a as usize, b as usize, c as usize];
+            r[into] = match code {
+                Code::State => x[a],
+                Code::Parameter => p[a],
+                Code::Number => T::constant(n),
+                Code::Result => {
+                    results[into] = r[a];
+                    continue;
+                }
+                Code::Add => r[a] + r[b],
+                Code::Subtract => r[a] - r[b],
+                Code::Multiply => r[a] * r[b],
+                Code::Divide => r[a] / r[b],
+                Code::Shift => r[a] + n,
+                Code::Reflect => -r[a] + n,
+                Code::Scale => r[a] * n,
+                Code::Share => r[a] / n,
+                Code::Invert => r[a].recip() * n,
+                Code::MultiplyAdd => r[a] * r[b] + r[c],
+                Code::SubtractProduct => r[c] - r[a] * r[b],
+                Code::ScaleAdd => r[a] * n + r[b],
+                Code::Square => r[a] * r[a],
+                Code::PowerInteger => r[a].powi(n as i32),
+                Code::PowerReal => r[a].powf(n),
                 Code::SineCosine => {
-                    let (sine, cosine) = banks.at(a).sin_cos();
-                    banks.put(c, cosine);
+                    let (sine, cosine) = r[a].sin_cos();
+                    r[c] = cosine;
                     sine
                 }
-                Code::Copy => *banks.at(a),
-                Code::Number => T::constant(n),
-                Code::General(operation) => {
-                    general(operation, banks.at(a), banks.at(b), banks.at(c))
-                }
+                Code::General(operation) => general(operation, &r[a], &r[b], &r[c]),
             };
-            banks.put(into, value);
         }
     }
 
