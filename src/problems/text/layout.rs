@@ -121,8 +121,19 @@ impl<'a> Layout<'a> {
         fused
     }
 
-    fn push(&mut self, code: Code, into: u32, [a, b, c]: [u32; 3], n: f64) {
-        self.steps.push(Step { code, into, a, b, c, n });
+    fn push(&mut self, code: Code, into: u32, registers: [u32; 3], n: f64) {
+        self.push_operation((code, Operation::Add), into, registers, n);
+    }
+
+    /// Adds a step; its operation counts where it is a general one.
+    fn push_operation(
+        &mut self,
+        (code, operation): (Code, Operation),
+        into: u32,
+        [a, b, c]: [u32; 3],
+        n: f64,
+    ) {
+        self.steps.push(Step { code, operation, into, a, b, c, n });
     }
 
     /// The register of a value, into which inputs and numbers are loaded first.
@@ -172,7 +183,7 @@ impl<'a> Layout<'a> {
         }
         let into = self.reserve(Value::Result(k));
         match self.partners.get(&k).copied() {
-            None => self.push(code, into, registers, n),
+            None => self.push_operation((code, operation), into, registers, n),
             Some(other) => {
                 let second = self.reserve(Value::Result(other));
                 let (sine, cosine) = match operation {
@@ -221,7 +232,7 @@ impl<'a> Layout<'a> {
             (Multiply, _) => (Code::Multiply, vec![a, b], 0.0),
             (Divide, _) => (Code::Divide, vec![a, b], 0.0),
             (Square, _) => (Code::Square, vec![a], 0.0),
-            _ => (Code::General(operation), arguments[..operation.arity()].to_vec(), 0.0),
+            _ => (Code::General, arguments[..operation.arity()].to_vec(), 0.0),
         }
     }
 }

@@ -48,14 +48,16 @@ pub(super) enum Code {
     PowerReal,
     /// `sin a`, and `cos a` into `c`.
     SineCosine,
-    /// Any operation on `a`, `b` and `c`.
-    General(Operation),
+    /// The step's operation on `a`, `b` and `c`.
+    General,
 }
 
 /// A step of a tape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub code: Code,
+    /// What a general step does.
+    pub operation: Operation,
     pub into: u32,
     pub a: u32,
     pub b: u32,
@@ -114,47 +116,42 @@ impl Tape {
 
     #[inline(never)]
     fn run<T: Scalar>(&self, r: &mut [T], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
-        for &Step { code, into, a, b, c, n } in &self.steps {
+        for &Step { code, operation, into, a, b, c, n } in &self.steps {
             let [into, a, b, c] = [into as usize, a as usize, b as usize, c as usize];
-            r[into] = match code {
-                Code::State => x[a],
-                Code::Parameter => p[a],
-                Code::Number => T::constant(n),
-                Code::Result => {
-                    results[into] = r[a];
-                    continue;
-                }
-                Code::Add => r[a] + r[b],
-                Code::Subtract => r[a] - r[b],
-                Code::Multiply => r[a] * r[b],
-                Code::Divide => r[a] / r[b],
-                Code::Shift => r[a] + n,
-                Code::Reflect => -r[a] + n,
-                Code::Scale => r[a] * n,
-                Code::Share => r[a] / n,
-                Code::Invert => r[a].recip() * n,
-                Code::MultiplyAdd => r[a] * r[b] + r[c],
-                Code::SubtractProduct => r[c] - r[a] * r[b],
-                Code::ScaleAdd => r[a] * n + r[b],
-                Code::Square => r[a] * r[a],
-                Code::PowerInteger => r[a].powi(n as i32),
-                Code::PowerReal => r[a].powf(n),
+            // Every arm stores by itself: one value of all arms would be copied through memory.
+            match code {
+                Code::State => r[into] = x[a],
+                Code::Parameter => r[into] = p[a],
+                Code::Number => r[into] = T::constant(n),
+                Code::Result => results[into] = r[a],
+                Code::Add => r[into] = r[a] + r[b],
+                Code::Subtract => r[into] = r[a] - r[b],
+                Code::Multiply => r[into] = r[a] * r[b],
+                Code::Divide => r[into] = r[a] / r[b],
+                Code::Shift => r[into] = r[a] + n,
+                Code::Reflect => r[into] = -r[a] + n,
+                Code::Scale => r[into] = r[a] * n,
+                Code::Share => r[into] = r[a] / n,
+                Code::Invert => r[into] = r[a].recip() * n,
+                Code::MultiplyAdd => r[into] = r[a] * r[b] + r[c],
+                Code::SubtractProduct => r[into] = r[c] - r[a] * r[b],
+                Code::ScaleAdd => r[into] = r[a] * n + r[b],
+                Code::Square => r[into] = r[a] * r[a],
+                Code::PowerInteger => r[into] = r[a].powi(n as i32),
+                Code::PowerReal => r[into] = r[a].powf(n),
                 Code::SineCosine => {
                     let (sine, cosine) = r[a].sin_cos();
                     r[c] = cosine;
-                    sine
+                    r[into] = sine;
                 }
-                Code::General(operation) => general(operation, &r[a], &r[b], &r[c]),
-            };
+                Code::General => r[into] = general(operation, &r[a], &r[b], &r[c]),
+            }
         }
     }
 
     /// Whether its values are chosen by comparisons.
     pub fn decides(&self) -> bool {
-        self.steps.iter().any(|step| match step.code {
-            Code::General(operation) => operation.decides(),
-            _ => false,
-        })
+        self.steps.iter().any(|step| step.code == Code::General && step.operation.decides())
     }
 }
 
