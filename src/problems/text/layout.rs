@@ -5,6 +5,9 @@ use super::operation::Operation;
 use super::tape::{Code, Step, Tape};
 use std::collections::HashMap;
 
+/// The most states that are in registers from the beginning.
+const PRELOADED: usize = 6;
+
 /// A tape that is being laid out.
 pub(super) struct Layout<'a> {
     assembly: &'a Assembly,
@@ -16,6 +19,7 @@ pub(super) struct Layout<'a> {
     registers: HashMap<Value, u32>,
     free: Vec<u32>,
     count: u32,
+    preloaded: usize,
     steps: Vec<Step>,
 }
 
@@ -31,6 +35,7 @@ impl<'a> Layout<'a> {
             registers: HashMap::from([(Value::Time, 0)]),
             free: Vec::new(),
             count: 1,
+            preloaded: 0,
             steps: Vec::new(),
         };
         layout.reads.insert(Value::Time, usize::MAX / 2);
@@ -44,7 +49,20 @@ impl<'a> Layout<'a> {
             *layout.reads.entry(*result).or_default() += 1;
         }
         layout.pair_cosines();
+        layout.preload();
         layout
+    }
+
+    /// The states of a small system, of which all are read, are in registers from the beginning: a step for each would
+    /// take longer.
+    fn preload(&mut self) {
+        let read = (0..PRELOADED as u32).take_while(|k| self.reads.contains_key(&Value::State(*k)));
+        self.preloaded = read.count();
+        for k in 0..self.preloaded as u32 {
+            self.registers.insert(Value::State(k), 1 + k);
+            self.reads.insert(Value::State(k), usize::MAX / 2);
+        }
+        self.count += self.preloaded as u32;
     }
 
     /// Sine and cosine of one angle are computed at once, where the first of them is.
@@ -89,7 +107,8 @@ impl<'a> Layout<'a> {
         for (value, positions) in left {
             self.put_away(value, positions);
         }
-        Tape { steps: self.steps, registers: self.count as usize }
+        let Layout { steps, count, preloaded, .. } = self;
+        Tape { steps, registers: count as usize, preloaded }
     }
 
     fn put_away(&mut self, value: Value, positions: Vec<u32>) {
@@ -222,6 +241,8 @@ impl<'a> Layout<'a> {
             (Multiply, [Some(n), _]) => (Code::Scale, vec![b], n),
             (Multiply, [_, Some(n)]) => (Code::Scale, vec![a], n),
             (Divide, [Some(n), _]) => (Code::Invert, vec![b], n),
+            // A power of two has an exact reciprocal.
+            (Divide, [_, Some(n)]) if is_power_of_two(n) => (Code::Scale, vec![a], n.recip()),
             (Divide, [_, Some(n)]) => (Code::Share, vec![a], n),
             (Power, [_, Some(n)]) if n.fract() == 0.0 && n.abs() < 1e9 => {
                 (Code::PowerInteger, vec![a], n)
@@ -235,6 +256,11 @@ impl<'a> Layout<'a> {
             _ => (Code::General, arguments[..operation.arity()].to_vec(), 0.0),
         }
     }
+}
+
+fn is_power_of_two(n: f64) -> bool {
+    let inverse = n.recip();
+    n.is_normal() && inverse.is_normal() && n.to_bits().trailing_zeros() >= 52
 }
 
 /// A product and a summand.

@@ -71,6 +71,8 @@ pub(super) struct Tape {
     pub steps: Vec<Step>,
     /// How many registers it needs. The first one has the time.
     pub registers: usize,
+    /// How many states are in the registers behind that from the beginning.
+    pub preloaded: usize,
 }
 
 /// What a tape reads.
@@ -91,7 +93,7 @@ impl Tape {
         };
         let inputs = Inputs { x, p };
         match () {
-            () if fits(8) => self.run(&mut [t; 8], inputs, results),
+            () if fits(8) => self.on_stack::<T, 8>(t, inputs, results),
             () if fits(16) => self.on_stack::<T, 16>(t, inputs, results),
             () if fits(32) => self.on_stack::<T, 32>(t, inputs, results),
             () if fits(128) => self.on_stack::<T, 128>(t, inputs, results),
@@ -116,6 +118,7 @@ impl Tape {
 
     #[inline(never)]
     fn run<T: Scalar>(&self, r: &mut [T], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
+        r[1..=self.preloaded].copy_from_slice(&x[..self.preloaded]);
         for &Step { code, operation, into, a, b, c, n } in &self.steps {
             let [into, a, b, c] = [into as usize, a as usize, b as usize, c as usize];
             // Every arm stores by itself: one value of all arms would be copied through memory.
