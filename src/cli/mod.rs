@@ -2,6 +2,7 @@
 
 mod asked;
 mod error;
+mod import;
 mod list;
 mod plot;
 mod report;
@@ -29,6 +30,7 @@ enum Command {
     Robustness(report::Robustness),
     Trace(trace::Trace),
     Scene(trace::Written),
+    Import(import::Import),
     Points(list::Points),
     Plot(plot::Plot),
     Sweep(sweep::Sweep),
@@ -56,6 +58,7 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Command::Robustness(maps) => maps.run(&mut out),
         Command::Trace(trace) => trace.run(&catalogue, &mut out),
         Command::Scene(scene) => scene.run(&catalogue, &mut out),
+        Command::Import(import) => import.run(&mut out),
         Command::Points(points) => points.run(&mut out),
         Command::Plot(plot) => plot.run(&mut out),
         Command::Sweep(sweep) => sweep.run(&catalogue, &mut out),

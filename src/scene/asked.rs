@@ -10,6 +10,7 @@ use crate::core::field::Forcing;
 use crate::core::hybrid::{HybridFlow, HybridSettings};
 use crate::core::names::position;
 use crate::output::Plot;
+use crate::problems::text::ode::Options;
 
 /// What is asked of a model without a scene, or of a scene beyond what it states.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,12 +73,30 @@ impl Scene {
             scene.set(name, value)?;
         }
         let mut run = Run::along("branch", vec![first.clone()]);
-        run.bounds = asked.bounds.clone();
+        run.bounds = scene.followed()?;
+        run.bounds.extend(asked.bounds.iter().cloned());
         scene.runs.push(run);
         scene.begin(asked)?;
         scene.hold(asked);
         scene.check()?;
         Ok(scene)
+    }
+
+    /// Does what the file of a model says about how far it is to be followed; gives bounds.
+    fn followed(&mut self) -> Result<Vec<Range>, SceneError> {
+        let Options { bounds, ntst, npr, .. } = self.problem.options();
+        if let Some(intervals) = ntst {
+            self.problem.set("intervals", &intervals.to_string())?;
+        }
+        self.settings.save_every = npr.unwrap_or(self.settings.save_every);
+        let (Some(bound), Some(model)) = (bounds, self.problem.text()) else {
+            return Ok(Vec::new());
+        };
+        let within = |state: String| {
+            let end = |name: &str, low, high| Range { name: format!("{name}_{state}"), low, high };
+            [end("max", None, Some(bound)), end("min", Some(-bound), None)]
+        };
+        Ok(model.states().into_iter().flat_map(within).collect())
     }
 
     /// The scene with other ranges, bounds and starts.

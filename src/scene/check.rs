@@ -128,10 +128,12 @@ impl Scene {
 }
 
 impl Scene {
-    /// What is probably a mistake: parameters that no formula of equations which are given as text uses.
+    /// What is probably a mistake, of equations which are given as text: parameters that no formula uses, and what a file
+    /// says that has no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
-        unused.iter().map(|name| format!("no formula uses the parameter `{name}`")).collect()
+        let unused = unused.iter().map(|name| format!("no formula uses the parameter `{name}`"));
+        unused.chain(self.problem.notes().iter().cloned()).collect()
     }
 }
 

@@ -5,7 +5,7 @@ use super::error::SceneError;
 use super::local::Local;
 use super::simulate::{Simulated, settled};
 use super::slot::{self, Slots, options, written};
-use super::text::{SceneText, Stated, kind_of, with_default_settings};
+use super::text::{SceneText, Stated, is_ode, kind_of, with_default_settings};
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
@@ -13,6 +13,7 @@ use crate::core::hybrid::HybridEquations;
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
 use crate::problems::text;
+use crate::problems::text::ode::Options;
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
@@ -173,8 +174,24 @@ impl Problem {
 
     /// Whether a file with this text states equations, and is no scene.
     pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
-        let ode = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ode"));
-        ode || kind_of(text::statement_in(text).0).is_some()
+        is_ode(path) || kind_of(text::statement_in(text).0).is_some()
+    }
+
+    /// What a file of its equations says that has no effect, or another name here.
+    pub fn notes(&self) -> &[String] {
+        self.text.as_ref().map_or(&[], |text| &text.notes)
+    }
+
+    /// Its equations as a file that [`from_file`](Self::from_file) reads, if they are given as text.
+    pub fn equations(&self) -> String {
+        self.text
+            .as_ref()
+            .map_or(String::new(), |text| format!("{}{}", self.name, text.written.trim_end()))
+    }
+
+    /// How far a file of its equations says that they are to be followed.
+    pub(super) fn options(&self) -> Options {
+        self.text.as_ref().map_or(Options::default(), |text| text.options.clone())
     }
 
     /// Values of states, where motion and branches begin if nothing else is said.

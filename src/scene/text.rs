@@ -10,6 +10,7 @@ use super::problem::{Configured, Model, Problem};
 use super::slot::options;
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::names::UnknownName;
+use crate::problems::text::ode::{self, Options};
 use crate::problems::text::{self, KINDS, Source, Statement, blanked};
 use ron::error::SpannedError;
 use ron::value::RawValue;
@@ -30,6 +31,16 @@ pub(super) struct Stated {
     pub model: text::Model,
     /// What is stated: between the brackets.
     pub written: String,
+    /// What a file says that has no effect, or another name here.
+    pub notes: Vec<String>,
+    /// How far a file says that its model is to be followed.
+    pub options: Options,
+}
+
+impl Stated {
+    fn new(model: text::Model, written: &str) -> Self {
+        Stated { model, written: written.into(), notes: Vec::new(), options: Options::default() }
+    }
 }
 
 /// The kind of equations that a name stands for, with the names of what they state.
@@ -63,22 +74,22 @@ pub(super) fn stated(
     let stated = of(&|name| fields.contains(&name) || name == FILE);
     let settings = blanked(part, &stated);
     let moved = |part: Range<usize>| part.start + at..part.end + at;
-    let (model, written) = match all.iter().find(|field| field.name == FILE) {
+    let stated = match all.iter().find(|field| field.name == FILE) {
         Some(field) => of_file(scene, &super::slot::read::<String>(FILE, field.value)?, given)?,
         None => {
             let others =
                 of(&|name| !fields.contains(&name)).into_iter().map(moved).collect::<Vec<_>>();
             let source = source.without(&others);
             let part = &source.readable()[at..at + part.len()];
-            (Statement::read(&source, kind, part)?.model(&source, given)?, part.to_string())
+            Stated::new(Statement::read(&source, kind, part)?.model(&source, given)?, part)
         }
     };
-    if kind != name_of(&model) {
-        let (found, rule) = (kind.to_string(), format!("the file holds `{}`", name_of(&model)));
+    if kind != name_of(&stated.model) {
+        let rule = format!("the file holds `{}`", name_of(&stated.model));
+        let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
-    problem(model, written, &settings)
-        .map_err(|error| super::catalogue::syntax_in(scene.text, error, at))
+    problem(stated, &settings).map_err(|error| super::catalogue::syntax_in(scene.text, error, at))
 }
 
 /// The model of a file, and its statement.
@@ -86,14 +97,32 @@ pub(super) fn of_file(
     scene: SceneText,
     file: &str,
     given: &[String],
-) -> Result<(text::Model, String), SceneError> {
+) -> Result<Stated, SceneError> {
     let path = scene.folder.join(file);
-    let text = std::fs::read_to_string(&path).map_err(|cause| {
+    let bytes = std::fs::read(&path).map_err(|cause| {
         SceneError::value(FILE, file, format!("`{}` cannot be read: {cause}", path.display()))
     })?;
-    let source = Source::new(file, text);
+    // Files of XPPAUT's may be older than UTF-8.
+    let source = Source::new(file, String::from_utf8_lossy(&bytes));
+    if is_ode(&path) {
+        let read = ode::read(&source)?;
+        let written = read.statement.ron();
+        let mut stated =
+            Stated::new(read.statement.model(&source, given)?, text::statement_in(&written).1);
+        stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
+        let renamed =
+            read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
+        stated.notes.extend(renamed);
+        stated.options = read.options;
+        return Ok(stated);
+    }
     let (kind, part) = text::statement_in(&source.text);
-    Ok((Statement::read(&source, kind, part)?.model(&source, given)?, part.to_string()))
+    Ok(Stated::new(Statement::read(&source, kind, part)?.model(&source, given)?, part))
+}
+
+/// Whether a file is one of XPPAUT's, by its name.
+pub(super) fn is_ode(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ode"))
 }
 
 /// The problem of a file of equations, with default settings.
@@ -102,8 +131,8 @@ pub(super) fn with_default_settings(
     file: &str,
     given: &[String],
 ) -> Result<Problem, SceneError> {
-    let (model, written) = of_file(scene, file, given)?;
-    problem(model, written, "()").map_err(|error| super::catalogue::syntax_in("", error, 0))
+    problem(of_file(scene, file, given)?, "()")
+        .map_err(|error| super::catalogue::syntax_in("", error, 0))
 }
 
 /// The kind of a model's equations.
@@ -119,8 +148,8 @@ pub(super) fn name_of(model: &text::Model) -> &'static str {
     }
 }
 
-fn problem(model: text::Model, written: String, settings: &str) -> Result<Problem, SpannedError> {
-    let configured: Box<dyn Model> = match model.clone() {
+fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
+    let configured: Box<dyn Model> = match stated.model.clone() {
         text::Model::Field(field) => configured::<_, FieldSettings>(field, settings)?,
         text::Model::Zero(zero) => configured::<_, ZeroSettings>(zero, settings)?,
         text::Model::Map(map) => configured::<_, MapSettings>(map, settings)?,
@@ -134,7 +163,7 @@ fn problem(model: text::Model, written: String, settings: &str) -> Result<Proble
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
     };
-    Ok(Problem::stated(name_of(&model), configured, Stated { model, written }))
+    Ok(Problem::stated(name_of(&stated.model), configured, stated))
 }
 
 fn configured<P, S: ProblemSettings>(

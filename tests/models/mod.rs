@@ -3,4 +3,5 @@
 mod errors;
 mod fuzz;
 mod language;
+mod ode;
 mod restated;

@@ -36,6 +36,7 @@ fn the_example_is_the_file_and_short() {
 #[test]
 fn the_scene_is_the_file() {
     assert!(shows("ron", include_str!("../../examples/narrow-plate.ron")));
+    assert!(shows("ron", include_str!("../../examples/lorenz.ron")));
 }
 
 #[test]
@@ -51,8 +52,9 @@ fn commands_give_the_output_shown() {
     let folder = tempfile::tempdir().unwrap();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     std::fs::create_dir(folder.path().join("examples")).unwrap();
-    let scene = "examples/narrow-plate.ron";
-    std::fs::copy(root.join(scene), folder.path().join(scene)).unwrap();
+    for file in ["examples/narrow-plate.ron", "examples/lorenz.ron"] {
+        std::fs::copy(root.join(file), folder.path().join(file)).unwrap();
+    }
     let blocks = blocks();
     let mut compared = 0;
     for (index, block) in blocks.iter().enumerate() {

@@ -20,6 +20,7 @@ mod boundary;
 mod hybrid;
 mod layout;
 mod map;
+pub mod ode;
 mod operation;
 mod residual;
 mod scope;
@@ -28,6 +29,7 @@ mod source;
 pub mod statement;
 mod syntax;
 mod tape;
+mod written;
 
 pub use basis::number;
 pub use boundary::Conditions;

@@ -36,14 +36,17 @@ impl Source {
 
     /// A part of the text, which is known to be one by where it is in memory.
     pub fn phrase(&self, part: &str) -> Phrase {
-        Phrase { text: part.to_string(), address: Some(part.as_ptr() as usize) }
+        Phrase { address: Some(part.as_ptr() as usize), ..part.into() }
     }
 
     /// Where a phrase begins, in bytes; `None` if it was not taken from this text as it is.
     fn offset(&self, phrase: &Phrase) -> Option<usize> {
         let within = |text: &str| {
             let at = phrase.address?.checked_sub(text.as_ptr() as usize)?;
-            (text.get(at..at + phrase.text.len())? == phrase.text).then_some(at)
+            match phrase.stands_for {
+                Some(length) => text.get(at..at + length).map(|_| at),
+                None => (text.get(at..at + phrase.text.len())? == phrase.text).then_some(at),
+            }
         };
         within(&self.masked).or(within(&self.text))
     }
@@ -52,7 +55,8 @@ impl Source {
     pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
         // Blanks behind a part do not belong to it.
         let part = part.start..part.start + phrase.text[part].trim_end().len();
-        let place = self.offset(phrase).map(|at| self.place(at + part.start..at + part.end));
+        let known = phrase.stands_for.map_or_else(|| part.clone(), |length| 0..length);
+        let place = self.offset(phrase).map(|at| self.place(at + known.start..at + known.end));
         let place = place.unwrap_or_else(|| Place::within(&phrase.text, part));
         ModelError { file: self.name.clone(), place: Box::new(place), fault }
     }
@@ -81,14 +85,40 @@ pub(crate) fn blanked(text: &str, parts: &[Range<usize>]) -> String {
     letters.collect()
 }
 
-/// A part of a source: a name, or a formula.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A part of a source: a name, or a formula. Two are equal if their texts are.
+#[derive(Clone, Debug, Default)]
 pub struct Phrase {
     /// Its text.
     pub text: String,
     /// Where it begins in memory, if it was borrowed from a source: tells its place there.
     address: Option<usize>,
+    /// How long the part of the source is that it was rewritten from, if it was.
+    stands_for: Option<usize>,
 }
+
+impl Phrase {
+    /// What it is rewritten as: errors in that show all of it.
+    ///
+    /// ```
+    /// use tangency::problems::text::{Fault, Source};
+    /// let source = Source::new("", "x + X");
+    /// let phrase = source.phrase(&source.text[4..]).rewritten("(x)".into());
+    /// let error = source.fault(&phrase, 1..2, Fault::Form { reason: "wrong".into() });
+    /// assert_eq!((error.place.column, error.place.width), (5, 1));
+    /// ```
+    pub fn rewritten(&self, text: String) -> Phrase {
+        let length = self.stands_for.unwrap_or(self.text.len());
+        Phrase { text, address: self.address, stands_for: Some(length) }
+    }
+}
+
+impl PartialEq for Phrase {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+impl Eq for Phrase {}
 
 impl<'de> Deserialize<'de> for Phrase {
     /// Text, or a number.
@@ -102,7 +132,7 @@ impl<'de> Deserialize<'de> for Phrase {
             }
 
             fn visit_borrowed_str<E>(self, text: &'de str) -> Result<Phrase, E> {
-                Ok(Phrase { text: text.to_string(), address: Some(text.as_ptr() as usize) })
+                Ok(Phrase { address: Some(text.as_ptr() as usize), ..text.into() })
             }
 
             fn visit_str<E>(self, text: &str) -> Result<Phrase, E> {
@@ -127,7 +157,7 @@ impl<'de> Deserialize<'de> for Phrase {
 
 impl From<String> for Phrase {
     fn from(text: String) -> Self {
-        Phrase { text, address: None }
+        Phrase { text, address: None, stands_for: None }
     }
 }
 
@@ -185,7 +215,7 @@ impl fmt::Display for Place {
 /// assert!(matches!(error.fault, Fault::Unknown(_)));
 /// assert_eq!((error.place.line, error.place.column), (Some(2), 21));
 /// assert_eq!(error.to_string(), "\
-/// fold.ron, line 2, column 21: unknown name `lamda`; did you mean `lambda`? Known: x, lambda, pi, e
+/// fold.ron, line 2, column 21: unknown name `lamda`; did you mean `lambda`? Known: lambda, x, t, pi, e
 ///  2 |     states: [(\"x\", \"lamda - x^2\")],
 ///    |                     ^^^^^");
 /// ```

@@ -198,6 +198,10 @@ impl<'de> Deserialize<'de> for Choice {
                 Ok(Choice(name, None))
             }
 
+            fn visit_str<E>(self, text: &str) -> Result<Choice, E> {
+                Ok(Choice(text.into(), None))
+            }
+
             fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Choice, A::Error> {
                 let missing = || serde::de::Error::custom("expected the name of a mode");
                 let name = items.next_element()?.ok_or_else(missing)?;

@@ -1,0 +1,38 @@
+//! `tangency import MODEL.ode`: a model of XPPAUT's as a file of equations.
+
+use super::error::CommandError;
+use super::plot::same_file;
+use crate::output::write_atomically;
+use crate::scene::Problem;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Write a model of XPPAUT's as a file of equations, to be traced and edited
+#[derive(Debug, Args)]
+pub struct Import {
+    /// The model (.ode)
+    model: PathBuf,
+    /// The file of equations (.ron); the standard output if it is not given
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Import {
+    /// Writes the equations.
+    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
+        let place = self.model.display().to_string();
+        let problem = Problem::from_file(&self.model, &[])
+            .map_err(|cause| CommandError::Scene { place, cause: Box::new(cause) })?;
+        for note in problem.notes() {
+            writeln!(std::io::stderr(), "warning: {note}")?;
+        }
+        let text = format!("{}\n", problem.equations());
+        let Some(path) = &self.out else { return Ok(out.write_all(text.as_bytes())?) };
+        if same_file(&self.model, path) {
+            return Err(CommandError::OutputIsInput { path: path.clone() });
+        }
+        write_atomically(path, text)?;
+        Ok(writeln!(out, "{}", path.display())?)
+    }
+}

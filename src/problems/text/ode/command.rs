@@ -1,0 +1,117 @@
+//! Lists of names with values, and what is refused.
+
+use super::super::source::{ModelError, Source};
+use super::function;
+use super::option::number;
+use super::origin::{Slice, Text};
+use super::parts::Named;
+
+/// What an initial value or a parameter must be.
+pub(super) const NUMBER: &str = "a number: XPPAUT reads no formula here; \
+                      a constant that depends on others is written `!b=2*a`";
+const VOLTERRA: &str = "integral equations have no counterpart";
+
+/// Commands without a counterpart: how they begin, what they are, and why they are refused.
+pub(super) const REFUSED: [(&str, &str, &str); 18] = [
+    ("MKSOL", "a pHtools command (`mksol`)", "it states chemical equilibria, not equations"),
+    ("ADDTOSOL", "a pHtools command", "it states chemical equilibria, not equations"),
+    ("TRACKSOL", "a pHtools command", "it states chemical equilibria, not equations"),
+    ("PHSOL", "a pHtools command", "it states chemical equilibria, not equations"),
+    ("STRENGTH", "a pHtools command", "it states chemical equilibria, not equations"),
+    ("BUFFCAP", "a pHtools command", "it states chemical equilibria, not equations"),
+    ("SPECIES", "a pHtools command", "it states chemical equilibria, not equations"),
+    ("MA", "a Markov process (`markov`)", "motion that depends on chance is not followed"),
+    ("W", "noise (`wiener`)", "motion that depends on chance is not followed"),
+    ("V", "an integral equation (`volterra`)", VOLTERRA),
+    (
+        "SO",
+        "an algebraic variable (`solve`)",
+        "only differential equations and maps have a counterpart",
+    ),
+    ("SP", "a network (`special`)", "write the sum, as in `sum(0,9)of(w*shift(u0,i'))`"),
+    ("EX", "a library of compiled functions (`export`)", "the equations are not in this file then"),
+    ("TA", "a table (`table`)", "write the function as a formula"),
+    ("GR", "a group (`group`)", "state the equations of each part"),
+    ("B", "a boundary condition (`bdry`)", "state a `Boundary` problem in RON"),
+    ("OP", "a file of options (`options`)", "write them here, as in `@ total=50`"),
+    ("OD", "the old form of files", "`xppaut -convert` writes it anew"),
+];
+
+/// Refuses calls without a counterpart, whatever else is wrong in a line.
+pub(super) fn refuse_calls(source: &Source, line: Slice) -> Result<(), ModelError> {
+    let plain = |word: &str| {
+        let start = line.text.get(..word.len());
+        let behind = line.text[word.len().min(line.text.len())..].trim_start();
+        start.is_some_and(|start| start.eq_ignore_ascii_case(word)) && !behind.starts_with('=')
+    };
+    let first = line.text.split([' ', '\t']).next().unwrap_or_default().to_ascii_uppercase();
+    let word = first.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    let whole = word && first.len() < line.text.len() && plain(&first);
+    let refused = REFUSED.iter().any(|(start, ..)| first.starts_with(start));
+    if whole && (refused || ["SET", "ONLY"].contains(&first.as_str())) {
+        return Ok(());
+    }
+    let letter = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.');
+    let (bytes, mut at) = (line.text.as_bytes(), 0);
+    while at < bytes.len() {
+        let length = bytes[at..].iter().take_while(|byte| letter(byte)).count();
+        if length == 0 {
+            at += 1;
+            continue;
+        }
+        let word = line.text[at..at + length].to_ascii_uppercase();
+        let refused = function::REFUSED.iter().find(|(known, ..)| *known == word);
+        let behind = line.text[at + length..].trim_start();
+        if let Some((_, construct, reason)) =
+            refused.filter(|_| behind.starts_with(['(', '{', '[']))
+        {
+            return Err(line.part(at..at + length).unsupported(source, *construct, *reason));
+        }
+        at += length;
+    }
+    Ok(())
+}
+
+/// Names with values, as in `a=1,b=2 c=3`.
+pub(super) fn values_of(source: &Source, list: Slice) -> Result<Vec<Named>, ModelError> {
+    let (mut values, mut rest) = (Vec::new(), list.trim());
+    let ends = |c: char| c == ',' || c == '=' || c.is_whitespace();
+    while !rest.text.is_empty() {
+        let end = rest.text.find(ends).unwrap_or(rest.text.len());
+        let (name, behind) = (rest.part(0..end), rest.from(end).trim());
+        if name.text.is_empty() && !behind.text.starts_with('=') {
+            rest = behind.from(1).trim();
+            continue;
+        }
+        let Some(stripped) = behind.text.strip_prefix('=') else {
+            // XPPAUT takes it as 0.
+            values.push(Named { name: name.to_text(), formula: behind.part(0..0).to_text() });
+            rest = behind;
+            continue;
+        };
+        let value = behind.from(behind.text.len() - stripped.len()).trim();
+        let end = value.text.find(|c: char| c == ',' || c.is_whitespace());
+        let end = end.unwrap_or(value.text.len());
+        let number_text = value.part(0..end);
+        if number(number_text.text).is_none() {
+            return Err(number_text.expected(source, NUMBER));
+        }
+        values.push(Named { name: name.to_text(), formula: number_text.to_text() });
+        rest = value.from(end).trim();
+    }
+    Ok(values)
+}
+
+/// The names between the brackets of a function.
+pub(super) fn arguments_of(within: Slice) -> Vec<Text> {
+    let (mut arguments, mut rest) = (Vec::new(), Some(within));
+    while let Some(list) = rest {
+        let (first, others) = match list.split(&[',']) {
+            Some((first, _, others)) => (first, Some(others)),
+            None => (list, None),
+        };
+        arguments.push(first.trim().to_text());
+        rest = others;
+    }
+    arguments
+}

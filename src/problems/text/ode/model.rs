@@ -1,0 +1,251 @@
+//! From what a file states to a statement.
+
+use super::super::Statement;
+use super::super::source::{Fault, ModelError, Phrase, Source};
+use super::super::statement::{Equations, Formulas as Pairs, HybridEquations, Map};
+use super::Ode;
+use super::common::{Common, common};
+use super::depend::Formulas;
+use super::event::{Event, Hybrid};
+use super::formula;
+use super::names::{Names, check};
+use super::origin::Slice;
+use super::parts::{Named, Parts, Sort};
+use super::tree::{Known, Tree};
+
+/// What a file states, understood.
+pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelError> {
+    check_sizes(source, &parts)?;
+    let mut names = Names::of(source, &parts)?;
+    if parts.states.is_empty() {
+        let (what, needed) =
+            ("the file".into(), "there must be one equation or more, as in `x'=-x`".into());
+        return Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
+    }
+    let formulas = formulas_of(&names, &parts)?;
+    if needs_clock(&names, &formulas, &parts)? {
+        names.clock = Some(names.free("iterate", false));
+    }
+    let rates = parts.states.iter().map(|named| pair(&names, named, &[]));
+    let rates: Vec<(Phrase, Phrase, Tree)> = rates.collect::<Result<_, _>>()?;
+    let mut ignored = parts.found.ignored.clone();
+    let read = |global| Event::read(&names, &formulas, global, &mut ignored);
+    let events: Vec<Event> = parts.globals.iter().map(read).collect::<Result<_, _>>()?;
+    let monitors =
+        parts.monitors.iter().map(|named| formula::read(&names, named.formula.all(), &[]));
+    let monitors: Vec<Tree> = monitors.collect::<Result<_, _>>()?;
+    let mut renamed = names.renamed.clone();
+    let monitors = monitors_of(&mut names, &parts, &monitors, &mut renamed)?;
+    let mut common = common(&names, &parts, &formulas, monitors)?;
+    let mut states: Pairs = rates.into_iter().map(|(name, rate, _)| (name, rate)).collect();
+    if let Some(clock) = &names.clock {
+        states.push((clock.as_str().into(), format!("{clock} + 1").into()));
+        let start = parts.found.options.start.to_string();
+        common.initial.push((clock.as_str().into(), start.into()));
+    }
+    let statement = statement(&names, &formulas, &parts, events, states, common)?;
+    let options = parts.found.options.clone();
+    Ok(Ode { statement, options, ignored, renamed, clock: names.clock })
+}
+
+/// The most functions, and the most conditions with resets.
+const MOST: usize = 200;
+
+/// Refuses more functions or conditions than can be put into each other in time.
+fn check_sizes(source: &Source, parts: &Parts) -> Result<(), ModelError> {
+    let function =
+        parts.functions.get(MOST).map(|function| ("functions", function.named.name.all()));
+    let global = parts.globals.get(MOST).map(|global| ("conditions", global.condition.all()));
+    match function.or(global) {
+        Some((what, place)) => Err(place.fault(source, Fault::TooLarge { what, limit: MOST })),
+        None => Ok(()),
+    }
+}
+
+/// A statement of the kind that a file is of.
+fn statement(
+    names: &Names,
+    formulas: &Formulas,
+    parts: &Parts,
+    events: Vec<Event>,
+    states: Pairs,
+    common: Common,
+) -> Result<Statement, ModelError> {
+    let Common { parameters, definitions, functions, monitors, initial } = common;
+    if parts.is_map {
+        if let Some(global) = parts.globals.first() {
+            let reason = "events of maps have no counterpart; write the map with `if`";
+            return Err(global.condition.all().unsupported(
+                names.source,
+                "`global` of a map",
+                reason,
+            ));
+        }
+        return Ok(Statement::Map(Map {
+            states,
+            parameters,
+            definitions,
+            functions,
+            monitors,
+            initial,
+        }));
+    }
+    if events.is_empty() {
+        return Ok(Statement::Equations(Equations {
+            states,
+            parameters,
+            definitions,
+            functions,
+            monitors,
+            initial,
+            ..Equations::default()
+        }));
+    }
+    let rest = HybridEquations {
+        parameters,
+        definitions,
+        functions,
+        monitors,
+        initial,
+        ..HybridEquations::default()
+    };
+    let hybrid = Hybrid { names, formulas, parts, events, rates: states, rest };
+    hybrid.statement().map(Statement::HybridEquations)
+}
+
+/// The formulas behind constants, quantities and functions; that nothing leads to itself or to what comes later.
+fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
+    let mut formulas = Formulas::default();
+    for function in &parts.functions {
+        let arguments = arguments_of(names.source, function)?;
+        formulas.functions.push(formula::read(names, function.named.formula.all(), &arguments)?);
+    }
+    for (sort, named) in &parts.constants {
+        formulas.constants.push(match sort {
+            Sort::Derived => Some(formula::read(names, named.formula.all(), &[])?),
+            _ => None,
+        });
+    }
+    for named in &parts.fixed {
+        formulas.fixed.push(formula::read(names, named.formula.all(), &[])?);
+    }
+    if let Some(k) = formulas.circular() {
+        let name = parts.functions[k].named.name.all();
+        let fault = Fault::Circular { name: name.text.into(), through: "it calls itself".into() };
+        return Err(name.fault(names.source, fault));
+    }
+    check_constants(names, parts, &formulas)?;
+    check_order(names, parts, &formulas)?;
+    Ok(formulas)
+}
+
+/// Refuses constants that depend on what is not constant: XPPAUT computes them once.
+fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
+    for ((_, named), tree) in parts.constants.iter().zip(&formulas.constants) {
+        let Some(tree) = tree else { continue };
+        let varies =
+            |known: &Known| matches!(known, Known::State(_) | Known::Fixed(_) | Known::Time);
+        if let Some(known) = formulas.all_names(tree).iter().find(|known| varies(known)) {
+            let construct =
+                format!("`!{}` that depends on `{}`", named.name.all().text, names.written(*known));
+            let reason =
+                "XPPAUT computes it once, at the start; leave the `!` out if it is to follow";
+            return Err(named.name.all().unsupported(names.source, construct, reason));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses quantities that are used before they are computed: in XPPAUT they have the value of the step before.
+fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
+    for (k, (named, tree)) in parts.fixed.iter().zip(&formulas.fixed).enumerate() {
+        let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);
+        if let Some(known) = formulas.by_functions(tree).iter().find(|known| later(known)) {
+            let construct =
+                format!("`{}` in a quantity that is computed before it", names.written(*known));
+            let reason = "XPPAUT takes its value of the step before; move it up";
+            return Err(named.name.all().unsupported(names.source, construct, reason));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a map depends on the number of the iterate.
+fn needs_clock(names: &Names, formulas: &Formulas, parts: &Parts) -> Result<bool, ModelError> {
+    let mut found = false;
+    for named in parts.states.iter().chain(&parts.monitors).filter(|_| parts.is_map) {
+        let tree = formula::read(names, named.formula.all(), &[])?;
+        found |= formulas.all_names(&tree).contains(&Known::Time);
+    }
+    Ok(found)
+}
+
+/// The names of a function's arguments.
+pub(super) fn arguments_of(
+    source: &Source,
+    function: &super::parts::Function,
+) -> Result<Vec<String>, ModelError> {
+    let mut arguments: Vec<String> = Vec::new();
+    for argument in &function.arguments {
+        let argument = argument.all();
+        check(source, argument)?;
+        if argument.text.contains('.') {
+            return Err(argument.expected(source, "a name: letters, digits and `_`"));
+        }
+        if arguments.iter().any(|known| known.eq_ignore_ascii_case(argument.text)) {
+            let fault = Fault::Twice { name: argument.text.into(), first: "an argument" };
+            return Err(argument.fault(source, fault));
+        }
+        arguments.push(argument.text.into());
+    }
+    Ok(arguments)
+}
+
+/// A name with its formula, as they are written here.
+pub(super) fn pair(
+    names: &Names,
+    named: &Named,
+    arguments: &[String],
+) -> Result<(Phrase, Phrase, Tree), ModelError> {
+    let tree = formula::read(names, named.formula.all(), arguments)?;
+    let formula = written(names, named.formula.all(), &tree, arguments);
+    Ok((name_of(names, named.name.all()), formula, tree))
+}
+
+/// A formula as it is written here.
+pub(super) fn written(names: &Names, place: Slice, tree: &Tree, arguments: &[String]) -> Phrase {
+    let text = tree.written(&|known| match known {
+        Known::Argument(k) => arguments[k].clone(),
+        known => names.written(known),
+    });
+    place.phrase(names.source, text)
+}
+
+/// A name as it is written here.
+pub(super) fn name_of(names: &Names, name: Slice) -> Phrase {
+    let written = names.find(name.text).map_or(name.text.into(), |known| names.written(known));
+    name.phrase(names.source, written)
+}
+
+/// Monitors, whose names other things may have in XPPAUT.
+fn monitors_of(
+    names: &mut Names,
+    parts: &Parts,
+    trees: &[Tree],
+    renamed: &mut Vec<(String, String)>,
+) -> Result<Pairs, ModelError> {
+    let mut monitors = Pairs::new();
+    for (named, tree) in parts.monitors.iter().zip(trees) {
+        let name = named.name.all();
+        check(names.source, name)?;
+        let taken = names.is_taken(name.text);
+        let called =
+            names.free(&if taken { format!("{}_aux", name.text) } else { name.text.into() }, false);
+        if called != name.text {
+            renamed.push((name.text.into(), called.clone()));
+        }
+        let name = name.phrase(names.source, called);
+        monitors.push((name, written(names, named.formula.all(), tree, &[])));
+    }
+    Ok(monitors)
+}

@@ -1,0 +1,223 @@
+//! What the lines of a file state, before names have a meaning.
+
+use super::super::source::{ModelError, Source};
+use super::command::{NUMBER, REFUSED, arguments_of, refuse_calls, values_of};
+use super::global::Global;
+use super::lines;
+use super::option::{Found, number};
+use super::origin::{Slice, Text};
+use std::ops::ControlFlow;
+
+/// A name with a formula.
+pub(super) struct Named {
+    pub name: Text,
+    pub formula: Text,
+}
+
+/// A function: its name, its arguments and its formula.
+pub(super) struct Function {
+    pub named: Named,
+    pub arguments: Vec<Text>,
+}
+
+/// What a constant is: one that can be varied, a number, or a formula of others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sort {
+    Parameter,
+    Number,
+    Derived,
+}
+
+/// Everything that a file states, in its order.
+#[derive(Default)]
+pub(super) struct Parts {
+    /// States with their rates, or next values.
+    pub states: Vec<Named>,
+    /// Whether they are next values.
+    pub is_map: bool,
+    pub constants: Vec<(Sort, Named)>,
+    pub fixed: Vec<Named>,
+    pub functions: Vec<Function>,
+    pub monitors: Vec<Named>,
+    pub initial: Vec<Named>,
+    /// Initial values by formulas, of elements of arrays.
+    pub initial_formulas: Vec<Named>,
+    pub globals: Vec<Global>,
+    pub found: Found,
+}
+
+impl Parts {
+    /// Reads all lines of a source.
+    pub fn read(source: &Source) -> Result<Parts, ModelError> {
+        let mut parts = Parts::default();
+        lines::for_each(source, &mut |line, array| parts.line(source, line.all(), array))?;
+        parts.is_map |= parts.found.discrete;
+        Ok(parts)
+    }
+
+    fn line(
+        &mut self,
+        source: &Source,
+        line: Slice,
+        array: bool,
+    ) -> Result<ControlFlow<()>, ModelError> {
+        let go_on = Ok(ControlFlow::Continue(()));
+        if line.text.starts_with('@') {
+            self.found.read(source, line.from(1))?;
+            return go_on;
+        }
+        let line = line.trim();
+        if line.text.starts_with("#include") {
+            let reason = "write what it has into this file";
+            return Err(line.part(0..8).unsupported(source, "`#include`", reason));
+        }
+        if line.text.is_empty() || line.text.starts_with(['#', '"']) {
+            return go_on;
+        }
+        refuse_calls(source, line)?;
+        let Some((head, letter, rest)) = line.split(&[' ', '\t', '=', '/', '\'', '(']) else {
+            // `done`
+            return match line.text.as_bytes()[0] {
+                b'd' | b'D' => Ok(ControlFlow::Break(())),
+                b'0'..=b'9' => {
+                    let reason = "`xppaut -convert` writes such files anew";
+                    Err(line.unsupported(source, "the old form of files", reason))
+                }
+                _ => Err(line.expected(source, "a statement, as in `x'=-x`")),
+            };
+        };
+        let blank = letter == ' ' || letter == '\t';
+        let (behind, formula) = (rest.trim(), |rest: Slice| rest.trim().to_text());
+        match letter {
+            _ if blank && !behind.text.starts_with('=') => {
+                return self.command(source, head, behind);
+            }
+            '/' => self.rate(source, line)?,
+            '\'' => {
+                let Some(rate) = behind.text.strip_prefix('=') else {
+                    return Err(rest.expected(source, "`=`, as in `x'=-x`"));
+                };
+                let rate = behind.from(behind.text.len() - rate.len());
+                self.states.push(Named { name: head.to_text(), formula: formula(rate) });
+            }
+            '(' => self.bracket(source, line, head, array)?,
+            _ => {
+                let value = if blank { behind.from(1) } else { rest };
+                self.assignment(source, head, value)?;
+            }
+        }
+        go_on
+    }
+
+    /// `name = formula`, `!name = formula`, and `0 = formula`.
+    fn assignment(&mut self, source: &Source, name: Slice, value: Slice) -> Result<(), ModelError> {
+        if name.text == "0" {
+            let reason = "only differential equations and maps have a counterpart";
+            return Err(name.unsupported(source, "an algebraic equation", reason));
+        }
+        let formula = value.trim().to_text();
+        if name.text.starts_with('!') {
+            let name = name.from(1).trim().to_text();
+            self.constants.push((Sort::Derived, Named { name, formula }));
+        } else {
+            self.fixed.push(Named { name: name.to_text(), formula });
+        }
+        Ok(())
+    }
+
+    /// `dx/dt = formula`.
+    fn rate(&mut self, source: &Source, line: Slice) -> Result<(), ModelError> {
+        let wrong = || line.expected(source, "a statement, as in `dx/dt=-x`");
+        let (left, _, right) = line.split(&['=']).ok_or_else(wrong)?;
+        let slash = left.text.find('/').ok_or_else(wrong)?;
+        let below: String = left.text[slash + 1..].split_whitespace().collect();
+        if !(left.text.starts_with(['d', 'D']) && below.eq_ignore_ascii_case("dt")) {
+            return Err(wrong());
+        }
+        let name = left.part(1..slash).trim().to_text();
+        self.states.push(Named { name, formula: right.trim().to_text() });
+        Ok(())
+    }
+
+    /// `x(t+1) = formula`, `x(0) = number`, `f(a,b) = formula`.
+    fn bracket(
+        &mut self,
+        source: &Source,
+        line: Slice,
+        head: Slice,
+        array: bool,
+    ) -> Result<(), ModelError> {
+        let inside = line.from(head.text.len() + 1);
+        let wrong =
+            || line.expected(source, "a statement, as in `f(x)=x^2`, `x(t+1)=-x` or `x(0)=1`");
+        let (within, _, behind) = inside.split(&[')']).ok_or_else(wrong)?;
+        let (between, _, value) = behind.split(&['=']).ok_or_else(wrong)?;
+        if !between.text.trim().is_empty() {
+            return Err(wrong());
+        }
+        let (name, formula) = (head.to_text(), value.trim().to_text());
+        let argument: String = within.text.split_whitespace().collect();
+        match argument.to_ascii_lowercase().as_str() {
+            "t+1" => {
+                self.is_map = true;
+                self.states.push(Named { name, formula });
+            }
+            // Only those of arrays are formulas in XPPAUT.
+            "0" if array => self.initial_formulas.push(Named { name, formula }),
+            "0" => {
+                if number(value.text).is_none() {
+                    return Err(value.trim().expected(source, NUMBER));
+                }
+                self.initial.push(Named { name, formula });
+            }
+            _ => {
+                let named = Named { name, formula };
+                self.functions.push(Function { named, arguments: arguments_of(within) });
+            }
+        }
+        Ok(())
+    }
+
+    /// A line that begins with a word: XPPAUT knows it by its first letters.
+    fn command(
+        &mut self,
+        source: &Source,
+        word: Slice,
+        rest: Slice,
+    ) -> Result<ControlFlow<()>, ModelError> {
+        let upper = word.text.to_ascii_uppercase();
+        let refused = REFUSED.iter().find(|(start, ..)| upper.starts_with(start));
+        if let Some((_, construct, reason)) = refused {
+            return Err(word.unsupported(source, *construct, *reason));
+        }
+        let begins = |start: &str| upper.starts_with(start);
+        if begins("D") {
+            return Ok(ControlFlow::Break(()));
+        } else if begins("AU") {
+            let wrong = || rest.expected(source, "a name with a formula, as in `aux e=x^2/2`");
+            let (name, _, formula) = rest.split(&['=']).ok_or_else(wrong)?;
+            let (name, formula) = (name.trim().to_text(), formula.trim().to_text());
+            self.monitors.push(Named { name, formula });
+        } else if begins("P") {
+            self.constants(source, Sort::Parameter, rest)?;
+        } else if begins("N") {
+            self.constants(source, Sort::Number, rest)?;
+        } else if begins("I") {
+            self.initial.extend(values_of(source, rest)?);
+        } else if begins("G") {
+            self.globals.push(Global::read(source, rest)?);
+        } else if rest.text.contains('=') && !begins("SE") && !begins("@") {
+            return Err(word.expected(source, "a statement that XPPAUT knows"));
+        } else {
+            let line = word.line(source);
+            self.found.ignored.push(format!("line {line}: `{}`", word.text));
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    fn constants(&mut self, source: &Source, sort: Sort, rest: Slice) -> Result<(), ModelError> {
+        let values = values_of(source, rest)?;
+        self.constants.extend(values.into_iter().map(|named| (sort, named)));
+        Ok(())
+    }
+}

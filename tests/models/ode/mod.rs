@@ -1,0 +1,57 @@
+//! XPPAUT's `.ode` files. Those in this folder are written after what its manual documents; each stands beside the same
+//! model in RON.
+
+mod agreement;
+mod mutated;
+mod refused;
+mod stated;
+mod written;
+
+use tangency::problems::text::ode::{self, Ode};
+use tangency::problems::text::{Model, Source};
+
+/// The files of this folder: names, and texts in both languages.
+fn files() -> Vec<(String, Source, Source)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/models/ode");
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "ode") {
+            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+            let source = |extension: &str| {
+                let text = std::fs::read_to_string(path.with_extension(extension)).unwrap();
+                Source::new(format!("{name}.{extension}"), text)
+            };
+            files.push((name.clone(), source("ode"), source("ron")));
+        }
+    }
+    files.sort_by(|a, b| a.0.cmp(&b.0));
+    files
+}
+
+/// What a text is read as.
+fn read(text: &str) -> Ode {
+    ode::read(&Source::new("", text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The model of a text.
+fn model(text: &str) -> Model {
+    let source = Source::new("", text);
+    let understood = ode::read(&source).and_then(|read| read.statement.model(&source, &[]));
+    understood.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Numbers between −1 and 1 that look random, the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// A whole number below a limit.
+    fn below(&mut self, limit: usize) -> usize {
+        (((self.next() + 1.0) / 2.0 * limit as f64) as usize).min(limit - 1)
+    }
+}

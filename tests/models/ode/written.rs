@@ -1,0 +1,132 @@
+//! Statements written as RON read as they were.
+
+use super::{Random, files};
+use tangency::problems::text::statement::{
+    Boundary, Equations, Guard, HybridEquations, Map, Mode, Next, Residual, Static,
+};
+use tangency::problems::text::{KINDS, Model, Phrase, Source, Statement, ode};
+
+/// What a statement reads as that was written.
+fn again(statement: &Statement) -> Statement {
+    let source = Source::new("again.ron", statement.ron());
+    let kind =
+        KINDS.iter().find(|(kind, _)| source.text.starts_with(&format!("{kind}("))).unwrap().0;
+    let read = Statement::read(&source, kind, &source.text[kind.len()..]);
+    read.unwrap_or_else(|error| panic!("{error}\n{}", source.text))
+}
+
+#[test]
+fn files_are_written_as_statements_that_read_the_same() {
+    for (_, file, _) in files() {
+        let statement = ode::read(&file).unwrap().statement;
+        assert_eq!(again(&statement), statement);
+        let source = Source::new("", statement.ron());
+        Model::read(&source, &[]).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// Statements of all kinds with any texts.
+struct Any(Random);
+
+impl Any {
+    fn phrase(&mut self) -> Phrase {
+        const PIECES: [&str; 16] = [
+            "x", "1", "-2", "0", "007", "2.5", "\"", "\\", "\n", "ü", "\t", "[i=1..3]", " + ",
+            "é\u{7}", "1e3", "",
+        ];
+        let count = self.0.below(4);
+        let text: String = (0..count).map(|_| PIECES[self.0.below(PIECES.len())]).collect();
+        text.into()
+    }
+
+    fn many<T>(&mut self, one: impl Fn(&mut Self) -> T) -> Vec<T> {
+        (0..self.0.below(4)).map(|_| one(self)).collect()
+    }
+
+    fn pairs(&mut self) -> Vec<(Phrase, Phrase)> {
+        self.many(|any| (any.phrase(), any.phrase()))
+    }
+
+    fn functions(&mut self) -> Vec<(Phrase, Vec<Phrase>, Phrase)> {
+        self.many(|any| (any.phrase(), any.many(Any::phrase), any.phrase()))
+    }
+
+    fn next(&mut self) -> Next {
+        Next(self.many(|any| (any.phrase(), (any.0.next() < 0.0).then(|| any.phrase()))))
+    }
+
+    fn maybe(&mut self) -> Option<Phrase> {
+        (self.0.next() < 0.0).then(|| self.phrase())
+    }
+
+    fn guard(&mut self) -> Guard {
+        Guard {
+            name: self.phrase(),
+            modes: self.many(Any::phrase),
+            function: self.phrase(),
+            next: self.next(),
+            reset: self.pairs(),
+            accumulates_to: self.next(),
+        }
+    }
+}
+
+/// Fills in what all kinds of statements have.
+macro_rules! stated {
+    ($any:ident, $kind:ident { $($field:ident: $value:expr),* $(,)? }) => {
+        Statement::$kind($kind {
+            $($field: $value,)*
+            parameters: $any.pairs(),
+            definitions: $any.pairs(),
+            functions: $any.functions(),
+            monitors: $any.pairs(),
+            initial: $any.pairs(),
+        })
+    };
+}
+
+impl Any {
+    fn statement(&mut self) -> Statement {
+        let any = self;
+        match any.0.below(5) {
+            0 => stated!(
+                any,
+                Equations { states: any.pairs(), period: any.maybe(), scales: any.pairs() }
+            ),
+            1 => {
+                let all = [Static::None, Static::Flow, Static::Potential, Static::Restoring];
+                stated!(any, Residual { unknowns: any.pairs(), dynamics: all[any.0.below(4)] })
+            }
+            2 => stated!(any, Map { states: any.pairs() }),
+            3 => stated!(
+                any,
+                Boundary {
+                    states: any.pairs(),
+                    conditions: any.many(Any::phrase),
+                    integrals: any.many(Any::phrase),
+                    unknowns: any.many(Any::phrase),
+                    length: any.maybe(),
+                    scales: any.pairs(),
+                }
+            ),
+            _ => stated!(
+                any,
+                HybridEquations {
+                    modes: any.many(|any| Mode { name: any.phrase(), states: any.pairs() }),
+                    guards: any.many(Any::guard),
+                    period: any.maybe(),
+                    scales: any.pairs(),
+                }
+            ),
+        }
+    }
+}
+
+#[test]
+fn any_statement_is_written_so_that_it_reads_the_same() {
+    let mut any = Any(Random(4));
+    for _ in 0..2000 {
+        let statement = any.statement();
+        assert_eq!(again(&statement), statement, "{}", statement.ron());
+    }
+}

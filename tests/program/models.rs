@@ -1,0 +1,171 @@
+//! Models without a scene: from equations typed as text to a diagram by one command.
+
+use std::path::Path;
+use std::process::{Command, Output};
+use tangency::core::continuation::Kind;
+use tangency::output::Document;
+
+const LORENZ: &str = include_str!("../../examples/lorenz.ron");
+
+const ODE: &str = "# Brusselator\nx'=a-(b+1)*x+x^2*y\ny'=b*x-x^2*y\npar a=1,b=1,unused=3\ninit x=1,y=1\n\
+    @ total=50,dt=.05,ntst=30,xlo=0\ndone\n";
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lorenz.ron"), LORENZ).unwrap();
+    std::fs::write(folder.path().join("brusselator.ode"), ODE).unwrap();
+    folder
+}
+
+fn tangency(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
+    command.current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn succeeds(folder: &Path, arguments: &[&str]) -> (String, String) {
+    let Output { status, stdout, stderr } = tangency(folder, arguments);
+    let (out, err) = (String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap());
+    assert!(status.success(), "{arguments:?}\n{out}\n{err}");
+    (out, err)
+}
+
+fn fails(folder: &Path, arguments: &[&str]) -> String {
+    let Output { status, stderr, .. } = tangency(folder, arguments);
+    let message = String::from_utf8(stderr).unwrap();
+    assert!(matches!(status.code(), Some(1 | 2)) && message.starts_with("error: "), "{message}");
+    message
+}
+
+fn hopf(document: &Document, branch: usize) -> f64 {
+    let rho = document.branches[branch].column("rho").expect("a column");
+    document.branches[branch].of_kind(Kind::HB).next().expect("a Hopf point").value(rho).unwrap()
+}
+
+/// σ (σ + β + 3)/(σ − β − 1) for σ = 10, β = 8/3.
+const HOPF: f64 = 470.0 / 19.0;
+
+#[test]
+fn a_first_diagram_by_one_command() {
+    let folder = folder();
+    let path = folder.path();
+    succeeds(
+        path,
+        &["trace", "lorenz.ron", "--along", "rho=0..30", "--switch", "all", "--depth", "2"],
+    );
+    let document = Document::load(path.join("out/lorenz.ron")).unwrap();
+    let names: Vec<&str> = document.branches.iter().map(|branch| branch.name.as_str()).collect();
+    assert_eq!(names, ["branch", "branch-BP", "branch-BP-HB1", "branch-BP-HB2"]);
+    assert!((hopf(&document, 1) - HOPF).abs() < 1e-11);
+    // The scene that it amounts to is a file, which traces the same.
+    let arguments =
+        ["scene", "lorenz.ron", "--along", "rho=0..30", "--switch", "all", "--depth", "2"];
+    let (scene, _) = succeeds(path, &arguments);
+    std::fs::write(path.join("again.ron"), scene).unwrap();
+    succeeds(path, &["trace", "again.ron"]);
+    let again = Document::load(path.join("out/again.ron")).unwrap();
+    assert_eq!(again.branches.len(), 4);
+    assert_eq!(hopf(&again, 1), hopf(&document, 1));
+}
+
+#[test]
+fn starts_settle_where_they_must() {
+    let folder = folder();
+    let path = folder.path();
+    // From (1, 1, 1) at ρ = 15 motion settles on a stable equilibrium off the middle.
+    let rho = ["--set", "rho=15", "--along", "rho=0..30"];
+    let start = ["trace", "lorenz.ron", "--start", "x=1,y=1,z=1", "--settle", "200"];
+    succeeds(path, &[&start[..], &rho].concat());
+    let document = Document::load(path.join("out/lorenz.ron")).unwrap();
+    assert!((hopf(&document, 0) - HOPF).abs() < 1e-11);
+    assert!(document.branches[0].of_kind(Kind::BP).next().is_some());
+    // At b = 3 the Brusselator oscillates: its orbit is followed back to the Hopf point at b = 1 + a².
+    succeeds(
+        path,
+        &["trace", "brusselator.ode", "--set", "b=3", "--settle", "300", "--along", "b=1.5..4"],
+    );
+    let document = Document::load(path.join("out/brusselator.ron")).unwrap();
+    let orbit = &document.branches[0];
+    assert!(orbit.column("period").is_some());
+    let end = orbit.special.iter().find(|special| special.kind == Kind::HB).expect("a Hopf point");
+    assert!((end.value(orbit.column("b").unwrap()).unwrap() - 2.0).abs() < 1e-6);
+}
+
+#[test]
+fn curves_of_special_points_and_bounds() {
+    let folder = folder();
+    let path = folder.path();
+    let along =
+        ["--along", "b=1..3", "--along", "a=0.5..2", "--hold", "hb", "--bound", "max_x=..1.5"];
+    let (_, warnings) = succeeds(path, &[&["trace", "brusselator.ode"][..], &along].concat());
+    let document = Document::load(path.join("out/brusselator.ron")).unwrap();
+    let curve = &document.branches[1];
+    assert_eq!(curve.condition, Some(Kind::HB));
+    let [a, b] = ["a", "b"].map(|name| curve.column(name).unwrap());
+    for point in &curve.special {
+        assert!((point.value(b).unwrap() - 1.0 - point.value(a).unwrap().powi(2)).abs() < 1e-9);
+        assert!(point.value(a).unwrap() < 1.5 + 1e-9);
+    }
+    assert!(warnings.contains("warning: no formula uses the parameter `unused`"), "{warnings}");
+    assert!(warnings.contains("option `xlo=0` has no effect"), "{warnings}");
+}
+
+#[test]
+fn flags_change_the_ranges_of_a_scene() {
+    let folder = folder();
+    let path = folder.path();
+    succeeds(path, &["trace", "bratu", "--along", "lambda=0..2", "--bound", "max_u=..0.1"]);
+    let bratu = Document::load(path.join("out/bratu.ron")).unwrap();
+    let lambda = bratu.branches[0].column("lambda").unwrap();
+    assert!(bratu.branches[0].special.iter().all(|point| point.value(lambda).unwrap() < 1.0));
+    let message = fails(path, &["trace", "bratu", "--along", "lamda=0..2"]);
+    assert!(
+        message.contains("unknown released parameter `lamda`; did you mean `lambda`?"),
+        "{message}"
+    );
+}
+
+#[test]
+fn models_of_xppaut_become_files_of_equations() {
+    let folder = folder();
+    let path = folder.path();
+    let (out, _) = succeeds(path, &["import", "brusselator.ode", "--out", "model.ron"]);
+    assert_eq!(out, "model.ron\n");
+    succeeds(path, &["trace", "model.ron", "--along", "b=1..3"]);
+    succeeds(path, &["trace", "brusselator.ode", "--along", "b=1..3", "--out", "ode"]);
+    let [ron, ode] = ["out/model.ron", "ode/brusselator.ron"]
+        .map(|file| Document::load(path.join(file)).unwrap());
+    let hopf = |document: &Document| {
+        document.branches[0].of_kind(Kind::HB).next().unwrap().parameters.clone()
+    };
+    assert_eq!(hopf(&ron), hopf(&ode));
+    // A scene may name the file.
+    let scene =
+        "Scene(title: \"t\", problem: Equations(model: \"brusselator.ode\", solution: equilibrium),
+        runs: [Run(name: \"r\", along: [(name: \"b\", low: 1, high: 3)])])";
+    std::fs::write(path.join("scene.ron"), scene).unwrap();
+    succeeds(path, &["trace", "scene.ron", "--set", "b=4/3"]);
+    assert_eq!(hopf(&Document::load(path.join("out/scene.ron")).unwrap()), hopf(&ron));
+}
+
+#[test]
+fn mistakes_are_shown_in_their_line() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("wrong.ode"), "x'=a*y\ny'=-x\npar b=1\ndone\n").unwrap();
+    let message = fails(path, &["trace", "wrong.ode", "--along", "b=0..1"]);
+    assert!(
+        message.contains("wrong.ode, line 1, column 4: ") && message.contains("\n   |    ^"),
+        "{message}"
+    );
+    std::fs::write(path.join("wrong.ron"), LORENZ.replace("x*y", "x*w")).unwrap();
+    let message = fails(path, &["trace", "wrong.ron", "--along", "rho=0..1"]);
+    assert!(message.contains("unknown name `w`"), "{message}");
+    let message = fails(path, &["trace", "lorenz.ron"]);
+    assert!(message.contains("as in `--along rho=0..30`"), "{message}");
+    let message = fails(path, &["trace", "lorenz.ron", "--along", "rho=0-30"]);
+    assert!(message.contains("NAME=LOW..HIGH"), "{message}");
+    let message = fails(path, &["trace", "lorenz.ron", "--along", "rho=0..1", "--hold", "XX"]);
+    assert!(message.contains("XX"), "{message}");
+    let message = fails(path, &["trace", "lorenz.ron", "--along", "sgima=0..1"]);
+    assert!(message.contains("did you mean `sigma`?"), "{message}");
+}
