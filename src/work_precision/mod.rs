@@ -11,6 +11,7 @@ mod events;
 mod flow;
 mod fold;
 mod local_map;
+mod models;
 mod orbit;
 mod period;
 mod plan;
@@ -34,6 +35,7 @@ pub const DIAGRAMS: &[Diagram] = entries![
     "derivatives": "dual numbers and finite differences: derivatives of an orbit, multipliers, and a fold", derivatives::plans;
     "events": "a grazing by bisection, by the secant method, on a mesh, and by its defining system", events::plans;
     "local-map": "the local map near a grazing against the flow, by its order", local_map::plans;
+    "models": "equations as text beside the same compiled: orbits by collocation and shooting, a sweep", models::plans;
     "scaling": "time against unknowns, intervals and segments, parameters, and threads", scaling::plans;
 ];
 
