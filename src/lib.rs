@@ -64,7 +64,7 @@
 //! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, and simulations that find them |
 //! | [`core::jet`], [`core::grazing`] | Taylor series as scalars; local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
-//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic) |
+//! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |
 //! | [`output`] | [`Document`](output::Document)s in RON, tables, diagrams in SVG |
 //! | [`scene`] | [`Scene`](scene::Scene)s: RON files that say what is traced and swept |
 //! | [`cli`] | the command line: [`cli::run`] is a whole program for any catalogue of problems |
@@ -74,7 +74,7 @@
 //! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command line. How the
 //! core is put together, with pictures, is described in `docs/core.md`; periodic orbits and boundary-value problems in
 //! `docs/orbits.md`; impacts in `docs/hybrid.md` and `docs/grazing.md`; what motions settle on in
-//! `docs/sweeps.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
+//! `docs/sweeps.md`; equations as text in `docs/models.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -20,8 +20,8 @@ pub trait Cycles {
     /// a family of cycles passes through an equilibrium. `None` if cycles cannot shrink to equilibria.
     fn amplitude(&mut self, x: &[f64]) -> Option<f64>;
 
-    /// The period.
-    fn period(&mut self, x: &[f64]) -> f64;
+    /// The period, if it is free: not one that a forcing prescribes.
+    fn free_period(&mut self, x: &[f64]) -> Option<f64>;
 
     /// The estimated relative error of a solution that its mesh causes.
     fn mesh_error(&mut self, x: &[f64]) -> f64;

@@ -42,7 +42,9 @@ fn formulas() {
     says(&of("»sin(x, 2)«"), "`sin` takes one argument, not 2");
     says(&of("1 + »«"), "expected a number, a name or `(`");
     says(&of("(x + 1»«"), "expected an operator or `)`");
-    says(&of("x »x«"), "expected an operator, or the end of the formula");
+    says(&of("x »x«"), "expected an operator, as in `2*x`, or the end of the formula");
+    says(&of("2»x«"), "expected an operator, as in `2*x`");
+    says(&of("x»'« + 1"), "expected an operator");
     says(&of("x + »§« 2"), "expected a number, a name or `(`");
     says(&of("if(x, 1»)«"), "expected an operator, `,` or `)`");
     says(
@@ -136,6 +138,14 @@ fn statements() {
     says(
         "Boundary(states: [(\"u\", \"1\")], conditions: [\"»u« - 1\"])",
         "expected `u(0)` at the beginning or `u(1)` at the end",
+    );
+}
+
+#[test]
+fn sizes_of_arrays() {
+    says(
+        "Residual(unknowns: [(\"»u[i=1..n]«\", \"u[i]\")], parameters: [(\"n\", 10)])",
+        "the last index must be an integer that does not depend on states, parameters or time",
     );
 }
 

@@ -3,5 +3,6 @@
 mod errors;
 mod fuzz;
 mod language;
+mod library;
 mod ode;
 mod restated;

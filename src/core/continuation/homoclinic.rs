@@ -32,12 +32,14 @@ impl CycleLimits {
     pub fn reached(&mut self, stepper: &mut Stepper, place: &Place, before: &Place) -> Option<End> {
         let x = stepper.equations.load(&place.unknowns).to_vec();
         let cycles = stepper.equations.system().cycles()?;
-        let (error, period) = (cycles.mesh_error(&x), cycles.period(&x));
+        let (error, period) = (cycles.mesh_error(&x), cycles.free_period(&x));
         let (limit, growth) = (stepper.settings.max_mesh_error, stepper.settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {
             return Some(End::MeshTooCoarse { error, limit });
         }
+        // A forcing's period grows as it is told to.
+        let period = period?;
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
         let first = stepper.equations.parameters_at();
         let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);

@@ -166,6 +166,9 @@ pub(super) fn states_of(
 /// The definitions that are numbers, which ends of arrays may be.
 fn ends_of(basis: &Basis, common: Common) -> Scope {
     let mut scope = Scope::new(basis.source.clone());
+    for (k, name) in basis.parameters.iter().enumerate() {
+        let _ = scope.declare(&name.as_str().into(), name, Meaning::Parameter(k));
+    }
     for (name, formula) in common.definitions {
         // What is wrong with them is found where all names are known.
         let _ = scope.define(name, formula);

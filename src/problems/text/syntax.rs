@@ -55,7 +55,8 @@ impl Formula {
     /// Reads a formula.
     pub fn read(source: &Source, phrase: &Phrase) -> Result<Formula, ModelError> {
         let whole = preceded(blank, |input: &mut Input| expression(input, 0));
-        let nodes = all(source, phrase, whole, "an operator, or the end of the formula")?;
+        let nodes =
+            all(source, phrase, whole, "an operator, as in `2*x`, or the end of the formula")?;
         Ok(Formula { phrase: phrase.clone(), nodes })
     }
 }
@@ -155,12 +156,16 @@ fn symbol<'a>(
     (text, multispace0).void()
 }
 
-/// A name: letters, digits and underscores, not first a digit.
+/// A name: letters, digits and underscores, not first a digit. Only the index of XPPAUT's sums, `i'`, has a prime.
 fn name(input: &mut Input) -> ModalResult<String> {
     let letter = |c: char| c.is_alphabetic() || c == '_';
-    let name =
-        (one_of(letter), take_while(0.., move |c: char| letter(c) || c.is_numeric()), opt('\''));
-    (name.take(), multispace0).map(|(name, _): (&str, _)| name.to_string()).parse_next(input)
+    let name = (one_of(letter), take_while(0.., move |c: char| letter(c) || c.is_numeric()));
+    let mut name = name.take().parse_next(input)?.to_string();
+    if name == "i" && opt('\'').parse_next(input)?.is_some() {
+        name.push('\'');
+    }
+    blank(input)?;
+    Ok(name)
 }
 
 /// A number: `2`, `2.`, `.5`, `1e-3`. The dots of a range do not belong to it.

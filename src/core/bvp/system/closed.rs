@@ -3,7 +3,7 @@
 use super::BoundarySystem;
 use super::equations::Discretised;
 use super::layout::Layout;
-use crate::core::bvp::Mesh;
+use crate::core::bvp::{Legs, Mesh};
 use crate::core::condition::Failure;
 use crate::core::cycles::Cycles;
 use crate::core::interpolation::node_weights;
@@ -120,12 +120,15 @@ impl Cycles for BoundarySystem {
         Some(if alike { product / whole } else { (own / whole).sqrt() })
     }
 
-    fn period(&mut self, x: &[f64]) -> f64 {
+    fn free_period(&mut self, x: &[f64]) -> Option<f64> {
         let layout = &self.equations.layout;
+        if !layout.phase && layout.legs != Some(Legs { forced: false }) {
+            return None;
+        }
         let q: Vec<f64> = (0..layout.numbers()).map(|k| x[layout.number(k)]).collect();
         let mut numbers = Vec::new();
         layout.spread(&q, &mut numbers);
-        self.equations.duration(&numbers, |_| true)
+        Some(self.equations.duration(&numbers, |_| true))
     }
 
     fn mesh_error(&mut self, x: &[f64]) -> f64 {

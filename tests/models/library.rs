@@ -1,0 +1,155 @@
+//! The scenes of the library: the points that they find are those of the literature, of exact formulas, or of programs that
+//! share no code with this one (`docs/models.md`).
+
+use crate::common::close;
+use std::f64::consts::PI;
+use std::path::Path;
+use tangency::core::continuation::{Branch, End, Kind};
+use tangency::output::Document;
+use tangency::scene::{Catalogue, Scene, execute};
+
+fn scene(name: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
+    let text = std::fs::read_to_string(folder.join(format!("{name}.ron"))).unwrap();
+    Catalogue::built_in().parse_in(&folder, &text).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn traced(name: &str) -> Document {
+    let outcome = execute(&scene(name), None, &mut ());
+    assert!(outcome.error.is_none(), "{name}: {:?}", outcome.error);
+    outcome.document
+}
+
+/// The values of a column at the special points of a kind.
+fn values(document: &Document, branch: &str, kind: Kind, column: &str) -> Vec<f64> {
+    let branch: &Branch = document.branch(branch).unwrap_or_else(|error| panic!("{error}"));
+    let column = branch.column(column).expect("a column");
+    branch.of_kind(kind).map(|point| point.value(column).expect("a value")).collect()
+}
+
+/// Each of some values is that of a special point.
+fn finds(
+    document: &Document,
+    (branch, kind, column): (&str, Kind, &str),
+    expected: &[f64],
+    tolerance: f64,
+) {
+    let found = values(document, branch, kind, column);
+    for expected in expected {
+        let is = |value: &f64| (value - expected).abs() <= tolerance;
+        assert!(found.iter().any(is), "{branch}, {kind}: {expected} is not among {found:?}");
+    }
+}
+
+#[test]
+fn lorenz() {
+    let document = traced("lorenz");
+    finds(&document, ("rest", Kind::BP, "rho"), &[1.0], 1e-10);
+    let hopf = values(&document, "convection", Kind::HB, "rho");
+    assert!(hopf.len() == 2 && hopf.iter().all(|rho| (rho - 470.0 / 19.0).abs() < 1e-9));
+    // The homoclinic orbit, by bisection on the unstable manifold of rest.
+    finds(&document, ("cycles", Kind::EP, "rho"), &[13.926557407519], 5e-6);
+}
+
+#[test]
+fn brusselator() {
+    let document = traced("brusselator");
+    finds(&document, ("equilibria", Kind::HB, "b"), &[2.0], 1e-10);
+    finds(&document, ("Hopf points", Kind::EP, "a"), &[3.0_f64.sqrt()], 1e-9);
+    finds(&document, ("Hopf points", Kind::EP, "b"), &[1.04], 1e-9);
+}
+
+#[test]
+fn neurons() {
+    let document = traced("fitzhugh-nagumo");
+    // v = −√(1 − bε), I = v³/3 − v + (v + a)/b; mirrored at a/b.
+    finds(&document, ("rest", Kind::HB, "I"), &[0.3653081540991872, 1.3846918459008128], 1e-9);
+    let folds = values(&document, "firing", Kind::LP, "I");
+    close(folds[0], 0.352757535534, 1e-8);
+    close(folds[0] + folds[1], 1.75, 1e-8);
+    let document = traced("morris-lecar");
+    finds(&document, ("rest", Kind::LP, "I"), &[39.96315309274, -9.94903932262], 1e-7);
+    finds(&document, ("rest", Kind::HB, "I"), &[97.78788896402], 1e-7);
+    finds(&document, ("firing", Kind::LP, "I"), &[116.10953717], 1e-6);
+}
+
+#[test]
+fn co_oxidation() {
+    let document = traced("co-oxidation");
+    finds(&document, ("equilibria", Kind::HB, "q2"), &[1.05155746246, 1.04099156953], 1e-9);
+    finds(&document, ("equilibria", Kind::LP, "q2"), &[1.0420485053785, 1.0522002878700], 1e-10);
+    finds(&document, ("folds", Kind::CP, "q2"), &[1.0064083296783], 1e-9);
+    finds(&document, ("folds", Kind::BT, "q2"), &[1.4176276376, 1.16119870882], 1e-9);
+}
+
+#[test]
+fn lure() {
+    let document = traced("lure");
+    finds(&document, ("equilibria", Kind::HB, "alpha"), &[1.0], 1e-10);
+    finds(&document, ("cycles", Kind::PD, "alpha"), &[0.630302006160], 1e-8);
+    finds(&document, ("doubled", Kind::PD, "alpha"), &[0.57962984], 2e-8);
+}
+
+#[test]
+fn duffing() {
+    let document = traced("duffing");
+    let folds = [2.4502477378279, 4.722250750188, 0.7211685010243, 0.7480639165895];
+    finds(&document, ("symmetric", Kind::LP, "omega"), &folds, 1e-8);
+    finds(&document, ("symmetric", Kind::BP, "omega"), &[1.2581357506006, 0.9379135157225], 1e-8);
+    // The period of a forced orbit grows as the forcing says: that is no homoclinic orbit.
+    let mut wide = scene("duffing");
+    wide.runs.truncate(1);
+    wide.runs[0].along[0].low = Some(0.3);
+    let outcome = execute(&wide, None, &mut ());
+    let ends = &outcome.document.branches[0].ends;
+    assert!(!ends.iter().any(|end| matches!(end, End::LongPeriod { .. })), "{ends:?}");
+}
+
+#[test]
+fn bouncing_ball() {
+    let document = traced("bouncing-ball");
+    let e = 0.8;
+    let fold = |e: f64| PI * (1.0 - e) / (1.0 + e);
+    let doubling = |e: f64| fold(e).hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2));
+    finds(&document, ("one impact", Kind::LP, "amplitude"), &[fold(e)], 1e-9);
+    finds(&document, ("one impact", Kind::PD, "amplitude"), &[doubling(e)], 1e-9);
+    finds(&document, ("doubled", Kind::PD, "amplitude"), &[1.2217797], 1e-7);
+    finds(&document, ("folds", Kind::EP, "amplitude"), &[fold(0.4)], 1e-8);
+    finds(&document, ("doublings", Kind::EP, "amplitude"), &[doubling(0.4)], 1e-8);
+}
+
+/// Den Hartog: motion without stops ends at `F = |V|/√(H² + 1/β⁴)`.
+#[test]
+fn dry_friction() {
+    let document = traced("dry-friction");
+    let of = |beta: f64| {
+        let v = 1.0 / (1.0 - beta * beta);
+        let h = (PI / beta).sin() / (beta * (1.0 + (PI / beta).cos()));
+        (v.abs(), h)
+    };
+    let end = |beta: f64| of(beta).0 / of(beta).1.hypot(beta.powi(-2));
+    finds(&document, ("two stops", Kind::G, "F"), &[end(1.5)], 1e-9);
+    let (v, h) = of(1.5);
+    finds(&document, ("no stops", Kind::UZ, "max_x"), &[(v * v - (0.2 * h).powi(2)).sqrt()], 1e-9);
+    finds(&document, ("no stops", Kind::EP, "max_x"), &[v], 1e-9);
+    finds(&document, ("boundary", Kind::EP, "F"), &[0.5625, end(0.7)], 1e-9);
+}
+
+#[test]
+fn swift_hohenberg() {
+    let document = traced("swift-hohenberg");
+    let flat = [7.065755275957e-5, 0.05726746940757, 0.06359101185589];
+    finds(&document, ("flat", Kind::BP, "r"), &flat, 1e-10);
+    finds(&document, ("periodic, peak at the centre", Kind::LP, "r"), &[-0.243809162503], 1e-9);
+    let odd = [-0.210122206899, -0.184723080512, -0.213092391745, -0.197508609592];
+    finds(&document, ("odd", Kind::LP, "r"), &odd, 1e-9);
+    let even = [
+        -0.216931307844,
+        -0.217467801379,
+        -0.187784703799,
+        -0.212013344771,
+        -0.182964752789,
+        -0.200824596434,
+    ];
+    finds(&document, ("even", Kind::LP, "r"), &even, 1e-9);
+}
