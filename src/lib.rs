@@ -61,7 +61,7 @@
 //! | [`core::field`], [`core::flow`] | [`VectorField`](core::field::VectorField)s, and their flow in any scalar |
 //! | [`core::bvp`] | boundary-value problems ([`BoundaryProblem`](core::bvp::BoundaryProblem)) by collocation or shooting, as systems |
 //! | [`core::hybrid`] | [`HybridSystem`](core::hybrid::HybridSystem)s: modes, guards, resets, their event-driven simulation, and that of many abreast |
-//! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, and simulations that find them |
+//! | [`core::orbit`] | periodic orbits of a field, hybrid orbits by their itineraries, cycles of maps, and simulations that find them |
 //! | [`core::jet`], [`core::grazing`] | Taylor series as scalars; local maps near grazing orbits, their coefficients, scenarios and fixed points |
 //! | [`core::attractor`], [`core::sweep`] | what motions settle on: cycles, exponents, crises; over grids, on all cores |
 //! | [`problems`] | devices: [`plate`](problems::plate), the electrically actuated microplate, and [`mita`](problems::mita), the impact actuator; the literature's examples: [`classic`](problems::classic); equations as text, and XPPAUT's files: [`text`](problems::text) |

@@ -36,6 +36,19 @@ const AT_REST: f64 = 1e-6;
 impl Scene {
     /// The scene that a model amounts to: from where its motion begins, or settles, one branch; and the curves of special points.
     ///
+    /// ```
+    /// use std::path::Path;
+    /// use tangency::scene::{Asked, Problem, Range, Scene, explore};
+    /// let lorenz = Problem::from_file(Path::new("examples/lorenz.ron"), &[])?;
+    /// let rho = Range { name: "rho".into(), low: Some(0.0), high: Some(30.0) };
+    /// let scene = Scene::of_model(lorenz, "Lorenz", &[], &Asked { along: vec![rho], ..Asked::default() })?;
+    /// let (scene, outcome) = explore(&scene, 1, &mut ());
+    /// assert_eq!(scene.runs[1].name, "branch-BP");
+    /// let hopf = &outcome.document.branches[1].special[0];
+    /// assert!((hopf.parameters[1] - 470.0 / 19.0).abs() < 1e-11);
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SceneError`] if nothing is released, or motion settles on nothing.
     pub fn of_model(

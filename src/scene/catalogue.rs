@@ -85,6 +85,31 @@ impl Catalogue {
     }
 
     /// Adds a map: its fixed points and cycles.
+    ///
+    /// ```
+    /// use tangency::core::orbit::DiscreteMap;
+    /// use tangency::prelude::*;
+    /// use tangency::scene::execute;
+    /// /// The logistic map `x ↦ r x (1 − x)`, whose fixed point doubles its period at r = 3.
+    /// struct Logistic;
+    /// impl DiscreteMap for Logistic {
+    ///     fn names(&self) -> Names {
+    ///         Names::new(["x"], ["r"])
+    ///     }
+    ///     fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]) {
+    ///         next[0] = p[0] * x[0] * (T::one() - x[0]);
+    ///     }
+    /// }
+    /// let scene = Catalogue::empty().map("Logistic", Logistic).parse("Scene(
+    ///     title: \"Logistic map\",
+    ///     problem: Logistic(),
+    ///     parameters: [(\"r\", 2)],
+    ///     runs: [Run(name: \"fixed\", start: Guess([(\"x\", 0.5)]), along: [(name: \"r\", low: 1.5, high: 3.5)])],
+    /// )")?;
+    /// let fixed = &execute(&scene, None, &mut ()).document.branches[0];
+    /// assert!((fixed.of_kind(Kind::PD).next().expect("a doubling").parameters[0] - 3.0).abs() < 1e-12);
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
     pub fn map(self, name: &'static str, map: impl DiscreteMap + 'static) -> Self {
         self.model::<_, MapSettings>(name, Arc::new(map))
     }

@@ -131,6 +131,11 @@ fn statements() {
         "Boundary(states: [(\"u\", \"v\"), (\"v\", \"-u\")], conditions: [\"»u(0)«\"])",
         "1 conditions and integrals: there must be 2, as many as states (2) and unknowns (0)",
     );
+    says("Boundary(states: [(\"u\", \"1\")], conditions: [\"»t«\"])", "conditions have no time");
+    says(
+        "Boundary(states: [(\"u\", \"1\")], definitions: [(\"d\", \"»u« + 1\")], conditions: [\"d\"])",
+        "expected `u(0)` at the beginning or `u(1)` at the end",
+    );
     says(
         "Boundary(states: [(\"u\", \"1\")], conditions: [\"»u(2)«\"])",
         "expected `u(0)` at the beginning or `u(1)` at the end",

@@ -1,7 +1,8 @@
 //! What all models have: parameters, definitions, functions and monitors.
 
+use super::assembling::{Assembling, elements};
 use super::assembly::Value;
-use super::scope::{Assembling, Element, Meaning, Scope};
+use super::scope::{Element, Meaning, Scope};
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{Common, Formulas};
 use super::syntax::Formula;
@@ -83,7 +84,8 @@ impl Basis {
             scope.function(name, arguments, formula)?;
         }
         for (name, formula) in common.definitions {
-            scope.define(name, formula)?;
+            let elements = elements(&scope, name)?;
+            scope.define(name, elements, formula)?;
         }
         Ok(scope)
     }
@@ -91,7 +93,7 @@ impl Basis {
     /// Sets where motion begins.
     pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
         for (name, value) in common.initial {
-            for (element, index) in scope.elements(name)? {
+            for (element, index) in elements(scope, name)? {
                 if !matches!(scope.meaning(&element), Some(Meaning::State(_))) {
                     let (what, reason) =
                         (format!("`{element}`"), "only states begin somewhere".to_string());
@@ -155,7 +157,7 @@ pub(super) fn states_of(
     let (mut names, mut rates) = (Vec::new(), Vec::new());
     for (phrase, rate) in states {
         let formula = Formula::read(&basis.source, rate)?;
-        for element in ends.elements(phrase)? {
+        for element in elements(&ends, phrase)? {
             names.push((phrase.clone(), element.0.clone()));
             rates.push((element, formula.clone()));
         }
@@ -171,7 +173,9 @@ fn ends_of(basis: &Basis, common: Common) -> Scope {
     }
     for (name, formula) in common.definitions {
         // What is wrong with them is found where all names are known.
-        let _ = scope.define(name, formula);
+        if let Ok(elements) = elements(&scope, name) {
+            let _ = scope.define(name, elements, formula);
+        }
     }
     scope
 }

@@ -1,7 +1,7 @@
 //! Boundary-value problems that are given as text.
 
+use super::assembling::Assembling;
 use super::basis::{Basis, monitors_of, plain, scales_of, states_of, values_of};
-use super::scope::Assembling;
 use super::smooth::{period_of, sizes_in_order};
 use super::source::{Fault, ModelError, Source};
 use super::statement::Boundary;
@@ -37,11 +37,8 @@ impl Conditions {
         let common = statement.common();
         let mut basis = Basis::of(source, common, given)?;
         let (states, rates) = states_of(&basis, common, &statement.states, "state")?;
-        let unknowns = statement
-            .unknowns
-            .iter()
-            .map(|name| plain(source, name))
-            .collect::<Result<Vec<_>, _>>()?;
+        let unknowns = statement.unknowns.iter().map(|name| plain(source, name));
+        let unknowns = unknowns.collect::<Result<Vec<_>, _>>()?;
         let mut scope = basis.scope(common, &states)?;
         for (k, (name, phrase)) in unknowns.iter().zip(&statement.unknowns).enumerate() {
             scope.declare_unknown(phrase, name, basis.parameters.len() + k)?;
@@ -58,18 +55,7 @@ impl Conditions {
         let values = statement.conditions.iter().map(|formula| ends.read(formula));
         let values = values.collect::<Result<Vec<_>, _>>()?;
         let conditions = ends.tape(&values);
-        let (given, needed) =
-            (values.len() + statement.integrals.len(), states.len() + unknowns.len());
-        if given != needed {
-            let what = format!("{given} conditions and integrals");
-            let needed = format!(
-                "there must be {needed}, as many as states ({}) and unknowns ({})",
-                states.len(),
-                unknowns.len()
-            );
-            let phrase = statement.conditions.first().cloned().unwrap_or_default();
-            return Err(source.fault_of(&phrase, Fault::Missing { what, needed }));
-        }
+        check_count(source, &statement, values.len() + statement.integrals.len(), states.len())?;
         let length =
             statement.length.as_ref().map(|length| period_of(&scope, length)).transpose()?;
         let monitors = monitors_of(&scope, &statement.monitors)?;
@@ -91,6 +77,26 @@ impl Conditions {
             scales,
         })
     }
+}
+
+/// Refuses more or fewer conditions than there are states and unknowns.
+fn check_count(
+    source: &Source,
+    statement: &Boundary,
+    given: usize,
+    states: usize,
+) -> Result<(), ModelError> {
+    let unknowns = statement.unknowns.len();
+    if given == states + unknowns {
+        return Ok(());
+    }
+    let what = format!("{given} conditions and integrals");
+    let needed = format!(
+        "there must be {}, as many as states ({states}) and unknowns ({unknowns})",
+        states + unknowns
+    );
+    let phrase = statement.conditions.first().cloned().unwrap_or_default();
+    Err(source.fault_of(&phrase, Fault::Missing { what, needed }))
 }
 
 impl BoundaryProblem for Conditions {

@@ -1,7 +1,7 @@
 //! Maps that are given as text.
 
+use super::assembling::Assembling;
 use super::basis::{Basis, monitors_of, states_of, undefined, values_of};
-use super::scope::Assembling;
 use super::source::{ModelError, Source};
 use super::statement;
 use super::tape::Tape;

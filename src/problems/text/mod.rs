@@ -14,9 +14,11 @@
 //! common parts are computed once. A tape is evaluated over any [`Scalar`](crate::core::scalar::Scalar) without
 //! allocation, so that a [`Model`] is a problem like any other: derivatives of every order, orbits, local maps.
 
+mod assembling;
 mod assembly;
 mod basis;
 mod boundary;
+mod events;
 mod hybrid;
 mod layout;
 mod map;

@@ -1,7 +1,7 @@
 //! Equations `F = 0` that are given as text.
 
+use super::assembling::Assembling;
 use super::basis::{Basis, monitors_of, states_of, undefined, values_of};
-use super::scope::Assembling;
 use super::source::{ModelError, Source};
 use super::statement::Residual;
 use super::tape::Tape;

@@ -1,21 +1,15 @@
-//! What names mean in formulas, and formulas as operations.
+//! What names mean in formulas.
 
-use super::assembly::{Assembly, Origin, Undefined, Value};
-use super::operation::{FUNCTIONS, Operation};
+use super::operation::FUNCTIONS;
 use super::source::{Fault, ModelError, Phrase, Source};
-use super::syntax::{Declared, Formula, Index, Node, Step};
-use super::tape::Tape;
+use super::syntax::{Declared, Formula};
 use crate::core::names::UnknownName;
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
 /// The most operations of a tape, and the most elements of an array.
-const OPERATIONS: usize = 300_000;
-/// The most values that are computed while formulas are put together.
-const WORK: usize = 2_000_000;
-/// How deep functions may call each other.
-const CALLS: usize = 100;
+pub(super) const OPERATIONS: usize = 300_000;
 
 /// What a name means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,16 +33,16 @@ impl Meaning {
 
 /// A name for a formula; of an element of an array with the value of its index.
 #[derive(Clone, Debug)]
-struct Definition {
-    name: String,
-    formula: usize,
-    index: Option<(String, f64)>,
+pub(super) struct Definition {
+    pub name: String,
+    pub formula: usize,
+    pub index: Option<(String, f64)>,
 }
 
 #[derive(Clone, Debug)]
-struct Function {
-    arguments: Vec<String>,
-    formula: usize,
+pub(super) struct Function {
+    pub arguments: Vec<String>,
+    pub formula: usize,
 }
 
 /// What the names of a model mean, in one of its modes.
@@ -58,11 +52,11 @@ pub(super) struct Scope {
     meanings: HashMap<String, Meaning>,
     /// All names, in the order in which they were declared.
     order: Vec<String>,
-    definitions: Vec<Definition>,
-    functions: HashMap<String, Function>,
-    formulas: Vec<Formula>,
+    pub definitions: Vec<Definition>,
+    pub functions: HashMap<String, Function>,
+    pub formulas: Vec<Formula>,
     /// Names that formulas have used.
-    used: RefCell<BTreeSet<String>>,
+    pub used: RefCell<BTreeSet<String>>,
 }
 
 /// Elements of an array, or a scalar: its name, and the value of its index.
@@ -141,13 +135,17 @@ impl Scope {
         self.used.borrow().contains(name)
     }
 
-    /// Adds a definition, of all elements of an array if it is one.
-    pub fn define(&mut self, name: &Phrase, formula: &Phrase) -> Result<(), ModelError> {
-        let formula = Formula::read(&self.source, formula)?;
-        self.formulas.push(formula);
-        for (element, index) in self.elements(name)? {
+    /// Adds a definition of some elements.
+    pub fn define(
+        &mut self,
+        name: &Phrase,
+        elements: Vec<Element>,
+        formula: &Phrase,
+    ) -> Result<(), ModelError> {
+        self.formulas.push(Formula::read(&self.source, formula)?);
+        let formula = self.formulas.len() - 1;
+        for (element, index) in elements {
             self.declare(name, &element, Meaning::Definition(self.definitions.len()))?;
-            let formula = self.formulas.len() - 1;
             self.definitions.push(Definition { name: element, formula, index });
         }
         Ok(())
@@ -187,50 +185,14 @@ impl Scope {
         Ok(())
     }
 
-    /// What a name of a statement stands for: itself, or the elements of an array.
-    pub fn elements(&self, phrase: &Phrase) -> Result<Vec<Element>, ModelError> {
-        let Declared { name, index } = Declared::read(&self.source, phrase)?;
-        let mut whole = Assembling::new(self);
-        let mut integer = |formula: &Formula, what| {
-            let value = whole.formula(formula)?;
-            self.integer(value, what, &formula.phrase, 0..formula.phrase.text.len())
-        };
-        Ok(match index {
-            None => vec![(name, None)],
-            Some(Index::One(formula)) => {
-                let k = integer(&formula, "the index")?;
-                vec![(format!("{name}[{k}]"), None)]
-            }
-            Some(Index::Range(index, low, high)) => {
-                let [low, high] =
-                    [integer(&low, "the first index")?, integer(&high, "the last index")?];
-                if high - low >= OPERATIONS as i64 {
-                    let fault = Fault::TooLarge { what: "elements of an array", limit: OPERATIONS };
-                    return Err(self.source.fault_of(phrase, fault));
-                }
-                let element = |k: i64| (format!("{name}[{k}]"), Some((index.clone(), k as f64)));
-                (low..=high).map(element).collect()
-            }
-        })
-    }
-
-    fn integer(
+    /// The error of a name that nothing has.
+    pub fn unknown(
         &self,
-        value: Value,
-        what: &'static str,
+        what: &str,
+        name: &str,
         phrase: &Phrase,
         part: Range<usize>,
-    ) -> Result<i64, ModelError> {
-        match value.as_number() {
-            Some(number) if number.fract() == 0.0 && number.abs() < 1e9 => Ok(number as i64),
-            number => {
-                let found = number.map_or(String::new(), |number| format!("; it is {number}"));
-                Err(self.source.fault(phrase, part, Fault::NotAnInteger { what, found }))
-            }
-        }
-    }
-
-    fn unknown(&self, what: &str, name: &str, phrase: &Phrase, part: Range<usize>) -> ModelError {
+    ) -> ModelError {
         // Of an array the first elements show what there is.
         let mut arrays: HashMap<&str, usize> = HashMap::new();
         let mut known: Vec<&str> = Vec::new();
@@ -250,335 +212,5 @@ impl Scope {
             known.extend(["if", "sum"]);
         }
         self.source.fault(phrase, part, Fault::Unknown(UnknownName::new(what, name, known)))
-    }
-}
-
-/// Formulas of a scope that become one tape.
-pub(super) struct Assembling<'s> {
-    scope: &'s Scope,
-    assembly: Assembly,
-    /// The values of definitions in their order, or why there is none.
-    defined: Vec<Result<Value, ModelError>>,
-    /// Names that have values here only, and from where on they are seen.
-    locals: Vec<(String, Value)>,
-    frame: usize,
-    calls: Vec<String>,
-    work: usize,
-    phrases: Vec<Phrase>,
-    /// Whether states stand for values at ends, `x(0)` and `x(1)`.
-    at_ends: bool,
-}
-
-impl<'s> Assembling<'s> {
-    pub fn new(scope: &'s Scope) -> Self {
-        let mut new = Assembling {
-            scope,
-            assembly: Assembly::default(),
-            defined: Vec::new(),
-            locals: Vec::new(),
-            frame: 0,
-            calls: Vec::new(),
-            work: 0,
-            phrases: Vec::new(),
-            at_ends: false,
-        };
-        for Definition { formula, index, .. } in &scope.definitions {
-            let value = new.indexed(&scope.formulas[*formula], index.as_ref());
-            new.defined.push(value);
-        }
-        new
-    }
-
-    /// Formulas in the states at two ends.
-    pub fn at_ends(scope: &'s Scope) -> Self {
-        Assembling { at_ends: true, ..Assembling::new(scope) }
-    }
-
-    /// Whether a value depends on an input of some sort.
-    pub fn depends(&self, value: Value, sort: impl Fn(Value) -> bool) -> bool {
-        self.assembly.depends(value, sort)
-    }
-
-    /// The value of a formula.
-    pub fn formula(&mut self, formula: &Formula) -> Result<Value, ModelError> {
-        self.phrases.push(formula.phrase.clone());
-        self.nodes(&formula.nodes, self.phrases.len() - 1)
-    }
-
-    /// The value of a formula at an index.
-    pub fn indexed(
-        &mut self,
-        formula: &Formula,
-        index: Option<&(String, f64)>,
-    ) -> Result<Value, ModelError> {
-        let depth = self.locals.len();
-        self.locals.extend(index.map(|(name, value)| (name.clone(), Value::number(*value))));
-        let value = self.formula(formula);
-        self.locals.truncate(depth);
-        value
-    }
-
-    /// Reads a formula, and gives its value.
-    pub fn read(&mut self, phrase: &Phrase) -> Result<Value, ModelError> {
-        self.formula(&Formula::read(&self.scope.source, phrase)?)
-    }
-
-    /// The error of the first definition that has one.
-    pub fn check_definitions(&self) -> Result<(), ModelError> {
-        self.defined.iter().try_for_each(|value| value.clone().map(|_| ()))
-    }
-
-    /// The error of each definition that has one.
-    pub fn definition_errors(&self) -> Vec<Option<ModelError>> {
-        self.defined.iter().map(|value| value.clone().err()).collect()
-    }
-
-    /// The tape of some values.
-    pub fn tape(&self, results: &[Value]) -> Tape {
-        self.assembly.tape(results)
-    }
-
-    /// What is not finite at `(t, x, p)`.
-    pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        let found = self.assembly.undefined(results, t, x, p)?;
-        let Undefined { operation, arguments, value, origin } = found;
-        let what = match operation {
-            Operation::Divide | Operation::Reciprocal => "a division by zero".to_string(),
-            _ if value.is_nan() => "a value that is not a number".into(),
-            _ => "a value that is not finite".into(),
-        };
-        let arguments: Vec<String> = arguments.iter().map(f64::to_string).collect();
-        let values = match operation {
-            Operation::Divide => arguments.join("/"),
-            _ => format!("{} of {}", operation.name(), arguments.join(", ")),
-        };
-        let phrase = &self.phrases[origin.phrase];
-        Some(self.scope.source.fault(phrase, origin.part, Fault::Undefined { what, values }))
-    }
-
-    fn nodes(&mut self, nodes: &[Node], phrase: usize) -> Result<Value, ModelError> {
-        let mut stack: Vec<Value> = Vec::new();
-        for Node { step, place } in nodes {
-            self.work += 1;
-            self.limit(phrase, place)?;
-            let value = match step {
-                Step::Number(value) => Value::number(*value),
-                Step::Name(name) => self.name(name, phrase, place)?,
-                Step::Element(name) => {
-                    let index = stack.pop().unwrap_or(Value::Time);
-                    let index = self.scope.integer(
-                        index,
-                        "the index",
-                        &self.phrases[phrase],
-                        place.clone(),
-                    )?;
-                    self.name(&format!("{name}[{index}]"), phrase, place)?
-                }
-                Step::Apply(operation) => {
-                    let arguments = stack.split_off(stack.len() - operation.arity());
-                    self.assembly.apply(
-                        *operation,
-                        &arguments,
-                        &Origin { phrase, part: place.clone() },
-                    )
-                }
-                Step::Call(function, count) => {
-                    let arguments = stack.split_off(stack.len() - count);
-                    self.call(function, arguments, phrase, place)?
-                }
-                Step::Sum(index, body) => {
-                    let ends = stack.split_off(stack.len() - 2);
-                    self.sum(index, [ends[0], ends[1]], body, phrase, place)?
-                }
-            };
-            stack.push(value);
-        }
-        Ok(stack.pop().unwrap_or(Value::number(0.0)))
-    }
-
-    fn limit(&self, phrase: usize, place: &Range<usize>) -> Result<(), ModelError> {
-        let limits = [
-            (self.work, WORK, "steps to put a formula together"),
-            (self.assembly.len(), OPERATIONS, "operations in a model"),
-        ];
-        match limits.into_iter().find(|(count, limit, _)| count > limit) {
-            Some((_, limit, what)) => {
-                Err(self.fault(phrase, place, Fault::TooLarge { what, limit }))
-            }
-            None => Ok(()),
-        }
-    }
-
-    fn fault(&self, phrase: usize, place: &Range<usize>, fault: Fault) -> ModelError {
-        self.scope.source.fault(&self.phrases[phrase], place.clone(), fault)
-    }
-
-    fn name(&self, name: &str, phrase: usize, place: &Range<usize>) -> Result<Value, ModelError> {
-        let local = self.locals[self.frame..].iter().rev().find(|(known, _)| known == name);
-        if let Some((_, value)) = local {
-            return Ok(*value);
-        }
-        if let Some(meaning) = self.scope.meaning(name) {
-            if !matches!(meaning, Meaning::State(_)) {
-                self.scope.used.borrow_mut().insert(name.to_string());
-            }
-            return match meaning {
-                Meaning::State(_) if self.at_ends => {
-                    let expected =
-                        format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
-                    Err(self.fault(phrase, place, Fault::Syntax { expected }))
-                }
-                Meaning::State(k) => Ok(Value::State(k as u32)),
-                Meaning::Parameter(k) => Ok(Value::Parameter(k as u32)),
-                Meaning::Time => Ok(Value::Time),
-                Meaning::Definition(k) => self.definition(name, k, phrase, place),
-            };
-        }
-        match name {
-            "pi" => Ok(Value::number(std::f64::consts::PI)),
-            "e" => Ok(Value::number(std::f64::consts::E)),
-            _ => Err(self.scope.unknown("name", name, &self.phrases[phrase], place.clone())),
-        }
-    }
-
-    fn definition(
-        &self,
-        name: &str,
-        k: usize,
-        phrase: usize,
-        place: &Range<usize>,
-    ) -> Result<Value, ModelError> {
-        match self.defined.get(k) {
-            Some(value) => value.clone(),
-            // It is put together just now, or later.
-            None => {
-                let by = &self.scope.definitions[self.defined.len()].name;
-                let through = format!(
-                    "`{by}` may use the definitions before it, and `{name}` is not one of them"
-                );
-                Err(self.fault(phrase, place, Fault::Circular { name: name.into(), through }))
-            }
-        }
-    }
-
-    fn call(
-        &mut self,
-        function: &str,
-        arguments: Vec<Value>,
-        phrase: usize,
-        place: &Range<usize>,
-    ) -> Result<Value, ModelError> {
-        if let (true, Some(Meaning::State(k))) = (self.at_ends, self.scope.meaning(function)) {
-            return self.at_end(function, k, &arguments, phrase, place);
-        }
-        let given = arguments.len();
-        let takes = |count: usize| match count {
-            1 => "one argument".to_string(),
-            _ => format!("{count} arguments"),
-        };
-        let wrong = |takes| Fault::Arguments { function: function.into(), takes, given };
-        if let Some(own) = self.scope.functions.get(function) {
-            if own.arguments.len() != given {
-                return Err(self.fault(phrase, place, wrong(takes(own.arguments.len()))));
-            }
-            if self.calls.iter().any(|name| name == function) || self.calls.len() >= CALLS {
-                let through = self.calls.join(", ");
-                return Err(self.fault(
-                    phrase,
-                    place,
-                    Fault::Circular { name: function.into(), through },
-                ));
-            }
-            return self.inlined(function, own, arguments);
-        }
-        let Some((_, operation)) = FUNCTIONS.iter().find(|(name, _)| *name == function) else {
-            return Err(self.scope.unknown(
-                "function",
-                function,
-                &self.phrases[phrase],
-                place.clone(),
-            ));
-        };
-        let origin = Origin { phrase, part: place.clone() };
-        match (operation, given) {
-            // Of many the least and the largest are those of the first and of the others.
-            (Operation::Minimum | Operation::Maximum, 2..) => {
-                let first = arguments[0];
-                Ok(arguments[1..]
-                    .iter()
-                    .fold(first, |a, b| self.assembly.apply(*operation, &[a, *b], &origin)))
-            }
-            _ if given == operation.arity() => {
-                Ok(self.assembly.apply(*operation, &arguments, &origin))
-            }
-            _ => Err(self.fault(phrase, place, wrong(takes(operation.arity())))),
-        }
-    }
-
-    /// The value of a state at an end: those at the end stand behind those at the beginning.
-    fn at_end(
-        &self,
-        name: &str,
-        k: usize,
-        arguments: &[Value],
-        phrase: usize,
-        place: &Range<usize>,
-    ) -> Result<Value, ModelError> {
-        match arguments.iter().map(|value| value.as_number()).collect::<Vec<_>>()[..] {
-            [Some(0.0)] => Ok(Value::State(k as u32)),
-            [Some(1.0)] => Ok(Value::State((self.scope.states() + k) as u32)),
-            _ => {
-                let expected = format!("`{name}(0)` at the beginning or `{name}(1)` at the end");
-                Err(self.fault(phrase, place, Fault::Syntax { expected }))
-            }
-        }
-    }
-
-    /// The value of a function of the model's own.
-    fn inlined(
-        &mut self,
-        name: &str,
-        own: &Function,
-        arguments: Vec<Value>,
-    ) -> Result<Value, ModelError> {
-        let (frame, depth) = (self.frame, self.locals.len());
-        self.frame = depth;
-        self.locals.extend(own.arguments.iter().cloned().zip(arguments));
-        self.calls.push(name.to_string());
-        let value = self.formula(&self.scope.formulas[own.formula]);
-        self.calls.pop();
-        self.locals.truncate(depth);
-        self.frame = frame;
-        value
-    }
-
-    fn sum(
-        &mut self,
-        index: &str,
-        ends: [Value; 2],
-        body: &[Node],
-        phrase: usize,
-        place: &Range<usize>,
-    ) -> Result<Value, ModelError> {
-        let integer =
-            |value, what| self.scope.integer(value, what, &self.phrases[phrase], place.clone());
-        let [low, high] = [
-            integer(ends[0], "the first index of a sum")?,
-            integer(ends[1], "the last index of a sum")?,
-        ];
-        let mut total = None;
-        for k in low..=high {
-            self.work += 1;
-            self.limit(phrase, place)?;
-            self.locals.push((index.to_string(), Value::number(k as f64)));
-            let term = self.nodes(body, phrase);
-            self.locals.pop();
-            let (term, origin) = (term?, Origin { phrase, part: place.clone() });
-            total = Some(match total {
-                None => term,
-                Some(total) => self.assembly.apply(Operation::Add, &[total, term], &origin),
-            });
-        }
-        Ok(total.unwrap_or(Value::number(0.0)))
     }
 }

@@ -1,7 +1,7 @@
 //! Vector fields that are given as text.
 
+use super::assembling::Assembling;
 use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
-use super::scope::Assembling;
 use super::source::{Fault, ModelError, Source};
 use super::statement::Equations;
 use super::tape::Tape;

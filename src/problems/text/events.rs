@@ -1,0 +1,193 @@
+//! Guards that are given as text: when they are events, what follows, and from which states.
+
+use super::assembling::Assembling;
+use super::assembly::Value;
+use super::basis::plain;
+use super::scope::Scope;
+use super::source::{Fault, ModelError, Phrase, Source};
+use super::statement::{self, Next};
+use super::syntax::Formula;
+use super::tape::Tape;
+use crate::core::hybrid::Guard;
+use crate::core::names::{distinct, position};
+
+/// A guard in one of its modes.
+#[derive(Clone, Debug)]
+pub(super) struct Event {
+    pub function: Tape,
+    pub next: Choice,
+    pub accumulates_to: Option<Choice>,
+    /// The states after it, for each mode that may follow.
+    pub resets: Vec<(usize, Tape)>,
+}
+
+/// The modes that may follow, and the functions of which the first positive one decides.
+#[derive(Clone, Debug)]
+pub(super) struct Choice {
+    modes: Vec<usize>,
+    functions: Tape,
+}
+
+impl Choice {
+    /// The mode that follows at `(t, x, p)`: the last one if no function is positive.
+    pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
+        let mut values = vec![0.0; self.modes.len()];
+        self.functions.evaluate(t, x, p, &mut values);
+        let positive = values.iter().position(|value| *value > 0.0);
+        self.modes[positive.unwrap_or(self.modes.len() - 1)]
+    }
+}
+
+/// A mode of a statement that is being understood.
+pub(super) struct ModeScope {
+    pub name: String,
+    pub states: Vec<String>,
+    pub scope: Scope,
+}
+
+/// Refuses a definition that has no meaning in any mode.
+pub(super) fn check_definitions(scopes: &[ModeScope]) -> Result<(), ModelError> {
+    let checks = scopes.iter().map(|mode| Assembling::new(&mode.scope).definition_errors());
+    let of_modes: Vec<Vec<Option<ModelError>>> = checks.collect();
+    for k in 0..of_modes[0].len() {
+        if of_modes.iter().all(|errors| errors[k].is_some()) {
+            return of_modes[0][k].clone().map_or(Ok(()), Err);
+        }
+    }
+    Ok(())
+}
+
+/// Adds a guard, or the modes in which one of the same name has other functions.
+pub(super) fn add(
+    source: &Source,
+    stated: &statement::Guard,
+    scopes: &[ModeScope],
+    guards: &mut Vec<Guard>,
+    events: &mut Vec<Vec<Option<Event>>>,
+) -> Result<(), ModelError> {
+    let name = plain(source, &stated.name)?;
+    let (guard, of_modes) = understood(source, name, stated, scopes)?;
+    let Some(known) = guards.iter().position(|known| known.name == guard.name) else {
+        guards.push(guard);
+        events.push(of_modes);
+        return Ok(());
+    };
+    if guard.modes.iter().any(|mode| guards[known].modes.contains(mode)) {
+        let fault = Fault::Twice { name: guard.name, first: "a guard in one of these modes" };
+        return Err(source.fault_of(&stated.name, fault));
+    }
+    guards[known].modes.extend(&guard.modes);
+    guards[known].accumulates_to = guards[known].accumulates_to.or(guard.accumulates_to);
+    for (event, new) in events[known].iter_mut().zip(of_modes) {
+        *event = event.take().or(new);
+    }
+    Ok(())
+}
+
+/// A guard, and its event in each of its modes.
+fn understood(
+    source: &Source,
+    name: String,
+    guard: &statement::Guard,
+    scopes: &[ModeScope],
+) -> Result<(Guard, Vec<Option<Event>>), ModelError> {
+    let modes = match (&guard.modes[..], scopes.len()) {
+        ([], 1) => vec![0],
+        ([], _) => {
+            let what = format!("the guard `{name}` is in no mode");
+            let needed = "name those that end there, as in `modes: [\"flight\"]`".into();
+            return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
+        }
+        (names, _) => {
+            names.iter().map(|name| mode_of(source, name, scopes)).collect::<Result<Vec<_>, _>>()?
+        }
+    };
+    let mut events: Vec<Option<Event>> = vec![None; scopes.len()];
+    let mut accumulates = None;
+    for &mode in &modes {
+        let scope = &scopes[mode].scope;
+        let next = choice(source, &guard.next, scopes, mode)?.unwrap_or(Choice {
+            modes: vec![mode],
+            functions: Assembling::new(scope).tape(&[Value::number(0.0)]),
+        });
+        let accumulates_to = choice(source, &guard.accumulates_to, scopes, mode)?;
+        accumulates = accumulates_to.as_ref().map(|choice| choice.modes[0]).or(accumulates);
+        let mut assembling = Assembling::new(scope);
+        let value = assembling.read(&guard.function)?;
+        let function = assembling.tape(&[value]);
+        let mut resets: Vec<(usize, Tape)> = Vec::new();
+        for &after in
+            next.modes.iter().chain(accumulates_to.iter().flat_map(|choice| &choice.modes))
+        {
+            if !resets.iter().any(|(known, _)| *known == after) {
+                resets.push((after, reset(source, guard, scopes, (mode, after))?));
+            }
+        }
+        events[mode] = Some(Event { function, next, accumulates_to, resets });
+    }
+    let stated = Guard::new(name, modes);
+    Ok((accumulates.map_or(stated.clone(), |mode| stated.accumulating_to(mode)), events))
+}
+
+fn mode_of(source: &Source, name: &Phrase, scopes: &[ModeScope]) -> Result<usize, ModelError> {
+    position("mode", &name.text, scopes.iter().map(|mode| &mode.name))
+        .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))
+}
+
+/// The modes that may follow, if any are named.
+fn choice(
+    source: &Source,
+    next: &Next,
+    scopes: &[ModeScope],
+    mode: usize,
+) -> Result<Option<Choice>, ModelError> {
+    if next.0.is_empty() {
+        return Ok(None);
+    }
+    let mut assembling = Assembling::new(&scopes[mode].scope);
+    let (mut modes, mut values) = (Vec::new(), Vec::new());
+    for (name, function) in &next.0 {
+        modes.push(mode_of(source, name, scopes)?);
+        values.push(match function {
+            Some(function) => assembling.read(function)?,
+            None => Value::number(1.0),
+        });
+    }
+    Ok(Some(Choice { modes, functions: assembling.tape(&values) }))
+}
+
+/// The states with which a mode begins that follows another one.
+fn reset(
+    source: &Source,
+    guard: &statement::Guard,
+    scopes: &[ModeScope],
+    (before, after): (usize, usize),
+) -> Result<Tape, ModelError> {
+    let (before, after) = (&scopes[before], &scopes[after]);
+    let mut assembling = Assembling::new(&before.scope);
+    for (state, _) in &guard.reset {
+        // A reset may be of a state that only some of the modes have which may follow.
+        let known = scopes.iter().flat_map(|mode| &mode.states);
+        position("state", &state.text, distinct(known))
+            .map_err(|unknown| source.fault_of(state, Fault::Unknown(unknown)))?;
+    }
+    let mut values = Vec::new();
+    for state in &after.states {
+        let given = guard.reset.iter().find(|(name, _)| name.text == *state);
+        values.push(match given {
+            Some((_, formula)) => assembling.formula(&Formula::read(source, formula)?)?,
+            None if before.states.contains(state) => assembling.read(&state.as_str().into())?,
+            None => {
+                let what = format!(
+                    "the reset of `{}` leaves `{state}` undefined", guard.name.text
+                );
+                let needed = format!(
+                    "`{}` has this state, `{}` before it has not; give it, as in `reset: [(\"{state}\", \"0\")]`",
+                    after.name, before.name
+                );
+                return Err(source.fault_of(&guard.name, Fault::Missing { what, needed }));
+            }
+        });
+    }
+    Ok(assembling.tape(&values))
+}
