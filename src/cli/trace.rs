@@ -130,6 +130,9 @@ impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
     pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
         let (name, scene) = self.read(catalogue)?;
+        if !scene.runs.iter().any(|run| run.shown) {
+            return Err(CommandError::NoRun { scene: name });
+        }
         let start = self.point()?;
         let document = self.scene.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;
@@ -159,11 +162,7 @@ impl Trace {
             Some(Begin::In(state)) => &state[..],
             _ => &[],
         };
-        let (name, scene) = self.scene.read(catalogue, Some(&self.asking.asked(state)))?;
-        match scene.runs.iter().any(|run| run.shown) {
-            true => Ok((name, scene)),
-            false => Err(CommandError::NoRun { scene: name }),
-        }
+        self.scene.read(catalogue, Some(&self.asking.asked(state)))
     }
 
     /// The special point to start from.

@@ -317,8 +317,8 @@ pub trait Discretised {
 
 /// Which solutions are admissible, where events of motions decide that.
 pub trait Admissible {
-    /// Checks what is decided, not solved for, at the start of a branch. Not called where a solution grazes, where
-    /// nothing can be decided.
+    /// Checks what is decided, not solved for: a branch must not start where it is decided otherwise, and its points
+    /// there are marked. Not called where a solution grazes, where nothing can be decided.
     ///
     /// # Errors
     /// [`Failure::Mismatch`] with what is decided otherwise.

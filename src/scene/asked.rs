@@ -38,14 +38,17 @@ impl Scene {
     ///
     /// ```
     /// use std::path::Path;
+    /// use tangency::core::continuation::Kind;
     /// use tangency::scene::{Asked, Problem, Range, Scene, explore};
     /// let lorenz = Problem::from_file(Path::new("examples/lorenz.ron"), &[])?;
     /// let rho = Range { name: "rho".into(), low: Some(0.0), high: Some(30.0) };
     /// let scene = Scene::of_model(lorenz, "Lorenz", &[], &Asked { along: vec![rho], ..Asked::default() })?;
     /// let (scene, outcome) = explore(&scene, 1, &mut ());
     /// assert_eq!(scene.runs[1].name, "branch-BP");
-    /// let hopf = &outcome.document.branches[1].special[0];
-    /// assert!((hopf.parameters[1] - 470.0 / 19.0).abs() < 1e-11);
+    /// let branch = &outcome.document.branches[1];
+    /// let hopf = branch.of_kind(Kind::HB).next().expect("a Hopf point");
+    /// let rho = hopf.value(branch.column("rho").unwrap()).unwrap();
+    /// assert!((rho - 470.0 / 19.0).abs() < 1e-11);
     /// # Ok::<(), tangency::scene::SceneError>(())
     /// ```
     ///
@@ -62,6 +65,14 @@ impl Scene {
                 "name the parameter of the diagram with its range, as in `--along rho=0..30`";
             return Err(SceneError::invalid("what is asked of the model", "no parameter", rule));
         };
+        if let (Some(second), None) = (asked.along.get(1), asked.hold) {
+            let rule = "a branch has one parameter: name the kind of special point whose curve is wanted, as in `--hold HB`";
+            return Err(SceneError::invalid(
+                "what is asked of the model",
+                format!("a second parameter, `{}`", second.name),
+                rule,
+            ));
+        }
         let mut scene = Scene {
             title: title.into(),
             problem,

@@ -8,7 +8,8 @@ use crate::core::continuation::{Kind, Settings};
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::Order;
 use crate::output::Plot;
-use crate::problems::text::{ModelError, Phrase, number};
+use crate::problems::text::number;
+use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// What is traced.
@@ -107,10 +108,41 @@ pub struct Run {
 pub(super) fn values<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<(String, f64)>, D::Error> {
-    let read: Vec<(String, Phrase)> = Deserialize::deserialize(deserializer)?;
-    let value = |(name, phrase): (String, Phrase)| Ok((name, number(&phrase.text)?));
-    let values = read.into_iter().map(value).collect::<Result<_, ModelError>>();
-    values.map_err(serde::de::Error::custom)
+    let read: Vec<(String, Value)> = Deserialize::deserialize(deserializer)?;
+    Ok(read.into_iter().map(|(name, Value(value))| (name, value)).collect())
+}
+
+/// A number, or a formula of numbers.
+struct Value(f64);
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl Visitor<'_> for Reader {
+            type Value = Value;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("a number, or a formula of numbers in quotes")
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
+                Ok(Value(number))
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<Value, E> {
+                Ok(Value(number as f64))
+            }
+
+            fn visit_u64<E>(self, number: u64) -> Result<Value, E> {
+                Ok(Value(number as f64))
+            }
+
+            fn visit_str<E: serde::de::Error>(self, formula: &str) -> Result<Value, E> {
+                number(formula).map(Value).map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
 }
 
 fn yes() -> bool {

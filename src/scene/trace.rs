@@ -290,7 +290,7 @@ fn guess(
 ) -> Result<Vec<f64>, SceneError> {
     let groups = &system.names().unknowns;
     for (name, _) in values {
-        position("unknown", name, groups.iter().map(|group| &group.name))?;
+        position("variable", name, groups.iter().map(|group| &group.name))?;
     }
     let value = |group: &Group| values.iter().chain(initial).find(|(name, _)| *name == group.name);
     let all = |group: &Group| vec![value(group).map_or(0.0, |(_, value)| *value); group.length];

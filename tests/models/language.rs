@@ -9,7 +9,7 @@ use tangency::core::field::{Forcing, VectorField};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::ZeroProblem;
 use tangency::problems::text::{Field, Model, Source, number};
-use tangency::scene::{Scene, execute, explore};
+use tangency::scene::{BUILT_IN, Scene, execute, explore};
 
 /// A field of one state `x` and the parameters `a`, `b` with a formula as its rate.
 fn field(formula: &str) -> std::sync::Arc<Field> {
@@ -323,4 +323,14 @@ fn long_formulas_in_any_scalar() {
     let exact = expected(Dual64::from(0.3).derivative());
     close(value, exact.re, 1e-12);
     close(derivative, exact.eps, 1e-10);
+}
+
+#[test]
+fn every_scene_can_be_written() {
+    for built_in in BUILT_IN {
+        let scene = Scene::parse(built_in.text).unwrap();
+        let written = scene.to_ron();
+        let again = Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}"));
+        assert!(again == scene, "{}:\n{written}", built_in.name);
+    }
 }

@@ -4,9 +4,9 @@
 use crate::common::close;
 use std::f64::consts::PI;
 use std::path::Path;
-use tangency::core::continuation::{Branch, End, Kind};
+use tangency::core::continuation::{Branch, End, Kind, Point};
 use tangency::output::Document;
-use tangency::scene::{Catalogue, Scene, execute};
+use tangency::scene::{Catalogue, Scene, Way, execute};
 
 fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
@@ -133,6 +133,25 @@ fn dry_friction() {
     finds(&document, ("no stops", Kind::UZ, "max_x"), &[(v * v - (0.2 * h).powi(2)).sqrt()], 1e-9);
     finds(&document, ("no stops", Kind::EP, "max_x"), &[v], 1e-9);
     finds(&document, ("boundary", Kind::EP, "F"), &[0.5625, end(0.7)], 1e-9);
+}
+
+/// A branch of orbits does not see by its equations that a stop leads elsewhere: such points are marked.
+#[test]
+fn what_decides_otherwise_is_marked() {
+    let mut scene = scene("dry-friction");
+    scene.runs.truncate(2);
+    scene.runs.remove(0);
+    let [run] = &mut scene.runs[..] else { panic!("one run") };
+    (run.set, run.direction) = (vec![("F".into(), "0.2".into())], Way::Forward);
+    run.along[0].high = Some(0.68);
+    let outcome = execute(&scene, None, &mut ());
+    let branch = &outcome.document.branches[0];
+    // Where motion without stops ends: F = 0.6465790873.
+    let beyond = |point: &Point| point.parameters[1] > 0.64657909;
+    assert!(branch.points.iter().any(beyond) && branch.points.iter().any(|point| !beyond(point)));
+    for point in &branch.points {
+        assert_eq!(point.admissible, !beyond(point), "{:?}", point.parameters);
+    }
 }
 
 #[test]

@@ -166,6 +166,8 @@ fn mistakes_are_shown_in_their_line() {
     assert!(message.contains("NAME=LOW..HIGH"), "{message}");
     let message = fails(path, &["trace", "lorenz.ron", "--along", "rho=0..1", "--hold", "XX"]);
     assert!(message.contains("XX"), "{message}");
+    let two = ["trace", "lorenz.ron", "--along", "rho=0..1", "--along", "sigma=1..2"];
+    assert!(fails(path, &two).contains("as in `--hold HB`"));
     let message = fails(path, &["trace", "lorenz.ron", "--along", "sgima=0..1"]);
     assert!(message.contains("did you mean `sigma`?"), "{message}");
 }

@@ -236,7 +236,8 @@ fn foreign_texts_and_wrong_types_are_refused_with_their_place() {
     }
     for (from, to, said) in [
         ("\"t\"", "3", "2:"),
-        ("1.0", "\"1\"", "4:"),
+        ("1.0", "\"one\"", "4:"),
+        ("1.0", "[1]", "4:"),
         ("\"SSSS\"", "4", "3:"),
         ("Plate(", "Beam(", "`Beam`"),
         ("supports:", "suports:", "`suports`"),

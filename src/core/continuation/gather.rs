@@ -2,7 +2,7 @@
 
 use super::event::{Event, MakeCondition};
 use super::run::Bound;
-use super::start::VANISHES;
+use super::stepper::VANISHES;
 use super::{Continuation, Kind, Settings, TraceError};
 use crate::core::bifurcation::catalogue::{self, CATALOGUE};
 use crate::core::condition::Quantity;

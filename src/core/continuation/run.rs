@@ -295,7 +295,12 @@ impl Tracer<'_> {
     /// Records the last point, at which the run ends.
     fn end_half(&mut self, walk: &mut Walk, (end, at): Ending) -> End {
         let Walk { half, place, start, .. } = walk;
-        let last = at.as_ref().map_or(start.point.clone(), |last| self.point_of(&last.special));
+        // Where events lead elsewhere at the point before, they do here.
+        let admissible = place.point.admissible;
+        let last = at.as_ref().map_or(start.point.clone(), |last| {
+            let last = self.point_of(&last.special);
+            Point { admissible: last.admissible && admissible, ..last }
+        });
         self.show(&last);
         half.points.push(last);
         let Some(Located { mut special, .. }) = at else {

@@ -13,9 +13,6 @@ use crate::core::solution::Start;
 use crate::core::vector::{difference, dot, generic, largest};
 use std::collections::VecDeque;
 
-/// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
-pub(super) const VANISHES: f64 = 1e-6;
-
 /// Unknowns whose sizes differ by less than this, relatively, are of one size.
 const EQUAL: f64 = 1e-4;
 
@@ -325,14 +322,8 @@ impl Stepper<'_> {
             let row = self.covector(&tangent);
             self.arrive(unknowns, &row, f64::INFINITY, stability)?
         };
-        let (monitors, p) = (&start.point.monitors, &start.point.parameters);
-        let system = self.equations.system();
-        let clear = |&m: &usize| monitors[m] > VANISHES * system.grazing_scale(m, p);
-        if system.grazings().iter().all(clear) {
-            self.equations.load(&start.unknowns);
-            let at = self.equations.at();
-            at.system.admissible().map_or(Ok(()), |system| system.check_start(at.x))?;
-        }
+        let x = self.equations.load(&start.unknowns).to_vec();
+        self.leads_on(&x, &start.point.monitors, &start.point.parameters)?;
         Ok(start)
     }
 }

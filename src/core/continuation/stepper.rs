@@ -51,6 +51,9 @@ const MESH: f64 = 1e-3;
 /// A corrected point is not farther from the predicted one, in units of the step.
 pub(super) const MOST_DISTANT: f64 = 0.25;
 
+/// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
+pub(super) const VANISHES: f64 = 1e-6;
+
 /// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is rounding.
 const BEYOND: f64 = 1e-9;
 
@@ -334,8 +337,9 @@ impl Stepper<'_> {
         let solutions = self.held.is_empty();
         let counted = spectrum.as_ref().filter(|_| solutions);
         let unstable = counted.map(|all| Stability::of(dynamics, all).unstable);
-        let parameters = at.x[n..].to_vec();
-        let admissible = self.is_admissible(&monitors, &parameters);
+        let (x, parameters) = (at.x.to_vec(), at.x[n..].to_vec());
+        let admissible = self.is_admissible(&monitors, &parameters)
+            && self.leads_on(&x, &monitors, &parameters).is_ok();
         monitors.extend(self.equations.recorded());
         let point = Point { parameters, monitors, unstable, eigenvalues, admissible };
         Ok((point, spectrum))
@@ -346,6 +350,19 @@ impl Stepper<'_> {
         let system = self.equations.system();
         let beyond = |&m: &usize| monitors[m] < -BEYOND * system.grazing_scale(m, p);
         !system.grazings().iter().any(beyond)
+    }
+
+    /// Whether every event leads to where the solution goes on; where it grazes that cannot be decided.
+    ///
+    /// # Errors
+    /// [`Failure::Mismatch`] with the event that leads elsewhere.
+    pub fn leads_on(&mut self, x: &[f64], monitors: &[f64], p: &[f64]) -> Result<(), Failure> {
+        let system = self.equations.system();
+        let clear = |&m: &usize| monitors[m] > VANISHES * system.grazing_scale(m, p);
+        match system.admissible().filter(|_| system.grazings().iter().all(clear)) {
+            Some(admissible) => admissible.check_start(x),
+            None => Ok(()),
+        }
     }
 }
 

@@ -228,17 +228,21 @@ pub(super) fn monitors_of(
 /// The most elements of an array whose extremes are recorded one by one.
 const SINGLE: usize = 10;
 
-/// What is recorded by default: as of all problems, but of a long array only its norm.
-pub(super) fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
+/// States that are recorded one by one, and long arrays with what their norm is called.
+pub(super) fn recorded(states: &[String]) -> (Vec<String>, Vec<(String, Vec<String>)>) {
     let array =
         |name: &str| name.split_once('[').map_or(name.to_string(), |(array, _)| array.to_string());
     let arrays = states.chunk_by(|a, b| array(a) == array(b));
     let (long, short): (Vec<_>, Vec<_>) = arrays.partition(|elements| elements.len() > SINGLE);
-    let norm = |elements: &[String]| {
-        (format!("norm_{}", array(&elements[0])), Measure::norm(elements.iter().cloned()))
-    };
-    let norms = long.into_iter().map(norm);
-    norms.chain(Measure::by_default(short.concat(), monitors)).collect()
+    let norm = |elements: &[String]| (format!("norm_{}", array(&elements[0])), elements.to_vec());
+    (short.concat(), long.into_iter().map(norm).collect())
+}
+
+/// What is recorded of motion by default: as of all problems, but of a long array only its norm.
+pub(super) fn measures(states: &[String], monitors: Vec<String>) -> Vec<(String, Measure)> {
+    let (single, arrays) = recorded(states);
+    let norms = arrays.into_iter().map(|(name, elements)| (name, Measure::norm(elements)));
+    norms.chain(Measure::by_default(single, monitors)).collect()
 }
 
 /// Sizes of states, in their order; none if all are 1.

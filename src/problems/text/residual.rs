@@ -1,8 +1,8 @@
 //! Equations `F = 0` that are given as text.
 
 use super::assembling::Assembling;
-use super::basis::{Basis, monitors_of, states_of, undefined, values_of};
-use super::source::{ModelError, Source};
+use super::basis::{Basis, monitors_of, recorded, states_of, undefined, values_of};
+use super::source::{ModelError, Phrase, Source};
 use super::statement::Residual;
 use super::tape::Tape;
 use crate::core::scalar::Scalar;
@@ -35,15 +35,21 @@ impl Zero {
         let values = values_of(&mut assembling, &rows)?;
         let residual = assembling.tape(&values);
         // Checked one by one, evaluated together.
-        let monitors = monitors_of(&scope, &statement.monitors)?;
-        let values = statement.monitors.iter().map(|(_, formula)| assembling.read(formula));
+        let further = monitors_of(&scope, &statement.monitors)?;
+        let unknowns: Vec<String> = unknowns.into_iter().map(|(_, name)| name).collect();
+        let (mut monitors, arrays) = recorded(&unknowns);
+        let formulas = monitors.iter().cloned().chain(arrays.iter().map(|(_, all)| norm(all)));
+        let formulas = formulas.map(Phrase::from).collect::<Vec<_>>();
+        monitors.extend(arrays.into_iter().map(|(name, _)| name));
+        monitors.extend(further.into_iter().map(|(name, _)| name));
+        let stated = statement.monitors.iter().map(|(_, formula)| formula);
+        let values = formulas.iter().chain(stated).map(|formula| assembling.read(formula));
         let values = values.collect::<Result<Vec<_>, _>>()?;
         let tape = assembling.tape(&values);
         scope.refuse_time("equations without motion have no time")?;
         basis.look_for_unused(&[&scope]);
-        let unknowns = unknowns.iter().map(|(_, name)| name.as_str());
-        let names = Names::new(unknowns, basis.parameters.clone());
-        let names = names.with_monitors(monitors.into_iter().map(|(name, _)| name));
+        let unknowns = unknowns.iter().map(String::as_str);
+        let names = Names::new(unknowns, basis.parameters.clone()).with_monitors(monitors);
         Ok(Zero { basis, statement, names, residual, monitors: tape })
     }
 
@@ -51,6 +57,11 @@ impl Zero {
     pub(super) fn undefined(&self, z: &[f64], p: &[f64]) -> Option<ModelError> {
         undefined(&self.basis, self.statement.common(), &self.statement.unknowns, (0.0, z, p))
     }
+}
+
+/// The formula of the norm of an array, `√Σu²`.
+fn norm(elements: &[String]) -> String {
+    format!("sqrt({})", elements.iter().map(|u| format!("{u}^2")).collect::<Vec<_>>().join(" + "))
 }
 
 impl ZeroProblem for Zero {
