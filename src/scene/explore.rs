@@ -40,7 +40,8 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
         scene.runs.iter().map(|run| (run.clone(), 0)).collect();
     let mut tracing = Tracing::default();
     while let Some((run, steps)) = coming.pop_front() {
-        if is_known(&run, &tracing.done) {
+        // What the scene states itself is traced in any case.
+        if steps > 0 && is_known(&run, &tracing.done) {
             continue;
         }
         whole.runs.push(run.clone());
@@ -60,8 +61,12 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
         }
         if let Some(branch) = tracing.done.last().filter(|_| steps < depth) {
             let room = RUNS.saturating_sub(whole.runs.len() + coming.len());
-            let next = following(&whole, &run, branch).into_iter().take(room);
-            coming.extend(next.map(|run| (run, steps + 1)));
+            let stated = |next: &Run| {
+                let mut runs = scene.runs.iter();
+                runs.any(|run| run.start == next.start)
+            };
+            let next = following(&whole, &run, branch).into_iter().filter(|next| !stated(next));
+            coming.extend(next.take(room).map(|run| (run, steps + 1)));
         }
     }
     let shown: Vec<String> =
@@ -113,8 +118,10 @@ fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
     let mut next = Run { grazings: Vec::new(), ..run.clone() };
     next.start = start(kind != Kind::HB);
     if kind == Kind::HB {
-        let setting = |(name, _): &(&str, String)| *name == "solution";
-        scene.problem.settings().iter().find(|known| setting(known))?;
+        // Orbits begin where equilibria lose stability, in problems that have both.
+        let seen = scene.with(&run.set).ok()?;
+        let settings = seen.problem.settings();
+        settings.iter().find(|(name, value)| *name == "solution" && value == "equilibrium")?;
         next.set.retain(|(name, _)| name != "solution");
         next.set.push(("solution".into(), "orbit".into()));
     }

@@ -33,14 +33,14 @@ const REACTION: &str = r#"Equations(states: [
     ("y3", "y3*(16.5 - y1 - y3/2) + 0.1"),
 ])"#;
 
-/// What motions of the impact oscillator settle on; its problem is put in.
+/// What motions of the impact oscillator settle on, orbits with an impact a period; its problem is put in.
 const SWEEP: &str = r#"Scene(
     title: "Impacts",
     problem: PROBLEM,
     parameters: [("frequency", 2.2)],
     sweeps: [(
         name: "amplitudes",
-        over: [(name: "amplitude", low: 1, high: 5, count: 16)],
+        over: [(name: "amplitude", low: 4.5, high: 6, count: 16)],
         search: (transient: 300, lyapunov_periods: 0),
     )],
 )"#;
@@ -62,6 +62,9 @@ const OSCILLATOR: &str = r#"HybridEquations(
     parameters: [("amplitude", 0.05), ("frequency", 1), ("restitution", 0.8), ("damping", 0.1), ("clearance", 1)],
     period: "2*pi/frequency",
 )"#;
+
+/// How many periods of the forcing an orbit takes, and the states with which runs end.
+const ENDS: [&str; 3] = ["periods", "end_0", "end_1"];
 
 /// A method's settings, with what they are called.
 type Setting = (Vec<(&'static str, &'static str)>, String);
@@ -110,9 +113,12 @@ fn impacts() -> Plan {
         Method::new(line, flow_error, move || {
             let swept = sweep(scene.as_ref()?, "impacts", part, None, &mut ());
             let swept = swept.map_err(|cause| cause.to_string())?;
-            let rows = swept.sweeps.iter().flat_map(|table| table.rows.values());
-            let numbers = rows.flat_map(|row| &row.values).filter(|value| value.is_finite());
-            Ok(Answer { numbers: numbers.copied().collect(), work: 16.0 })
+            let table = &swept.sweeps[0];
+            let column = |name: &str| table.run_columns.iter().position(|known| known == name);
+            let columns: Vec<usize> = ENDS.iter().filter_map(|name| column(name)).collect();
+            let rows = table.rows.values();
+            let numbers = rows.flat_map(|row| columns.iter().map(|&k| row.values[k])).collect();
+            Ok(Answer { numbers, work: 16.0 })
         })
     };
     let lines = [("compiled", "ImpactOscillator()"), ("text", OSCILLATOR)];
