@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let time = time.or(options.total).unwrap_or(20.0);
     let output = BufWriter::new(stdout());
     let mut request = Request { start: options.start, time, count, output };
-    let initial: Vec<(String, f64)> = model.initial().to_vec();
+    let initial: Vec<(String, f64)> = model.initial(model.defaults());
     match model {
         Model::Field(field) => smooth(&field, &initial, &mut request),
         Model::Map(map) => iterated(&map, &initial, clock.is_some(), &mut request),

@@ -40,6 +40,9 @@ pub enum CommandError {
         "`{scene}` has no branches to trace: `tangency sweep {scene}` does what it is made for"
     )]
     NoRun { scene: String },
+    /// Two things that cannot be asked for together.
+    #[error("--start FILE:LABEL goes on from one special point, and cannot be with {0}")]
+    NotTogether(&'static str),
     /// Nothing to sweep.
     #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
     NoSweep { scene: String },

@@ -109,7 +109,14 @@ impl SceneAt {
             let unknown = UnknownName::new("scene", &self.scene, names);
             return Err(CommandError::UnknownScene(unknown));
         }
-        let text = std::fs::read_to_string(path).map_err(|cause| FileError::read(path, cause))?;
+        let bytes = std::fs::read(path).map_err(|cause| FileError::read(path, cause))?;
+        // Files of XPPAUT's may be older than UTF-8.
+        let text = match Problem::is_file_of_equations(path, "") {
+            true => String::from_utf8_lossy(&bytes).into_owned(),
+            false => String::from_utf8(bytes).map_err(|cause| {
+                FileError::read(path, std::io::Error::new(std::io::ErrorKind::InvalidData, cause))
+            })?,
+        };
         Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
     }
 
@@ -129,6 +136,9 @@ impl SceneAt {
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
     pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+        if let (Some(Begin::At(_)), Some(_)) = (&self.start, &self.asking.switch) {
+            return Err(CommandError::NotTogether("--switch"));
+        }
         let (name, scene) = self.read(catalogue)?;
         if !scene.runs.iter().any(|run| run.shown) {
             return Err(CommandError::NoRun { scene: name });
@@ -215,6 +225,9 @@ impl Trace {
 impl Written {
     /// Writes the scene; with `--switch`, after tracing it.
     pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+        if let Some(Begin::At(_)) = &self.trace.start {
+            return Err(CommandError::NotTogether("`tangency scene`"));
+        }
         let (_, scene) = self.trace.read(catalogue)?;
         let scene = match self.trace.asking.switch {
             Some(Switch::All) => explore(&scene, self.trace.asking.depth, &mut ()).0,

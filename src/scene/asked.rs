@@ -23,12 +23,15 @@ pub struct Asked {
     pub state: Vec<(String, f64)>,
     /// How long motion settles before the first run: in periods of the forcing, or else in units of time.
     pub settle: Option<f64>,
-    /// The kind of special point whose curve is followed in all released parameters, from each one that the first run finds.
+    /// The kind of special point whose curve is followed in all released parameters, from the first one that the first run finds.
     pub hold: Option<Kind>,
 }
 
 /// How long motion settles where a branch is asked for and no equilibrium is found.
 const SETTLE: f64 = 500.0;
+
+/// The longest time to settle.
+const LONGEST: f64 = 1e9;
 
 /// Rates this small, compared with the states, are those of an equilibrium.
 const AT_REST: f64 = 1e-6;
@@ -73,6 +76,14 @@ impl Scene {
                 rule,
             ));
         }
+        if let (Some(kind), 1) = (asked.hold, asked.along.len()) {
+            let rule = "a curve of special points needs a second parameter: give another `--along`";
+            return Err(SceneError::invalid(
+                format!("`--hold {kind}`"),
+                "with one parameter",
+                rule,
+            ));
+        }
         let mut scene = Scene {
             title: title.into(),
             problem,
@@ -100,7 +111,7 @@ impl Scene {
         run.bounds = scene.followed()?;
         run.bounds.extend(asked.bounds.iter().cloned());
         scene.runs.push(run);
-        scene.begin(asked)?;
+        scene.begin(asked, true)?;
         scene.hold(asked);
         scene.check()?;
         Ok(scene)
@@ -147,7 +158,7 @@ impl Scene {
             }
         }
         if asked.settle.is_some() || !asked.state.is_empty() {
-            self.begin(asked)?;
+            self.begin(asked, false)?;
         }
         self.hold(asked);
         self.check()?;
@@ -172,14 +183,15 @@ impl Scene {
     }
 
     /// Sets where the first run begins: where motion settles, if it must; else in given states.
-    fn begin(&mut self, asked: &Asked) -> Result<(), SceneError> {
-        let start = self.start(asked)?;
+    /// `free` says whether equilibria or orbits are followed as they are found.
+    fn begin(&mut self, asked: &Asked, free: bool) -> Result<(), SceneError> {
+        let start = self.start(asked, free)?;
         let [run, ..] = &mut self.runs[..] else { return Ok(()) };
         run.start = start;
         Ok(())
     }
 
-    fn start(&mut self, asked: &Asked) -> Result<Start, SceneError> {
+    fn start(&mut self, asked: &Asked, free: bool) -> Result<Start, SceneError> {
         let simulated = |transient| {
             let state = asked.state.clone();
             Start::Simulated(Simulated { state, transient, ..Simulated::default() })
@@ -188,12 +200,25 @@ impl Scene {
             true => Start::Rest,
             false => Start::Guess(asked.state.clone()),
         };
+        if let Some(time) = asked.settle.filter(|time| !(0.0..=LONGEST).contains(time)) {
+            let rule = format!("must be between 0 and {LONGEST}");
+            return Err(SceneError::invalid("the time to settle", time.to_string(), rule));
+        }
         let Ok(motion) = self.problem.model().motion() else {
             let moves = self.problem.model().kind() == "a map";
-            return Ok(asked.settle.filter(|_| moves).map_or(guess(), simulated));
+            return match asked.settle {
+                Some(time) if moves => Ok(simulated(time)),
+                Some(_) => Err(self.problem.model().lacks("only what moves settles")),
+                None => Ok(guess()),
+            };
         };
         let smooth = motion.guards().is_empty() && motion.forcing() == Forcing::None;
         if !smooth {
+            return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
+        }
+        // A scene has said what it follows.
+        let orbits = |(name, value): (&str, String)| name == "solution" && value == "orbit";
+        if !free && self.problem.settings().into_iter().any(orbits) {
             return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
         }
         self.problem.set("solution", "equilibrium")?;
@@ -203,7 +228,7 @@ impl Scene {
         let settle = asked.settle.unwrap_or(SETTLE);
         let p = self.values()?;
         let began = Simulated { state: asked.state.clone(), ..Simulated::default() };
-        let mut state = at_rest(&motion.modes()[0], &began.from(self.problem.initial()).state)?;
+        let mut state = at_rest(&motion.modes()[0], &began.from(&self.problem.initial(&p)).state)?;
         let failed = |cause| SceneError::of_run("the start", cause);
         let mut flow = HybridFlow::new(&*motion, HybridSettings::default()).map_err(failed)?;
         flow.advance(&mut state, settle, &p, &mut ()).map_err(failed)?;

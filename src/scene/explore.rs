@@ -12,7 +12,7 @@ const RUNS: usize = 50;
 
 /// Traces a scene's runs, and then what goes on from the special points found, to a depth: 1 follows what the scene's own
 /// runs find, 2 also what is found then. A point that two branches share is followed once. Gives the scene with all runs
-/// that were added, which traces the same.
+/// that were added, at most 50, which traces the same.
 ///
 /// A run that fails is left out, and the first error is kept; the others go on.
 ///
@@ -66,7 +66,14 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
                 runs.any(|run| run.start == next.start)
             };
             let next = following(&whole, &run, branch).into_iter().filter(|next| !stated(next));
-            coming.extend(next.take(room).map(|run| (run, steps + 1)));
+            for mut run in next.take(room) {
+                // A scene may have given the name to another run.
+                let mut names = whole.runs.iter().chain(coming.iter().map(|(run, _)| run));
+                if names.any(|known| known.name == run.name) {
+                    run.name += "'";
+                }
+                coming.push_back((run, steps + 1));
+            }
         }
     }
     let shown: Vec<String> =

@@ -195,8 +195,8 @@ impl Problem {
     }
 
     /// Values of states, where motion and branches begin if nothing else is said.
-    pub(super) fn initial(&self) -> &[(String, f64)] {
-        self.text().map_or(&[], text::Model::initial)
+    pub(super) fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
+        self.text().map_or(Vec::new(), |text| text.initial(p))
     }
 
     /// Its name in the catalogue.

@@ -75,7 +75,14 @@ pub(super) fn stated(
     let settings = blanked(part, &stated);
     let moved = |part: Range<usize>| part.start + at..part.end + at;
     let stated = match all.iter().find(|field| field.name == FILE) {
-        Some(field) => of_file(scene, &super::slot::read::<String>(FILE, field.value)?, given)?,
+        Some(field) => {
+            if let Some(other) = all.iter().find(|field| fields.contains(&field.name.as_str())) {
+                let place = format!("`{}` beside `model`", other.name);
+                let rule = "a file states the equations alone: state this in the file";
+                return Err(SceneError::invalid(place, "given", rule));
+            }
+            of_file(scene, &super::slot::read::<String>(FILE, field.value)?, given)?
+        }
         None => {
             let others =
                 of(&|name| !fields.contains(&name)).into_iter().map(moved).collect::<Vec<_>>();
@@ -117,6 +124,8 @@ pub(super) fn of_file(
         return Ok(stated);
     }
     let (kind, part) = text::statement_in(&source.text);
+    // Without comments behind it.
+    let part = RawValue::from_ron(part).map_or(part, |raw| raw.trim().get_ron());
     Ok(Stated::new(Statement::read(&source, kind, part)?.model(&source, given)?, part))
 }
 

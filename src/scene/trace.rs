@@ -119,7 +119,7 @@ fn history(
     let before = |name: &String| last.iter().find(|(run, _)| run == name).map(|(_, s)| s.clone());
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
-    let simulated = simulated.from(seen.problem.initial());
+    let simulated = simulated.from(&seen.problem.initial(&seen.values()?));
     let (branch, end) = simulate(&*motion, &run.name, &simulated, &seen.values()?, start)?;
     last.push((run.name.clone(), end));
     Ok(branch)
@@ -137,14 +137,15 @@ fn trace(
     let (mut system, guess) = match (start, &run.start) {
         (None, Start::Simulated(simulated)) => {
             let (model, p) = (seen.problem.model(), seen.values()?);
-            let simulated = simulated.from(seen.problem.initial());
+            let simulated = simulated.from(&seen.problem.initial(&p));
             model.settled(&run.name, &simulated, &p)?
         }
         (start, begin) => {
             let system = system_of(scene, &seen, run, done)?;
+            let initial = seen.problem.initial(&seen.values()?);
             let guess = match (start, begin) {
-                (None, Start::Guess(values)) => guess(&*system, values, seen.problem.initial())?,
-                _ => guess(&*system, &[], seen.problem.initial())?,
+                (None, Start::Guess(values)) => guess(&*system, values, &initial)?,
+                _ => guess(&*system, &[], &initial)?,
             };
             (system, guess)
         }
@@ -187,12 +188,14 @@ impl Scene {
             _ => return Ok(()),
         };
         let Some(model) = self.problem.text() else { return Ok(()) };
+        let p = self.values()?;
+        let initial = self.problem.initial(&p);
         let value = |state: &String| {
-            let mut all = given.iter().chain(self.problem.initial());
+            let mut all = given.iter().chain(&initial);
             all.find(|(name, _)| name == state).map_or(0.0, |(_, value)| *value)
         };
         let x: Vec<f64> = model.states().iter().map(value).collect();
-        Ok(model.undefined_at(&x, &self.values()?).map_or(Ok(()), Err)?)
+        Ok(model.undefined_at(&x, &p).map_or(Ok(()), Err)?)
     }
 }
 

@@ -242,3 +242,54 @@ fn a_start_where_a_formula_is_not_finite() {
     let error = Scene::parse(text).unwrap_err().to_string();
     assert!(error.contains("state `period`"), "{error}");
 }
+
+/// What a stranger may state twice, or in a way that means something else elsewhere.
+#[test]
+fn nothing_is_silently_left_out() {
+    says(
+        "Equations(states: [(\"x\", \"1\")], initial: [(\"x\", 1), (\"»x«\", 2)])",
+        "`x` is given a value already",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], initial: [(\"x\", \"»2*t«\")])",
+        "which may depend on parameters only",
+    );
+    says("Equations(states: [(\"x\", \"0 < x < »1«\")])", "`&` between two comparisons");
+    says(
+        "Equations(states: [(\"x\", \"1\")], scales: [(\"x\", \"»-1«\")])",
+        "it must be one number above 0",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], functions: [(\"»sum«\", [\"u\"], \"u\")])",
+        "the language uses this name by itself",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], functions: [(\"f\", [\"u\", \"»u«\"], \"u\")])",
+        "`u` is an argument already",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], functions: [(\"»f«\", [], \"1\")])",
+        "without one it is a definition",
+    );
+    let of = |guard: &str| {
+        format!(
+            "HybridEquations(modes: [(name: \"f\", states: [(\"x\", \"v\"), (\"v\", \"-1\")])], guards: [(name: \"g\", function: \"x\", {guard})])"
+        )
+    };
+    says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is reset already");
+    says(&of("modes: [\"f\", \"»f«\"]"), "`f` is a mode of this guard already");
+    says(&of("next: [\"»f«\", (\"f\", \"x\")]"), "what stands behind it is never reached");
+    // Values of arrays at ends.
+    let text = "Boundary(states: [(\"u[i=1..2]\", \"-u[i]\")], conditions: [\"u[1](0) - 1\", \"u[2](1)\"])";
+    assert!(Model::read(&Source::new("", text), &[]).is_ok());
+    // Sums in functions in each other end in an error, not in an overflow of the stack.
+    let nested =
+        |k: usize| format!("{}f{}(u){}", "sum(i, 1, 1, ".repeat(100), k + 1, ")".repeat(100));
+    let functions: Vec<String> =
+        (0..60).map(|k| format!("(\"f{k}\", [\"u\"], \"{}\")", nested(k))).collect();
+    let text = format!(
+        "Equations(states: [(\"x\", \"f0(x)\")], functions: [{}, (\"f60\", [\"u\"], \"u\")])",
+        functions.join(", ")
+    );
+    assert!(refused(&text).to_string().contains("sums and functions in each other"));
+}

@@ -261,6 +261,15 @@ fn what_is_found_is_followed() {
     let written = scene.to_ron();
     let again = Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}"));
     assert_eq!(again, scene);
+    // A scene's own runs are neither left out nor followed twice.
+    let stated = text.replace(
+        "high: 30)])],",
+        "high: 30)]),
+            Run(name: \"fixed\", start: From(run: \"rest\", kind: BP, switch: true), along: [(name: \"rho\", low: 0, high: 30)])],",
+    );
+    let (own, _) = explore(&Scene::parse(&stated).unwrap(), 2, &mut ());
+    let names: Vec<&str> = own.runs.iter().map(|run| run.name.as_str()).collect();
+    assert_eq!(names, ["rest", "fixed", "fixed-HB1", "fixed-HB2"]);
     let again = execute(&again, None, &mut ());
     assert_eq!(again.document.branches.len(), 4);
     assert_eq!(

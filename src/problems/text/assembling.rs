@@ -10,6 +10,8 @@ use std::ops::Range;
 
 /// The most values that are computed while formulas are put together.
 const WORK: usize = 2_000_000;
+/// How deep sums and functions may be in each other.
+const NESTED: usize = 300;
 /// How deep functions may call each other.
 const CALLS: usize = 100;
 
@@ -23,6 +25,7 @@ pub(super) struct Assembling<'s> {
     locals: Vec<(String, Value)>,
     frame: usize,
     calls: Vec<String>,
+    depth: usize,
     work: usize,
     phrases: Vec<Phrase>,
     /// Whether states stand for values at ends, `x(0)` and `x(1)`.
@@ -42,6 +45,7 @@ impl<'s> Assembling<'s> {
             locals: Vec::new(),
             frame: 0,
             calls: Vec::new(),
+            depth: 0,
             work: 0,
             phrases: Vec::new(),
             at_ends,
@@ -121,6 +125,13 @@ impl<'s> Assembling<'s> {
     }
 
     fn nodes(&mut self, nodes: &[Node], phrase: usize) -> Result<Value, ModelError> {
+        self.depth += 1;
+        let value = self.steps(nodes, phrase);
+        self.depth -= 1;
+        value
+    }
+
+    fn steps(&mut self, nodes: &[Node], phrase: usize) -> Result<Value, ModelError> {
         let mut stack: Vec<Value> = Vec::new();
         for Node { step, place } in nodes {
             self.work += 1;
@@ -138,6 +149,13 @@ impl<'s> Assembling<'s> {
                         place.clone(),
                     )?;
                     self.name(&format!("{name}[{index}]"), phrase, place)?
+                }
+                Step::ElementAt(name) => {
+                    let given = stack.split_off(stack.len() - 2);
+                    let part = place.clone();
+                    let index =
+                        integer_in(self.scope, given[0], "the index", &self.phrases[phrase], part)?;
+                    self.call(&format!("{name}[{index}]"), vec![given[1]], phrase, place)?
                 }
                 Step::Apply(operation) => {
                     let arguments = stack.split_off(stack.len() - operation.arity());
@@ -165,6 +183,7 @@ impl<'s> Assembling<'s> {
         let limits = [
             (self.work, WORK, "steps to put a formula together"),
             (self.assembly.len(), OPERATIONS, "operations in a model"),
+            (self.depth, NESTED, "sums and functions in each other"),
         ];
         match limits.into_iter().find(|(count, limit, _)| count > limit) {
             Some((_, limit, what)) => {

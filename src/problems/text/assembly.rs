@@ -66,7 +66,12 @@ impl Assembly {
         let [a, b, c] = arguments;
         let numbers = arguments.map(Value::as_number);
         if let [Some(x), Some(y), Some(z)] = numbers {
-            return Value::number(operation.of(&x, &y, &z));
+            let value = operation.of(&x, &y, &z);
+            // What is not finite keeps its place in the text.
+            if f64::is_finite(value) {
+                return Value::number(value);
+            }
+            return self.once((operation, arguments), origin);
         }
         match (operation, numbers) {
             (Select, [Some(condition), ..]) => return if condition != 0.0 { b } else { c },

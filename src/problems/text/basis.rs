@@ -17,7 +17,7 @@ pub(super) struct Basis {
     /// Values of the first parameters, which have them.
     pub defaults: Vec<f64>,
     /// Values of states, where motion and branches begin.
-    pub initial: Vec<(String, f64)>,
+    pub initial: Vec<(String, Tape)>,
     /// Parameters that no formula uses.
     pub unused: Vec<String>,
 }
@@ -102,18 +102,26 @@ impl Basis {
                 let mut assembling = Assembling::new(scope);
                 let formula = Formula::read(&scope.source, value)?;
                 let value = assembling.indexed(&formula, index.as_ref())?;
-                let mut p = self.defaults.clone();
-                p.resize(self.parameters.len(), f64::NAN);
-                let number =
-                    match assembling.tape(&[value]).value(0.0, &vec![f64::NAN; scope.states()], &p)
-                    {
-                        number if number.is_finite() => number,
-                        _ => constant(scope, &formula.phrase)?,
-                    };
-                self.initial.push((element, number));
+                if assembling.depends(value, |input| !input.is_parameter()) {
+                    let reason = "motion begins at numbers, which may depend on parameters only";
+                    let (what, reason) = (format!("`{}`", formula.phrase.text), reason.into());
+                    let fault = Fault::Misplaced { what, reason };
+                    return Err(scope.source.fault_of(&formula.phrase, fault));
+                }
+                if self.initial.iter().any(|(known, _)| *known == element) {
+                    let fault = Fault::Twice { name: element, first: "given a value" };
+                    return Err(scope.source.fault_of(name, fault));
+                }
+                self.initial.push((element, assembling.tape(&[value])));
             }
         }
         Ok(())
+    }
+
+    /// Values of states, where motion begins, for values of the parameters.
+    pub fn initial_at(&self, p: &[f64]) -> Vec<(String, f64)> {
+        let value = |(name, tape): &(String, Tape)| (name.clone(), tape.value(0.0, &[], p));
+        self.initial.iter().map(value).collect()
     }
 
     /// Notes which parameters no formula of some scopes has used.
@@ -261,6 +269,11 @@ pub(super) fn scales_of(
                 .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
         }
         let size = constant(&Scope::new(source.clone()), value)?;
+        if size <= 0.0 || scales.iter().filter(|(known, _)| known.text == name.text).count() > 1 {
+            let (what, reason) =
+                (format!("the scale of `{}`", name.text), "it must be one number above 0".into());
+            return Err(source.fault_of(value, Fault::Misplaced { what, reason }));
+        }
         let array = format!("{}[", name.text);
         let named = |state: &&String| **state == name.text || state.starts_with(&array);
         all.extend(states.iter().filter(named).map(|state| (state.clone(), size)));

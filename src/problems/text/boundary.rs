@@ -99,6 +99,9 @@ fn check_count(
     Err(source.fault_of(&phrase, Fault::Missing { what, needed }))
 }
 
+/// Values at both ends of so many states need no allocation.
+const FEW: usize = 16;
+
 impl BoundaryProblem for Conditions {
     fn segments(&self) -> Vec<Vec<String>> {
         vec![self.states.clone()]
@@ -125,8 +128,16 @@ impl BoundaryProblem for Conditions {
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        let x = [ends.start, ends.end].concat();
-        self.conditions.evaluate(T::zero(), &x, q, b);
+        let n = ends.start.len();
+        let mut few = [T::zero(); FEW];
+        match few.get_mut(..2 * n) {
+            Some(x) => {
+                x[..n].copy_from_slice(ends.start);
+                x[n..].copy_from_slice(ends.end);
+                self.conditions.evaluate(T::zero(), x, q, b);
+            }
+            None => self.conditions.evaluate(T::zero(), &[ends.start, ends.end].concat(), q, b),
+        }
     }
 
     fn integrals(&self) -> usize {

@@ -25,15 +25,13 @@ pub(super) struct Event {
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     modes: Vec<usize>,
-    functions: Tape,
+    functions: Vec<Tape>,
 }
 
 impl Choice {
     /// The mode that follows at `(t, x, p)`: the last one if no function is positive.
     pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
-        let mut values = vec![0.0; self.modes.len()];
-        self.functions.evaluate(t, x, p, &mut values);
-        let positive = values.iter().position(|value| *value > 0.0);
+        let positive = self.functions.iter().position(|function| function.value(t, x, p) > 0.0);
         self.modes[positive.unwrap_or(self.modes.len() - 1)]
     }
 }
@@ -102,14 +100,17 @@ fn understood(
             names.iter().map(|name| mode_of(source, name, scopes)).collect::<Result<Vec<_>, _>>()?
         }
     };
+    if let Some(k) = (1..modes.len()).find(|&k| modes[..k].contains(&modes[k])) {
+        let fault =
+            Fault::Twice { name: scopes[modes[k]].name.clone(), first: "a mode of this guard" };
+        return Err(source.fault_of(&guard.modes[k], fault));
+    }
     let mut events: Vec<Option<Event>> = vec![None; scopes.len()];
     let mut accumulates = None;
     for &mode in &modes {
         let scope = &scopes[mode].scope;
-        let next = choice(source, &guard.next, scopes, mode)?.unwrap_or(Choice {
-            modes: vec![mode],
-            functions: Assembling::new(scope).tape(&[Value::number(0.0)]),
-        });
+        let next = choice(source, &guard.next, scopes, mode)?
+            .unwrap_or(Choice { modes: vec![mode], functions: Vec::new() });
         let accumulates_to = choice(source, &guard.accumulates_to, scopes, mode)?;
         accumulates = accumulates_to.as_ref().map(|choice| choice.modes[0]).or(accumulates);
         let mut assembling = Assembling::new(scope);
@@ -145,15 +146,22 @@ fn choice(
         return Ok(None);
     }
     let mut assembling = Assembling::new(&scopes[mode].scope);
-    let (mut modes, mut values) = (Vec::new(), Vec::new());
-    for (name, function) in &next.0 {
+    let (mut modes, mut functions) = (Vec::new(), Vec::new());
+    for (k, (name, function)) in next.0.iter().enumerate() {
+        if function.is_none() && k + 1 < next.0.len() {
+            let what = format!("`{}` without a function", name.text);
+            let reason =
+                "what stands behind it is never reached: only the last mode may have none".into();
+            return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
+        }
         modes.push(mode_of(source, name, scopes)?);
-        values.push(match function {
+        let value = match function {
             Some(function) => assembling.read(function)?,
             None => Value::number(1.0),
-        });
+        };
+        functions.push(assembling.tape(&[value]));
     }
-    Ok(Some(Choice { modes, functions: assembling.tape(&values) }))
+    Ok(Some(Choice { modes, functions }))
 }
 
 /// The states with which a mode begins that follows another one.
@@ -165,7 +173,11 @@ fn reset(
 ) -> Result<Tape, ModelError> {
     let (before, after) = (&scopes[before], &scopes[after]);
     let mut assembling = Assembling::new(&before.scope);
-    for (state, _) in &guard.reset {
+    for (k, (state, _)) in guard.reset.iter().enumerate() {
+        if guard.reset[..k].iter().any(|(known, _)| known.text == state.text) {
+            let fault = Fault::Twice { name: state.text.clone(), first: "reset" };
+            return Err(source.fault_of(state, fault));
+        }
         // A reset may be of a state that only some of the modes have which may follow.
         let known = scopes.iter().flat_map(|mode| &mode.states);
         position("state", &state.text, distinct(known))

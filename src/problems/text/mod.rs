@@ -167,9 +167,14 @@ impl Model {
         Statement::read(source, kind, part)?.model(source, given)
     }
 
-    /// Values of states, where motion and branches begin.
-    pub fn initial(&self) -> &[(String, f64)] {
-        &self.basis().initial
+    /// Values of states, where motion and branches begin, for values of the parameters.
+    pub fn initial(&self, p: &[f64]) -> Vec<(String, f64)> {
+        self.basis().initial_at(p)
+    }
+
+    /// Default values of the first parameters, which have them.
+    pub fn defaults(&self) -> &[f64] {
+        &self.basis().defaults
     }
 
     /// Parameters that no formula uses.

@@ -82,10 +82,8 @@ impl Scope {
         name: &str,
         meaning: Meaning,
     ) -> Result<(), ModelError> {
-        if ["t", "if", "sum", "then", "else", "of"].contains(&name) && meaning != Meaning::Time {
-            let reason = "the language uses this name by itself; choose another one".to_string();
-            let fault = Fault::Misplaced { what: format!("`{name}`"), reason };
-            return Err(self.source.fault_of(phrase, fault));
+        if meaning != Meaning::Time {
+            self.refuse_reserved(phrase, name)?;
         }
         let first = match self.functions.contains_key(name) {
             true => Some("a function"),
@@ -102,6 +100,16 @@ impl Scope {
     /// The meaning of a name.
     pub fn meaning(&self, name: &str) -> Option<Meaning> {
         self.meanings.get(name).copied()
+    }
+
+    /// Refuses names that the language uses by itself.
+    fn refuse_reserved(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
+        if !["t", "if", "sum", "then", "else", "of"].contains(&name) {
+            return Ok(());
+        }
+        let reason = "the language uses this name by itself; choose another one".to_string();
+        let fault = Fault::Misplaced { what: format!("`{name}`"), reason };
+        Err(self.source.fault_of(phrase, fault))
     }
 
     /// Gives a further unknown number a name: it stands behind the parameters.
@@ -165,7 +173,21 @@ impl Scope {
                 .fault_of(phrase, Fault::Syntax { expected: "a name without an index".into() })),
         };
         let (name, called) = (name, plain(name)?);
+        let stated = arguments;
         let arguments = arguments.iter().map(plain).collect::<Result<Vec<_>, _>>()?;
+        self.refuse_reserved(name, &called)?;
+        if arguments.is_empty() {
+            let needed =
+                "a function has an argument or more; without one it is a definition".into();
+            let fault = Fault::Missing { what: format!("`{called}`"), needed };
+            return Err(self.source.fault_of(name, fault));
+        }
+        for (k, argument) in arguments.iter().enumerate() {
+            if arguments[..k].contains(argument) {
+                let fault = Fault::Twice { name: argument.clone(), first: "an argument" };
+                return Err(self.source.fault_of(&stated[k], fault));
+            }
+        }
         if FUNCTIONS.iter().any(|(known, _)| *known == called) {
             return Err(self.source.fault_of(
                 name,

@@ -36,6 +36,8 @@ pub(super) enum Step {
     Name(String),
     /// Replaces an index by the element of an array.
     Element(String),
+    /// Replaces an index and an end, 0 or 1, by the element of an array there.
+    ElementAt(String),
     /// Replaces its operands by a result.
     Apply(Operation),
     /// Replaces arguments by a function's value.
@@ -215,15 +217,23 @@ fn infix(input: &mut Input) -> ModalResult<(Operation, u8, u8)> {
     alt((operator, stronger)).parse_next(input)
 }
 
+/// How strongly comparisons bind.
+const COMPARISON: u8 = 3;
+
 /// Operators that bind at least so strongly, and their operands.
 fn expression(input: &mut Input, least: u8) -> ModalResult<Vec<Node>> {
     deeper(input, |input| {
         let begin = input.current_token_start();
         let mut nodes = signed(input)?;
+        let mut compared = false;
         loop {
             let next =
                 opt(infix.verify(|(_, strength, _)| *strength >= least)).parse_next(input)?;
-            let Some((operation, _, following)) = next else { return Ok(nodes) };
+            let Some((operation, strength, following)) = next else { return Ok(nodes) };
+            if strength == COMPARISON && std::mem::replace(&mut compared, true) {
+                return expected(fail, "`&` between two comparisons, as in `0 < x & x < 1`")
+                    .parse_next(input);
+            }
             nodes.extend(expression(input, following)?);
             let place = begin..input.previous_token_end();
             nodes.push(Node { step: Step::Apply(operation), place });
@@ -259,7 +269,13 @@ fn operand(input: &mut Input) -> ModalResult<Vec<Node>> {
     if opt(symbol("[")).parse_next(input)?.is_some() {
         let mut nodes = expression(input, 0)?;
         expected(symbol("]"), "an operator or `]`").parse_next(input)?;
-        nodes.push(node(Step::Element(name), input));
+        if opt(symbol("(")).parse_next(input)?.is_none() {
+            nodes.push(node(Step::Element(name), input));
+            return Ok(nodes);
+        }
+        nodes.extend(expression(input, 0)?);
+        expected(symbol(")"), "an operator or `)`").parse_next(input)?;
+        nodes.push(node(Step::ElementAt(name), input));
         return Ok(nodes);
     }
     if opt(symbol("(")).parse_next(input)?.is_none() {

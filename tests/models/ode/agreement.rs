@@ -17,8 +17,14 @@ fn files_mean_what_they_mean_in_ron() {
         let read = ode::read(&file).unwrap_or_else(|error| panic!("{error}"));
         let own = read.statement.model(&file, &[]).unwrap_or_else(|error| panic!("{error}"));
         let stated = Model::read(&ron, &[]).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(own.initial().len(), stated.initial().len(), "{name}");
-        for (found, expected) in own.initial().iter().zip(stated.initial()) {
+        assert_eq!(
+            own.initial(own.defaults()).len(),
+            stated.initial(stated.defaults()).len(),
+            "{name}"
+        );
+        for (found, expected) in
+            own.initial(own.defaults()).iter().zip(&stated.initial(stated.defaults()))
+        {
             assert_eq!(found.0, expected.0, "{name}");
             same(&name, found.1, expected.1);
         }

@@ -139,7 +139,7 @@ fn maps_that_depend_on_time_have_a_state_that_counts() {
 /// Where a motion with events is after a time, and how many events there were.
 fn moved(text: &str, time: f64) -> (Vec<f64>, usize) {
     let model = model(text);
-    let initial: Vec<f64> = model.initial().iter().map(|(_, x)| *x).collect();
+    let initial: Vec<f64> = model.initial(model.defaults()).iter().map(|(_, x)| *x).collect();
     let Model::Hybrid(system) = model else { panic!("no events") };
     let p = tangency::core::hybrid::HybridSystem::defaults(&*system);
     let mut flow = HybridFlow::<f64>::new(&*system, HybridSettings::default()).unwrap();

@@ -136,11 +136,11 @@ impl Hybrid<'_, '_> {
 
     /// The states where motion begins.
     fn start(&self, model: &super::super::Hybrid) -> Vec<f64> {
-        let states = model.modes().swap_remove(0).states;
-        let initial = |name: &String| {
-            model.basis.initial.iter().find(|(known, _)| known == name).map_or(0.0, |(_, x)| *x)
+        let initial: Vec<(String, f64)> = model.basis.initial_at(&model.basis.defaults);
+        let value = |name: &String| {
+            initial.iter().find(|(known, _)| known == name).map_or(0.0, |(_, x)| *x)
         };
-        states.iter().map(initial).collect()
+        model.modes().swap_remove(0).states.iter().map(value).collect()
     }
 
     /// The statement in which motion may be beyond some of the conditions; the first mode is that of the start.

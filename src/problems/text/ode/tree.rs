@@ -48,6 +48,8 @@ pub(super) const OPERATORS: [Operator; 13] = [
     Operator { sign: "^", there: 7, here: 7 },
 ];
 
+/// How strongly a comparison binds here.
+const COMPARISON: u8 = 3;
 /// How strongly a sign binds here.
 const SIGN: u8 = 6;
 /// What needs no brackets anywhere.
@@ -228,21 +230,23 @@ impl Tree {
     fn chain(&self, within: &dyn Fn(&Tree, u8) -> String) -> (String, u8) {
         let (mut tree, mut rights, mut strength) = (self, Vec::new(), None);
         while let Tree::Binary(Operator { sign, here, .. }, both) = tree {
-            // Powers go from right to left here.
+            // Powers go from right to left here, and comparisons stand alone.
             let power = *sign == "^";
-            if strength.is_some_and(|outer| *here < outer) || (power && !rights.is_empty()) {
+            let alone = power || *here == COMPARISON;
+            if strength.is_some_and(|outer| *here < outer) || (alone && !rights.is_empty()) {
                 break;
             }
             rights.push((*sign, within(&both[1], if power { WHOLE } else { here + 1 })));
             strength = Some(*here);
             tree = &both[0];
-            if power {
+            if alone {
                 break;
             }
         }
         let strength_of_first = strength.unwrap_or(WHOLE);
         let least = match rights.last() {
             Some(("^", _)) => WHOLE,
+            _ if strength_of_first == COMPARISON => COMPARISON + 1,
             _ => strength_of_first,
         };
         let mut text = within(tree, least);
