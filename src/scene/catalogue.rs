@@ -3,7 +3,7 @@
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ZeroSettings,
 };
-use super::error::SceneError;
+use super::error::{SceneError, position_behind, syntax};
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem};
 use super::slot::options;
@@ -16,7 +16,7 @@ use crate::core::names;
 use crate::core::orbit::DiscreteMap;
 use crate::core::zero::ZeroProblem;
 use crate::problems::text::KINDS;
-use ron::error::{Position, SpannedError};
+use ron::error::Position;
 use ron::value::RawValue;
 use std::path::Path;
 use std::sync::Arc;
@@ -216,7 +216,7 @@ impl Catalogue {
         let end = stated.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(stated.len());
         let (name, settings) = stated.split_at(end);
         let at = settings.as_ptr() as usize - text.as_ptr() as usize;
-        let begin = position(&text[..at]);
+        let begin = position_behind(&text[..at]);
         if name.is_empty() {
             let Position { line, col: column } = begin;
             let reason = "expected the name of a problem".into();
@@ -230,22 +230,4 @@ impl Catalogue {
         let problem = &self.problems[names::position("problem", name, known)?];
         problem.read(settings).map_err(|error| syntax(error, begin))
     }
-}
-
-/// The place behind a text.
-fn position(before: &str) -> Position {
-    let last = before.rsplit('\n').next().unwrap_or_default();
-    Position { line: 1 + before.matches('\n').count(), col: 1 + last.chars().count() }
-}
-
-/// An error in a part of a text that begins there.
-pub(super) fn syntax_in(text: &str, error: SpannedError, at: usize) -> SceneError {
-    syntax(error, position(&text[..at]))
-}
-
-/// An error in a text that begins at a place.
-fn syntax(error: SpannedError, begin: Position) -> SceneError {
-    let Position { line, col } = error.span.start;
-    let column = if line == 1 { begin.col + col - 1 } else { col };
-    SceneError::Syntax { line: begin.line + line - 1, column, reason: error.code.to_string() }
 }

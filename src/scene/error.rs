@@ -8,6 +8,7 @@ use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::output::Chosen;
 use crate::problems::text::ModelError;
+use ron::error::{Position, SpannedError};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -186,4 +187,22 @@ impl SceneError {
     ) -> Self {
         SceneError::Invalid { place: place.into(), found: found.into(), rule: rule.into() }
     }
+}
+
+/// The place behind a text.
+pub(super) fn position_behind(before: &str) -> Position {
+    let last = before.rsplit('\n').next().unwrap_or_default();
+    Position { line: 1 + before.matches('\n').count(), col: 1 + last.chars().count() }
+}
+
+/// An error in a part of a text that begins there.
+pub(super) fn syntax_in(text: &str, error: SpannedError, at: usize) -> SceneError {
+    syntax(error, position_behind(&text[..at]))
+}
+
+/// An error in a text that begins at a place.
+pub(super) fn syntax(error: SpannedError, begin: Position) -> SceneError {
+    let Position { line, col } = error.span.start;
+    let column = if line == 1 { begin.col + col - 1 } else { col };
+    SceneError::Syntax { line: begin.line + line - 1, column, reason: error.code.to_string() }
 }

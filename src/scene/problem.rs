@@ -5,7 +5,6 @@ use super::error::SceneError;
 use super::local::Local;
 use super::simulate::{Simulated, settled};
 use super::slot::{self, Slots, options, written};
-use super::text::{SceneText, Stated, is_ode, kind_of, with_default_settings};
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
@@ -18,7 +17,6 @@ use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
 use std::fmt;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Names of parameters, and their defaults; `None` where there is no default.
@@ -134,6 +132,24 @@ where
     }
 }
 
+/// A model with its statement, by which problems are told apart.
+#[derive(Clone, Debug)]
+pub(super) struct Stated {
+    pub model: text::Model,
+    /// What is stated: between the brackets.
+    pub written: String,
+    /// What a file says that has no effect, or another name here.
+    pub notes: Vec<String>,
+    /// How far a file says that its model is to be followed.
+    pub options: Options,
+}
+
+impl Stated {
+    pub(super) fn new(model: text::Model, written: &str) -> Self {
+        Stated { model, written: written.into(), notes: Vec::new(), options: Options::default() }
+    }
+}
+
 /// A problem of a [`Catalogue`](super::Catalogue) with its settings.
 pub struct Problem {
     name: &'static str,
@@ -160,21 +176,6 @@ impl Problem {
     /// Its equations, if they are given as text.
     pub fn text(&self) -> Option<&text::Model> {
         self.text.as_ref().map(|text| &text.model)
-    }
-
-    /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
-    ///
-    /// # Errors
-    /// [`SceneError::Value`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
-    pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        with_default_settings(SceneText { text: "", folder }, &name, given)
-    }
-
-    /// Whether a file with this text states equations, and is no scene.
-    pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
-        is_ode(path) || kind_of(text::statement_in(text).0).is_some()
     }
 
     /// What a file of its equations says that has no effect, or another name here.

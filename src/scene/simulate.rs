@@ -3,7 +3,7 @@
 
 use super::discretisation::no_start;
 use super::error::SceneError;
-use super::statement::values;
+use super::slot::values;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{

@@ -1,8 +1,10 @@
 //! Settings by name: places in a structure that can be written and read as text.
 
 use super::error::SceneError;
+use crate::problems::text::number;
 use ron::extensions::Extensions;
-use serde::{Deserialize, Serialize};
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A place for one setting.
 pub(super) trait Slot {
@@ -110,4 +112,45 @@ pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Resul
 pub(super) fn written<T: Serialize>(value: &T) -> String {
     // Settings are plain enums, numbers and lists: they can always be written.
     ron::to_string(value).unwrap_or_default()
+}
+
+/// Names with numbers, or with formulas of numbers.
+pub(super) fn values<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<(String, f64)>, D::Error> {
+    let read: Vec<(String, Value)> = Deserialize::deserialize(deserializer)?;
+    Ok(read.into_iter().map(|(name, Value(value))| (name, value)).collect())
+}
+
+/// A number, or a formula of numbers.
+struct Value(f64);
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl Visitor<'_> for Reader {
+            type Value = Value;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("a number, or a formula of numbers in quotes")
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
+                Ok(Value(number))
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<Value, E> {
+                Ok(Value(number as f64))
+            }
+
+            fn visit_u64<E>(self, number: u64) -> Result<Value, E> {
+                Ok(Value(number as f64))
+            }
+
+            fn visit_str<E: serde::de::Error>(self, formula: &str) -> Result<Value, E> {
+                number(formula).map(Value).map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
 }

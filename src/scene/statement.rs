@@ -3,14 +3,13 @@
 use super::local::Local;
 use super::problem::Problem;
 use super::simulate::Simulated;
+use super::slot::values;
 use crate::core::attractor::{AttractorSearch, CrisisSearch};
 use crate::core::continuation::{Kind, Settings};
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::Order;
 use crate::output::Plot;
-use crate::problems::text::number;
-use serde::de::Visitor;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// What is traced.
 ///
@@ -102,47 +101,6 @@ pub struct Run {
     /// Whether the branch is kept: a run that only leads to the start of others is not.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub shown: bool,
-}
-
-/// Names with numbers, or with formulas of numbers.
-pub(super) fn values<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Vec<(String, f64)>, D::Error> {
-    let read: Vec<(String, Value)> = Deserialize::deserialize(deserializer)?;
-    Ok(read.into_iter().map(|(name, Value(value))| (name, value)).collect())
-}
-
-/// A number, or a formula of numbers.
-struct Value(f64);
-
-impl<'de> Deserialize<'de> for Value {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl Visitor<'_> for Reader {
-            type Value = Value;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-                f.write_str("a number, or a formula of numbers in quotes")
-            }
-
-            fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
-                Ok(Value(number))
-            }
-
-            fn visit_i64<E>(self, number: i64) -> Result<Value, E> {
-                Ok(Value(number as f64))
-            }
-
-            fn visit_u64<E>(self, number: u64) -> Result<Value, E> {
-                Ok(Value(number as f64))
-            }
-
-            fn visit_str<E: serde::de::Error>(self, formula: &str) -> Result<Value, E> {
-                number(formula).map(Value).map_err(E::custom)
-            }
-        }
-        deserializer.deserialize_any(Reader)
-    }
 }
 
 fn yes() -> bool {

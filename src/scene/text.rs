@@ -4,13 +4,13 @@ use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings,
     ZeroSettings,
 };
-use super::error::SceneError;
+use super::error::{SceneError, syntax_in};
 use super::kinds::{Boundary, Hybrid};
-use super::problem::{Configured, Model, Problem};
+use super::problem::{Configured, Model, Problem, Stated};
 use super::slot::options;
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::names::UnknownName;
-use crate::problems::text::ode::{self, Options};
+use crate::problems::text::ode;
 use crate::problems::text::{self, KINDS, Source, Statement, blanked};
 use ron::error::SpannedError;
 use ron::value::RawValue;
@@ -23,24 +23,6 @@ use std::path::Path;
 pub(super) struct SceneText<'a> {
     pub text: &'a str,
     pub folder: &'a Path,
-}
-
-/// A model with its statement, by which problems are told apart.
-#[derive(Clone, Debug)]
-pub(super) struct Stated {
-    pub model: text::Model,
-    /// What is stated: between the brackets.
-    pub written: String,
-    /// What a file says that has no effect, or another name here.
-    pub notes: Vec<String>,
-    /// How far a file says that its model is to be followed.
-    pub options: Options,
-}
-
-impl Stated {
-    fn new(model: text::Model, written: &str) -> Self {
-        Stated { model, written: written.into(), notes: Vec::new(), options: Options::default() }
-    }
 }
 
 /// The kind of equations that a name stands for, with the names of what they state.
@@ -59,8 +41,7 @@ pub(super) fn stated(
     given: &[String],
 ) -> Result<Problem, SceneError> {
     let source = Source::new("", scene.text);
-    let all =
-        fields_of(part).map_err(|error| super::catalogue::syntax_in(scene.text, error, at))?;
+    let all = fields_of(part).map_err(|error| syntax_in(scene.text, error, at))?;
     let known = settings_of(kind);
     let of = |keep: &dyn Fn(&str) -> bool| -> Vec<Range<usize>> {
         all.iter().filter(|field| keep(&field.name)).map(|field| field.part.clone()).collect()
@@ -96,7 +77,7 @@ pub(super) fn stated(
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
-    problem(stated, &settings).map_err(|error| super::catalogue::syntax_in(scene.text, error, at))
+    problem(stated, &settings).map_err(|error| syntax_in(scene.text, error, at))
 }
 
 /// The model of a file, and its statement.
@@ -140,8 +121,7 @@ pub(super) fn with_default_settings(
     file: &str,
     given: &[String],
 ) -> Result<Problem, SceneError> {
-    problem(of_file(scene, file, given)?, "()")
-        .map_err(|error| super::catalogue::syntax_in("", error, 0))
+    problem(of_file(scene, file, given)?, "()").map_err(|error| syntax_in("", error, 0))
 }
 
 /// The kind of a model's equations.
@@ -250,5 +230,22 @@ impl<'de> Deserialize<'de> for Parts<'de> {
             }
         }
         deserializer.deserialize_any(Reader)
+    }
+}
+
+impl Problem {
+    /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
+    pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        with_default_settings(SceneText { text: "", folder }, &name, given)
+    }
+
+    /// Whether a file with this text states equations, and is no scene.
+    pub fn is_file_of_equations(path: &Path, text: &str) -> bool {
+        is_ode(path) || kind_of(text::statement_in(text).0).is_some()
     }
 }

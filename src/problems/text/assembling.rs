@@ -1,6 +1,7 @@
 //! Formulas as operations: what their names mean is looked up, functions and sums are written out.
 
 use super::assembly::{Assembly, Origin, Undefined, Value};
+use super::layout::Layout;
 use super::operation::{FUNCTIONS, Operation};
 use super::scope::{Definition, Element, Function, Meaning, OPERATIONS, Scope};
 use super::source::{Fault, ModelError, Phrase};
@@ -103,7 +104,7 @@ impl<'s> Assembling<'s> {
 
     /// The tape of some values.
     pub fn tape(&self, results: &[Value]) -> Tape {
-        self.assembly.tape(results)
+        Layout::of(&self.assembly, results).tape(results)
     }
 
     /// What is not finite at `(t, x, p)`.

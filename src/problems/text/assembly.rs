@@ -1,8 +1,6 @@
 //! Tapes from operations: equal parts are found, constants computed, and registers shared.
 
-use super::layout::Layout;
 use super::operation::Operation;
-use super::tape::Tape;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -108,11 +106,6 @@ impl Assembly {
         let inputs = operations.flat_map(|((operation, all), _)| &all[..operation.arity()]);
         let input = |value: &Value| !matches!(value, Value::Number(_) | Value::Result(_));
         inputs.chain([&value]).any(|value| input(value) && sort(*value))
-    }
-
-    /// The tape that computes some of the values.
-    pub fn tape(&self, results: &[Value]) -> Tape {
-        Layout::of(self, results).tape(results)
     }
 
     /// All values in real numbers: the operation that first gives one that is not finite, with its arguments, among

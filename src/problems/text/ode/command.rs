@@ -3,8 +3,7 @@
 use super::super::source::{ModelError, Source};
 use super::function;
 use super::option::number;
-use super::origin::{Slice, Text};
-use super::parts::Named;
+use super::origin::{Named, Slice, Text};
 
 /// What an initial value or a parameter must be.
 pub(super) const NUMBER: &str = "a number: XPPAUT reads no formula here; \

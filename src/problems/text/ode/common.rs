@@ -6,7 +6,8 @@ use super::depend::Formulas;
 use super::formula;
 use super::model::{arguments_of, name_of, pair, written};
 use super::names::Names;
-use super::parts::{Named, Parts, Sort};
+use super::origin::Named;
+use super::parts::{Parts, Sort};
 use super::tree::Known;
 
 /// What a statement has beside its states.

@@ -1,8 +1,7 @@
 //! Conditions with resets, as they are stated: `global`.
 
 use super::super::source::{ModelError, Source};
-use super::origin::{Slice, Text};
-use super::parts::Named;
+use super::origin::{Named, Slice, Text};
 
 /// A condition with resets.
 pub(super) struct Global {

@@ -9,8 +9,9 @@ use super::depend::Formulas;
 use super::event::{Event, Hybrid};
 use super::formula;
 use super::names::{Names, check};
+use super::origin::Named;
 use super::origin::Slice;
-use super::parts::{Named, Parts, Sort};
+use super::parts::{Parts, Sort};
 use super::tree::{Known, Tree};
 
 /// What a file states, understood.

@@ -137,3 +137,9 @@ impl<'a> Slice<'a> {
         }
     }
 }
+
+/// A name with a formula.
+pub(super) struct Named {
+    pub name: Text,
+    pub formula: Text,
+}

@@ -5,14 +5,8 @@ use super::command::{NUMBER, REFUSED, arguments_of, refuse_calls, values_of};
 use super::global::Global;
 use super::lines;
 use super::option::{Found, number};
-use super::origin::{Slice, Text};
+use super::origin::{Named, Slice, Text};
 use std::ops::ControlFlow;
-
-/// A name with a formula.
-pub(super) struct Named {
-    pub name: Text,
-    pub formula: Text,
-}
 
 /// A function: its name, its arguments and its formula.
 pub(super) struct Function {
