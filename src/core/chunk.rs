@@ -4,8 +4,10 @@ use super::number::{number_of_reals, operations};
 use super::scalar::Scalar;
 use num_dual::{Dual, DualNum};
 use num_traits::Signed;
+use std::any::Any;
 use std::fmt::{Display, Formatter};
 use std::ops::Neg;
+use wide::f64x4;
 
 /// The width of a chunk of directions differentiated in one pass.
 pub(crate) const CHUNK: usize = 8;
@@ -87,13 +89,47 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     #[inline(always)]
     fn product(&self, other: &Self) -> Self {
         let (x, y) = (self.re, other.re);
-        self.combined(other, x * y, |a, b| a * y + b * x)
+        DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) }
     }
 
     #[inline(always)]
     fn quotient(&self, other: &Self) -> Self {
         let (x, y, inverse) = (self.re, other.re, other.re.recip());
         self.combined(other, x * inverse, |a, b| (a * y - b * x) * inverse * inverse)
+    }
+}
+
+/// `a y + b x`. Of real numbers it is computed in vectors by name: where numbers come from memory, the compiler otherwise
+/// loads the last part with the real part behind it, which waits until both have been stored.
+#[inline(always)]
+fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T)) -> [T; W] {
+    #[inline(always)]
+    fn real<T: 'static, R: 'static>(number: &T) -> Option<&R> {
+        (number as &dyn Any).downcast_ref()
+    }
+    let mut sum = [T::zero(); W];
+    let Some(reals) = (&mut sum as &mut dyn Any).downcast_mut::<[f64; W]>() else {
+        return std::array::from_fn(|k| a[k] * y + b[k] * x);
+    };
+    if let (Some(a), Some(b), Some(x), Some(y)) = (real(a), real(b), real(&x), real(&y)) {
+        weighted_reals((a, *y), (b, *x), reals);
+    }
+    sum
+}
+
+#[inline(always)]
+fn weighted_reals<const W: usize>(
+    (a, y): (&[f64; W], f64),
+    (b, x): (&[f64; W], f64),
+    sum: &mut [f64; W],
+) {
+    let ((a, last_a), (b, last_b)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let (sum, last) = sum.as_chunks_mut::<4>();
+    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
+        *sum = (f64x4::new(*a) * y + f64x4::new(*b) * x).to_array();
+    }
+    for ((sum, a), b) in last.iter_mut().zip(last_a).zip(last_b) {
+        *sum = a * y + b * x;
     }
 }
 
