@@ -21,8 +21,16 @@ impl Value {
         Value::Number(value.to_bits())
     }
 
+    /// Its position, if it is a parameter.
+    pub fn as_parameter(self) -> Option<u32> {
+        match self {
+            Value::Parameter(k) => Some(k),
+            _ => None,
+        }
+    }
+
     pub fn is_parameter(self) -> bool {
-        matches!(self, Value::Parameter(_))
+        self.as_parameter().is_some()
     }
 
     pub fn as_number(self) -> Option<f64> {
@@ -82,6 +90,10 @@ impl Assembly {
                 {
                     return self.once((simple, [a, a, a]), origin);
                 }
+            }
+            // The reciprocal is exact, and products are faster.
+            (Divide, [_, Some(n), _]) if is_power_of_two(n) => {
+                return self.apply(Multiply, &[a, Value::number(n.recip())], origin);
             }
             (Add | Multiply, _) if b < a => return self.once((operation, [b, a, b]), origin),
             _ => {}
@@ -159,6 +171,11 @@ impl Assembly {
         }
         needed
     }
+}
+
+fn is_power_of_two(n: f64) -> bool {
+    let inverse = n.recip();
+    n.is_normal() && inverse.is_normal() && n.to_bits().trailing_zeros() >= 52
 }
 
 /// An operation that gives no finite number.

@@ -5,8 +5,10 @@ use super::operation::Operation;
 use super::tape::{Code, Step, Tape};
 use std::collections::HashMap;
 
-/// The most states that are in registers from the beginning.
+/// The most states, and the most parameters, that are in registers from the beginning.
 const PRELOADED: usize = 6;
+/// The most results that stay in registers until the end.
+const KEPT: usize = 8;
 
 /// A tape that is being laid out.
 pub(super) struct Layout<'a> {
@@ -20,6 +22,7 @@ pub(super) struct Layout<'a> {
     free: Vec<u32>,
     count: u32,
     preloaded: usize,
+    parameters: Vec<u32>,
     steps: Vec<Step>,
 }
 
@@ -36,6 +39,7 @@ impl<'a> Layout<'a> {
             free: Vec::new(),
             count: 1,
             preloaded: 0,
+            parameters: Vec::new(),
             steps: Vec::new(),
         };
         layout.reads.insert(Value::Time, usize::MAX / 2);
@@ -53,16 +57,22 @@ impl<'a> Layout<'a> {
         layout
     }
 
-    /// The states of a small system, of which all are read, are in registers from the beginning: a step for each would
-    /// take longer.
+    /// The states of a small system, of which all are read, and a few parameters are in registers from the beginning: a
+    /// step for each would take longer.
     fn preload(&mut self) {
         let read = (0..PRELOADED as u32).take_while(|k| self.reads.contains_key(&Value::State(*k)));
         self.preloaded = read.count();
-        for k in 0..self.preloaded as u32 {
-            self.registers.insert(Value::State(k), 1 + k);
-            self.reads.insert(Value::State(k), usize::MAX / 2);
+        let states = (0..self.preloaded as u32).map(Value::State);
+        self.parameters = self.reads.keys().filter_map(|read| read.as_parameter()).collect();
+        self.parameters.sort_unstable();
+        if self.parameters.len() > PRELOADED {
+            self.parameters.clear();
         }
-        self.count += self.preloaded as u32;
+        for value in states.chain(self.parameters.iter().map(|k| Value::Parameter(*k))) {
+            self.registers.insert(value, self.count);
+            self.reads.insert(value, usize::MAX / 2);
+            self.count += 1;
+        }
     }
 
     /// Sine and cosine of one angle are computed at once, where the first of them is.
@@ -82,10 +92,11 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The tape, in which results are put away as soon as they are there.
+    /// The tape. A few results stay in registers until the end, many are put away as soon as they are there.
     pub fn tape(mut self, results: &[Value]) -> Tape {
+        let (kept, stored) = results.split_at(if results.len() > KEPT { 0 } else { results.len() });
         let mut at: HashMap<Value, Vec<u32>> = HashMap::new();
-        for (k, result) in results.iter().enumerate() {
+        for (k, result) in stored.iter().enumerate() {
             at.entry(*result).or_default().push(k as u32);
         }
         let fused = self.fused();
@@ -107,8 +118,9 @@ impl<'a> Layout<'a> {
         for (value, positions) in left {
             self.put_away(value, positions);
         }
-        let Layout { steps, count, preloaded, .. } = self;
-        Tape { steps, registers: count as usize, preloaded }
+        let outputs = kept.iter().map(|value| self.read(*value)).collect();
+        let Layout { steps, count, preloaded, parameters, .. } = self;
+        Tape { steps, registers: count as usize, preloaded, parameters, outputs }
     }
 
     fn put_away(&mut self, value: Value, positions: Vec<u32>) {
@@ -123,16 +135,13 @@ impl<'a> Layout<'a> {
     fn fused(&self) -> HashMap<u32, [Value; 2]> {
         let mut fused = HashMap::new();
         for (k, (operation, [a, b, _])) in self.assembly.applied.iter().enumerate() {
-            let is_sum =
-                matches!(operation, Operation::Add | Operation::Subtract) && self.needed[k];
-            for (term, other) in [(b, a), (a, b)].into_iter().filter(|_| is_sum) {
-                let first = *operation == Operation::Add || term == b;
-                let Value::Result(product) = term else { continue };
-                let taken = matches!(other, Value::Result(other) if fused.contains_key(other));
-                let (multiply, factors) = self.assembly.applied[*product as usize];
-                let once = self.reads.get(term) == Some(&1) && other.as_number().is_none();
-                if first && once && !taken && multiply == Operation::Multiply {
-                    fused.insert(*product, [factors[0], factors[1]]);
+            for sum in [Sum::second(*operation, *a, *b), Sum::first(*operation, *a, *b)] {
+                let Value::Result(product) = sum.product else { continue };
+                let taken = matches!(sum.other, Value::Result(k) if fused.contains_key(&k));
+                let (multiply, [x, y, _]) = self.assembly.applied[product as usize];
+                let once = self.needed[k] && self.reads.get(&sum.product) == Some(&1) && !taken;
+                if once && multiply == Operation::Multiply && sum.step([x, y]).is_some() {
+                    fused.insert(product, [x, y]);
                     break;
                 }
             }
@@ -192,8 +201,12 @@ impl<'a> Layout<'a> {
     /// Adds the step of an operation.
     fn compute(&mut self, k: u32, fused: &HashMap<u32, [Value; 2]>) {
         let (operation, arguments) = self.assembly.applied[k as usize];
-        let (code, inputs, n) = self.step(operation, arguments, fused);
-        let mut registers = [0; 3];
+        let Planned { code, inputs, n, m } = self.step(operation, arguments, fused);
+        let bits = m.to_bits();
+        let mut registers = match code {
+            Code::Line => [0, (bits >> 32) as u32, bits as u32],
+            _ => [0; 3],
+        };
         for (register, input) in registers.iter_mut().zip(&inputs) {
             *register = self.read(*input);
         }
@@ -220,54 +233,99 @@ impl<'a> Layout<'a> {
         operation: Operation,
         arguments: [Value; 3],
         fused: &HashMap<u32, [Value; 2]>,
-    ) -> (Code, Vec<Value>, f64) {
+    ) -> Planned {
         use Operation::*;
         let [a, b, _] = arguments;
-        let product = |value: Value| match value {
-            Value::Result(k) => fused.get(&k).copied(),
-            _ => None,
-        };
-        match (operation, [product(a), product(b)]) {
-            (Add, [Some(factors), _]) => return sum_of_product(factors, b),
-            (Add, [_, Some(factors)]) => return sum_of_product(factors, a),
-            (Subtract, [_, Some([x, y])]) => return (Code::SubtractProduct, vec![x, y, a], 0.0),
-            _ => {}
+        for sum in [Sum::second(operation, a, b), Sum::first(operation, a, b)] {
+            let Value::Result(product) = sum.product else { continue };
+            if let Some(step) = fused.get(&product).and_then(|factors| sum.step(*factors)) {
+                return step;
+            }
         }
         match (operation, [a.as_number(), b.as_number()]) {
-            (Add, [Some(n), _]) => (Code::Shift, vec![b], n),
-            (Add, [_, Some(n)]) => (Code::Shift, vec![a], n),
-            (Subtract, [Some(n), _]) => (Code::Reflect, vec![b], n),
-            (Subtract, [_, Some(n)]) => (Code::Shift, vec![a], -n),
-            (Multiply, [Some(n), _]) => (Code::Scale, vec![b], n),
-            (Multiply, [_, Some(n)]) => (Code::Scale, vec![a], n),
-            (Divide, [Some(n), _]) => (Code::Invert, vec![b], n),
-            // A power of two has an exact reciprocal.
-            (Divide, [_, Some(n)]) if is_power_of_two(n) => (Code::Scale, vec![a], n.recip()),
-            (Divide, [_, Some(n)]) => (Code::Share, vec![a], n),
+            (Add, [Some(n), _]) => Planned::new(Code::Shift, [b], n),
+            (Add, [_, Some(n)]) => Planned::new(Code::Shift, [a], n),
+            (Subtract, [Some(n), _]) => Planned::new(Code::Reflect, [b], n),
+            (Subtract, [_, Some(n)]) => Planned::new(Code::Shift, [a], -n),
+            (Multiply, [Some(n), _]) => Planned::new(Code::Scale, [b], n),
+            (Multiply, [_, Some(n)]) => Planned::new(Code::Scale, [a], n),
+            (Divide, [Some(n), _]) => Planned::new(Code::Invert, [b], n),
+            (Divide, [_, Some(n)]) => Planned::new(Code::Share, [a], n),
             (Power, [_, Some(n)]) if n.fract() == 0.0 && n.abs() < 1e9 => {
-                (Code::PowerInteger, vec![a], n)
+                Planned::new(Code::PowerInteger, [a], n)
             }
-            (Power, [_, Some(n)]) => (Code::PowerReal, vec![a], n),
-            (Add, _) => (Code::Add, vec![a, b], 0.0),
-            (Subtract, _) => (Code::Subtract, vec![a, b], 0.0),
-            (Multiply, _) => (Code::Multiply, vec![a, b], 0.0),
-            (Divide, _) => (Code::Divide, vec![a, b], 0.0),
-            (Square, _) => (Code::Square, vec![a], 0.0),
-            _ => (Code::General, arguments[..operation.arity()].to_vec(), 0.0),
+            (Power, [_, Some(n)]) => Planned::new(Code::PowerReal, [a], n),
+            (Add, _) => Planned::new(Code::Add, [a, b], 0.0),
+            (Subtract, _) => Planned::new(Code::Subtract, [a, b], 0.0),
+            (Multiply, _) => Planned::new(Code::Multiply, [a, b], 0.0),
+            (Divide, _) => Planned::new(Code::Divide, [a, b], 0.0),
+            (Square, _) => Planned::new(Code::Square, [a], 0.0),
+            _ => Planned::new(Code::General, arguments[..operation.arity()].to_vec(), 0.0),
         }
     }
 }
 
-fn is_power_of_two(n: f64) -> bool {
-    let inverse = n.recip();
-    n.is_normal() && inverse.is_normal() && n.to_bits().trailing_zeros() >= 52
+/// What a step is to do, with which values and numbers.
+struct Planned {
+    code: Code,
+    inputs: Vec<Value>,
+    n: f64,
+    /// The second number of a line.
+    m: f64,
 }
 
-/// A product and a summand.
-fn sum_of_product([x, y]: [Value; 2], summand: Value) -> (Code, Vec<Value>, f64) {
-    match (x.as_number(), y.as_number()) {
-        (Some(n), _) => (Code::ScaleAdd, vec![y, summand], n),
-        (_, Some(n)) => (Code::ScaleAdd, vec![x, summand], n),
-        _ => (Code::MultiplyAdd, vec![x, y, summand], 0.0),
+impl Planned {
+    fn new(code: Code, inputs: impl Into<Vec<Value>>, n: f64) -> Self {
+        Planned { code, inputs: inputs.into(), n, m: 0.0 }
+    }
+}
+
+/// A sum or difference of which one term may be a product.
+struct Sum {
+    product: Value,
+    other: Value,
+    /// The signs of both.
+    signs: [f64; 2],
+}
+
+impl Sum {
+    /// The second term is the product.
+    fn second(operation: Operation, a: Value, b: Value) -> Self {
+        let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
+        Sum { product: Sum::term(operation, b), other: a, signs: [sign, 1.0] }
+    }
+
+    /// The first term is the product.
+    fn first(operation: Operation, a: Value, b: Value) -> Self {
+        let sign = if operation == Operation::Subtract { -1.0 } else { 1.0 };
+        Sum { product: Sum::term(operation, a), other: b, signs: [1.0, sign] }
+    }
+
+    /// The term, or time, which is no product, where nothing is added.
+    fn term(operation: Operation, term: Value) -> Value {
+        match operation {
+            Operation::Add | Operation::Subtract => term,
+            _ => Value::Time,
+        }
+    }
+
+    /// The step that does all at once, if there is one for this product.
+    fn step(&self, [x, y]: [Value; 2]) -> Option<Planned> {
+        let Sum { other, signs: [sign, other_sign], .. } = *self;
+        let scaled = [(x, y), (y, x)].into_iter().find_map(|(m, x)| Some((m.as_number()?, x)));
+        let n = other.as_number().map(|n| other_sign * n);
+        match (scaled, n) {
+            (Some((m, x)), Some(n)) => {
+                Some(Planned { m: sign * m, ..Planned::new(Code::Line, [x], n) })
+            }
+            (None, Some(n)) if sign > 0.0 => Some(Planned::new(Code::MultiplyShift, [x, y], n)),
+            (_, None) if other_sign < 0.0 => None,
+            (Some((m, x)), None) => Some(Planned::new(Code::ScaleAdd, [x, other], sign * m)),
+            (None, None) if sign < 0.0 => {
+                Some(Planned::new(Code::SubtractProduct, [x, y, other], 0.0))
+            }
+            (None, None) => Some(Planned::new(Code::MultiplyAdd, [x, y, other], 0.0)),
+            (None, Some(_)) => None,
+        }
     }
 }

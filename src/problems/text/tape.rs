@@ -14,7 +14,7 @@ pub(super) enum Code {
     Parameter,
     /// `n`.
     Number,
-    /// Puts register `a` where results are, at `into`.
+    /// Puts register `a` where results are, at `into`: where there are too many to keep them in registers.
     Result,
     /// `a + b`.
     Add,
@@ -30,12 +30,16 @@ pub(super) enum Code {
     Reflect,
     /// `a n`.
     Scale,
+    /// `a m + n`, where `b` and `c` are the bits of `m`.
+    Line,
     /// `a/n`.
     Share,
     /// `n/a`.
     Invert,
     /// `a b + c`.
     MultiplyAdd,
+    /// `a b + n`.
+    MultiplyShift,
     /// `c − a b`.
     SubtractProduct,
     /// `a n + b`.
@@ -73,6 +77,10 @@ pub(super) struct Tape {
     pub registers: usize,
     /// How many states are in the registers behind that from the beginning.
     pub preloaded: usize,
+    /// The parameters that are in the registers behind those from the beginning.
+    pub parameters: Vec<u32>,
+    /// The registers that have the results at the end, where there are few of them.
+    pub outputs: Vec<u32>,
 }
 
 /// What a tape reads.
@@ -94,7 +102,9 @@ impl Tape {
         let inputs = Inputs { x, p };
         match () {
             () if fits(8) => self.on_stack::<T, 8>(t, inputs, results),
+            () if fits(12) => self.on_stack::<T, 12>(t, inputs, results),
             () if fits(16) => self.on_stack::<T, 16>(t, inputs, results),
+            () if fits(24) => self.on_stack::<T, 24>(t, inputs, results),
             () if fits(32) => self.on_stack::<T, 32>(t, inputs, results),
             () if fits(128) => self.on_stack::<T, 128>(t, inputs, results),
             () if fits(1024) => self.on_stack::<T, 1024>(t, inputs, results),
@@ -119,6 +129,9 @@ impl Tape {
     #[inline(never)]
     fn run<T: Scalar>(&self, r: &mut [T], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
         r[1..=self.preloaded].copy_from_slice(&x[..self.preloaded]);
+        for (register, parameter) in r[1 + self.preloaded..].iter_mut().zip(&self.parameters) {
+            *register = p[*parameter as usize];
+        }
         for &Step { code, operation, into, a, b, c, n } in &self.steps {
             let [into, a, b, c] = [into as usize, a as usize, b as usize, c as usize];
             // Every arm stores by itself: one value of all arms would be copied through memory.
@@ -133,10 +146,12 @@ impl Tape {
                 Code::Divide => r[into] = r[a] / r[b],
                 Code::Shift => r[into] = r[a] + n,
                 Code::Reflect => r[into] = -r[a] + n,
+                Code::Line => r[into] = r[a] * f64::from_bits((b as u64) << 32 | c as u64) + n,
                 Code::Scale => r[into] = r[a] * n,
                 Code::Share => r[into] = r[a] / n,
                 Code::Invert => r[into] = r[a].recip() * n,
                 Code::MultiplyAdd => r[into] = r[a] * r[b] + r[c],
+                Code::MultiplyShift => r[into] = r[a] * r[b] + n,
                 Code::SubtractProduct => r[into] = r[c] - r[a] * r[b],
                 Code::ScaleAdd => r[into] = r[a] * n + r[b],
                 Code::Square => r[into] = r[a] * r[a],
@@ -149,6 +164,9 @@ impl Tape {
                 }
                 Code::General => r[into] = general(operation, &r[a], &r[b], &r[c]),
             }
+        }
+        for (result, register) in results.iter_mut().zip(&self.outputs) {
+            *result = r[*register as usize];
         }
     }
 
