@@ -205,7 +205,7 @@ fn sweep_on(threads: NonZeroUsize) -> Result<f64, Box<dyn Error>> {
     };
     let (part, begin) = (Part { threads: Some(threads), ..Part::WHOLE }, Instant::now());
     let mut found = 0;
-    execute(&plan, part, &Actuator::DEFAULTS, &make, &|_| None, &mut |_: Found| {
+    execute(&plan, part, &Actuator::DEFAULTS, &make, &|_| None, &|| true, &mut |_: Found| {
         found += 1;
         ControlFlow::Continue(())
     })?;

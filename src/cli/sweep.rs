@@ -158,6 +158,10 @@ impl SweepWatch for Keeper<'_> {
         self.bar.set_message(format!("{} of {total} runs of {name}", rows.len()));
     }
 
+    fn goes_on(&self) -> fn() -> bool {
+        || !interrupted()
+    }
+
     fn found(&mut self, known: &Sweeps, _found: &Found) -> ControlFlow<()> {
         self.bar.inc(1);
         let done: usize = known.sweeps.iter().map(|sweep| sweep.rows.len()).sum();

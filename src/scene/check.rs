@@ -8,6 +8,10 @@ use crate::core::hybrid::check_measures;
 use crate::core::measure::Measure;
 use crate::core::names::{UnknownName, position};
 use std::collections::HashSet;
+use std::ops::RangeInclusive;
+
+/// The tolerances that the flow of a sweep may have.
+const FLOW_ERRORS: RangeInclusive<f64> = 1e-15..=1e-3;
 
 impl Scene {
     pub(super) fn check(&self) -> Result<(), SceneError> {
@@ -55,8 +59,24 @@ impl Scene {
     }
 
     fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {
+        let place = |what: &str| format!("sweep `{}`, {what}", sweep.name);
+        if !FLOW_ERRORS.contains(&sweep.flow_error) {
+            let rule = "must be from 1e-15 to 1e-3";
+            return Err(SceneError::invalid(
+                place("flow_error"),
+                sweep.flow_error.to_string(),
+                rule,
+            ));
+        }
+        let tolerance = sweep.search.tolerance;
+        if !(tolerance > 0.0 && tolerance < 1.0) {
+            let rule = "must be between 0 and 1";
+            return Err(SceneError::invalid(place("tolerance"), tolerance.to_string(), rule));
+        }
         let Some(local) = &sweep.local else {
-            let known = self.problem.model().motion()?.measures().into_iter();
+            let motion = self.problem.model().motion()?;
+            self.with(&sweep.set)?.plan(sweep, &motion.modes()[0])?;
+            let known = motion.measures().into_iter();
             let known: Vec<String> =
                 known.map(|(name, _)| name).chain([Measure::PENETRATION.into()]).collect();
             return Ok(sweep

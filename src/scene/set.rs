@@ -113,7 +113,7 @@ impl Scene {
         if !assign(changed.own_slots(), name, value)? {
             changed.assign(name, value)?;
         }
-        changed.check_accuracy()?;
+        changed.check()?;
         *self = changed;
         Ok(())
     }
@@ -139,9 +139,19 @@ impl Scene {
         }
     }
 
-    /// The scene with some values set: as a run or a sweep sees it.
+    /// The scene with some values set, without runs and sweeps: as one of them sees it.
     pub(super) fn with(&self, set: &[(String, String)]) -> Result<Scene, SceneError> {
-        let mut scene = self.clone();
+        let mut scene = Scene {
+            title: self.title.clone(),
+            problem: self.problem.clone(),
+            model: self.model.clone(),
+            parameters: self.parameters.clone(),
+            accuracy: self.accuracy,
+            settings: self.settings.clone(),
+            plot: self.plot.clone(),
+            runs: Vec::new(),
+            sweeps: Vec::new(),
+        };
         for (name, value) in set {
             scene.assign(name, value)?;
         }

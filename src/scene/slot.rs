@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use crate::problems::text::number;
+use ron::Error as RonError;
 use ron::extensions::Extensions;
 use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -55,7 +56,7 @@ impl<T: Serialize + for<'d> Deserialize<'d>> Slot for Plain<'_, T> {
     }
 
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        *self.0 = read(name, value)?;
+        *self.0 = read(name, value, &self.written())?;
         Ok(())
     }
 }
@@ -68,7 +69,7 @@ impl<T: Serialize + for<'d> Deserialize<'d>> Slot for Usual<'_, T> {
     fn assign(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         *self.0 = match value {
             "usual" => None,
-            _ => Some(read(name, value)?),
+            _ => Some(read(name, value, &self.written())?),
         };
         Ok(())
     }
@@ -103,10 +104,38 @@ pub(super) fn options() -> ron::Options {
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
-/// Reads a value as RON would.
-pub(super) fn read<T: for<'a> Deserialize<'a>>(name: &str, value: &str) -> Result<T, SceneError> {
-    let read = options().from_str(value);
-    read.map_err(|error| SceneError::value(name, value, error.code.to_string()))
+/// Reads a value as RON would; errors show another one of its form.
+pub(super) fn read<T: for<'a> Deserialize<'a>>(
+    name: &str,
+    value: &str,
+    example: &str,
+) -> Result<T, SceneError> {
+    let refused = |_| {
+        let form = form::<T>().unwrap_or_else(|| format!("of the form of `{example}`"));
+        SceneError::value(name, value, format!("it must be {form}"))
+    };
+    options().from_str(value).map_err(refused)
+}
+
+/// What values of a type look like: the reader says which names it knows, and values of other forms are tried.
+fn form<T: for<'a> Deserialize<'a>>() -> Option<String> {
+    let reads = |text: &str| options().from_str::<T>(text);
+    if let Err(RonError::NoSuchEnumVariant { expected, .. }) =
+        reads("unknown").map_err(|error| error.code)
+    {
+        return Some(format!("one of {}", expected.join(", ")));
+    }
+    let forms = [
+        ("true", "true or false"),
+        ("-0.5", "a number"),
+        ("0.5", "a number that is not negative"),
+        ("-1", "a whole number"),
+        ("1", "a whole number that is not negative"),
+        ("[]", "a list in brackets"),
+        ("\"\"", "a text in quotes"),
+    ];
+    let of_form = forms.into_iter().find(|(value, _)| reads(value).is_ok());
+    of_form.map(|(_, form)| form.into())
 }
 
 pub(super) fn written<T: Serialize>(value: &T) -> String {

@@ -21,6 +21,11 @@ pub trait SweepWatch {
     /// A sweep begins, of which so many runs are done.
     fn begin(&mut self, _sweep: &SweepTable) {}
 
+    /// What is asked between any two periods of every run: where it is false, runs that are not done are given up.
+    fn goes_on(&self) -> fn() -> bool {
+        || true
+    }
+
     /// A run is done, and is the last of what is known now. The sweeps may be ended.
     fn found(&mut self, _known: &Sweeps, _found: &Found) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -35,7 +40,7 @@ impl Scene {
         ron::to_string(self).unwrap_or_default()
     }
 
-    fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
+    pub(super) fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
         let parameters = self.problem.parameter_names();
         let axis = |&Grid { ref name, low, high, count }: &Grid| {
             let known = parameters.iter().chain(&mode.states);
@@ -171,7 +176,8 @@ impl<'a> Prepared<'a> {
         let make: &Make = &|| strobed(sweep, seen, &**motion, map.as_ref());
         let mut outcome = ControlFlow::Continue(());
         let done = |run: usize| ends.get(&run).cloned();
-        sweep::execute(plan, part, &seen.values()?, make, &done, &mut |found: Found| {
+        let goes_on = watch.goes_on();
+        sweep::execute(plan, part, &seen.values()?, make, &done, &goes_on, &mut |found: Found| {
             all.sweeps[index].push(&found, plan.start(found.run), modes);
             outcome = watch.found(all, &found);
             outcome

@@ -62,7 +62,11 @@ pub(super) fn stated(
                 let rule = "a file states the equations alone: state this in the file";
                 return Err(SceneError::invalid(place, "given", rule));
             }
-            of_file(scene, &super::slot::read::<String>(FILE, field.value)?, given)?
+            of_file(
+                scene,
+                &super::slot::read::<String>(FILE, field.value, "\"equations.ron\"")?,
+                given,
+            )?
         }
         None => {
             let others =

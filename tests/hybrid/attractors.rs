@@ -262,7 +262,7 @@ fn swept(
     let done = |run: usize| known.get(&run).map(end);
     let mut all = known.clone();
     let mut left = most;
-    execute(plan, part, &mita(0.0, 0.5), &make, &done, &mut |found: Found| {
+    execute(plan, part, &mita(0.0, 0.5), &make, &done, &|| true, &mut |found: Found| {
         all.insert(found.run, found);
         left -= 1;
         if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -3,7 +3,7 @@
 use super::error::StroboscopicError;
 use super::search::{Attractor, AttractorSearch};
 use super::stroboscopic::StroboscopicMap;
-use crate::core::hybrid::HybridState;
+use crate::core::hybrid::{HybridState, Member};
 
 /// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves it for good.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,12 +85,22 @@ impl AttractorSearch {
         p: &[f64],
         search: &CrisisSearch,
     ) -> Result<Crisis, StroboscopicError> {
-        let mut p = p.to_vec();
+        self.crisis_while(motion, Member { state: start, p: p.to_vec() }, search, &|| true)
+    }
+
+    /// Where the attractor is lost, sought while `goes_on`: if that ends before, nothing is known.
+    pub(in crate::core) fn crisis_while(
+        &self,
+        motion: &mut dyn StroboscopicMap,
+        Member { state, mut p }: Member<f64>,
+        search: &CrisisSearch,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Crisis, StroboscopicError> {
         let mut follow = |value: f64, state: HybridState<f64>| {
             p[search.parameter] = value;
-            self.follow(motion, state, &p)
+            self.follow_while(motion, Member { state, p: p.clone() }, goes_on)
         };
-        let first = follow(search.value(0), start)?;
+        let first = follow(search.value(0), state)?;
         let (mut state, mut last) = (first.end.clone(), None);
         let mut alive = Some((search.value(0), first)).filter(|(_, first)| first.periods.is_none());
         for step in 1..=search.steps {

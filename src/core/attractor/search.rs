@@ -238,8 +238,18 @@ impl AttractorSearch {
         state: HybridState<f64>,
         p: &[f64],
     ) -> Result<Attractor, StroboscopicError> {
-        let mut run = [Run::new(self, Member { state, p: p.to_vec() })];
-        Following { map, abreast: false, goes_on: &|| true }.follow(self, &mut run);
+        self.follow_while(map, Member { state, p: p.to_vec() }, &|| true)
+    }
+
+    /// Follows a motion while `goes_on`, as [`follow_all`](Self::follow_all) does: if it ends before, nothing is known.
+    pub(in crate::core) fn follow_while(
+        &self,
+        map: &mut dyn StroboscopicMap,
+        member: Member<f64>,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Attractor, StroboscopicError> {
+        let mut run = [Run::new(self, member)];
+        Following { map, abreast: false, goes_on }.follow(self, &mut run);
         let [run] = run;
         run.finish(map.layout())
     }

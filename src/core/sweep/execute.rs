@@ -30,6 +30,7 @@ pub type Make<'a> =
 
 /// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished run ended (`None`
 /// inside if it failed). `make` makes the map, once for each batch of strands; `p` are the parameters that do not vary.
+/// `goes_on` is asked between any two periods of every run: where it is false, runs that are not done are given up.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -45,7 +46,7 @@ pub type Make<'a> =
 ///     Ok(Box::new(PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?))
 /// };
 /// let mut impacts = vec![0.0; 3];
-/// execute(&plan, Part::WHOLE, &[1.0, 2.2, 0.8, 0.1, 1.0], &make, &|_| None, &mut |found: Found| {
+/// execute(&plan, Part::WHOLE, &[1.0, 2.2, 0.8, 0.1, 1.0], &make, &|_| None, &|| true, &mut |found: Found| {
 ///     impacts[found.run] = found.attractor.map_or(f64::NAN, |attractor| attractor.count("impact"));
 ///     ControlFlow::Continue(())
 /// })?;
@@ -61,6 +62,7 @@ pub fn execute(
     p: &[f64],
     make: &Make,
     done: &(dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
+    goes_on: &(dyn Fn() -> bool + Sync),
     visit: &mut Visit,
 ) -> Result<(), PlanError> {
     plan.check()?;
@@ -75,17 +77,18 @@ pub fn execute(
     let unfinished = |strand: &Vec<usize>| strand.iter().any(|run| done(*run).is_none());
     let strands: Vec<Vec<usize>> =
         mine.map(|(_, strand)| strand).filter(|strand| unfinished(strand)).collect();
-    let pool = part.pool()?;
+    let pool = part.pool(strands.len())?;
     let threads =
         pool.as_ref().map_or_else(rayon::current_num_threads, |p| p.current_num_threads());
     let size = if abreast { batch_size(strands.len(), threads) } else { 1 };
     let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
+    let wanted = || !stop.load(Ordering::Relaxed) && goes_on();
     std::thread::scope(|scope| {
-        let stop = &stop;
+        let wanted = &wanted;
         scope.spawn(move || {
             let follow = |sender: &mut Sender<Found>, strands: &[Vec<usize>]| {
-                Batch { plan, p, make, done, stop, abreast }.follow(strands, sender);
+                Batch { plan, p, make, done, goes_on: wanted, abreast }.follow(strands, sender);
             };
             // Each batch is a task of its own: some take much longer than others.
             let batches = || strands.par_chunks(size).with_max_len(1);
@@ -124,7 +127,7 @@ struct Batch<'a, 'm> {
     p: &'a [f64],
     make: &'a Make<'m>,
     done: &'a (dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
-    stop: &'a AtomicBool,
+    goes_on: &'a (dyn Fn() -> bool + Sync),
     abreast: bool,
 }
 
@@ -146,7 +149,7 @@ impl<'m> Batch<'_, 'm> {
             let starts = runs.iter_mut().map(|(run, before)| self.start(*run, before.take()));
             let starts = starts.collect();
             let outcomes = self.outcomes(&mut map, starts);
-            if self.stop.load(Ordering::Relaxed) {
+            if !(self.goes_on)() {
                 return;
             }
             for ((run, before), (attractor, crisis)) in runs.into_iter().zip(outcomes) {
@@ -178,15 +181,17 @@ impl<'m> Batch<'_, 'm> {
         };
         let Plan { search, crisis, .. } = self.plan;
         if self.abreast {
-            let found = search.follow_all(map, starts, &|| !self.stop.load(Ordering::Relaxed));
+            let found = search.follow_all(map, starts, self.goes_on);
             return found.into_iter().map(|found| (found, None)).collect();
         }
         let follow = |Member { state, p }: Member<f64>| match crisis {
-            None => (search.follow(map, state, &p), None),
-            Some(sought) => match search.crisis(map, state, &p, sought) {
-                Ok(found) => (Ok(found.attractor), Some(found.between)),
-                Err(cause) => (Err(cause), None),
-            },
+            None => (search.follow_while(map, Member { state, p }, self.goes_on), None),
+            Some(sought) => {
+                match search.crisis_while(map, Member { state, p }, sought, self.goes_on) {
+                    Ok(found) => (Ok(found.attractor), Some(found.between)),
+                    Err(cause) => (Err(cause), None),
+                }
+            }
         };
         starts.into_iter().map(follow).collect()
     }

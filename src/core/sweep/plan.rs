@@ -6,6 +6,13 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
+/// The most runs of one sweep: all that is found is kept in memory and written again and again.
+const MOST_RUNS: usize = 4_000_000;
+/// The longest transient, and the most periods over which an exponent is averaged.
+const MOST_PERIODS: usize = 1_000_000_000;
+/// The most periods that are recorded of one run.
+const MOST_RECORDED: usize = 1_000_000;
+
 /// What varies along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -68,9 +75,10 @@ impl Part {
     /// The whole.
     pub const WHOLE: Part = Part { number: 1, of: 1, threads: None };
 
-    /// Threads of its own, if it says how many.
-    pub(super) fn pool(self) -> Result<Option<ThreadPool>, PlanError> {
+    /// Threads of its own, if it says how many, and no more than there are strands.
+    pub(super) fn pool(self, strands: usize) -> Result<Option<ThreadPool>, PlanError> {
         let pool = |threads: NonZeroUsize| {
+            let threads = threads.min(NonZeroUsize::new(strands).unwrap_or(NonZeroUsize::MIN));
             let built = ThreadPoolBuilder::new().num_threads(threads.get()).build();
             built.map_err(|cause| PlanError::Threads { threads, cause: cause.to_string() })
         };
@@ -112,10 +120,28 @@ pub struct Plan {
 #[non_exhaustive]
 pub enum PlanError {
     /// No values.
-    #[error(
-        "a sweep needs at least one value on every axis, one start and one period to look at; {0} is 0"
-    )]
+    #[error("a sweep needs at least one value on every axis, one start and one strand; {0} is 0")]
     Nothing(&'static str),
+    /// More runs than can be kept.
+    #[error(
+        "{counts} are more than {MOST_RUNS} runs, the most that one sweep can keep: take fewer values on an axis, or several sweeps"
+    )]
+    TooMany {
+        /// The counts whose product is too large.
+        counts: String,
+    },
+    /// A length without meaning.
+    #[error("`{name}` = {value} must be from {low} to {high}")]
+    Length {
+        /// What it is of.
+        name: &'static str,
+        /// How long it is.
+        value: usize,
+        /// The smallest.
+        low: usize,
+        /// The largest.
+        high: usize,
+    },
     /// Runs cannot follow each other.
     #[error(
         "runs follow each other along one parameter: with {0} axes, or along a state in which motion begins, let \
@@ -157,6 +183,28 @@ impl Plan {
     /// The number of points of the grid.
     fn points(&self) -> usize {
         self.axes.iter().map(|axis| axis.count).product()
+    }
+
+    /// Refuses more runs than can be kept, and lengths that cannot be.
+    fn check_sizes(&self) -> Result<(), PlanError> {
+        let counts = || self.axes.iter().map(|axis| axis.count).chain([self.starts.len()]);
+        let runs = counts().try_fold(1_usize, usize::checked_mul);
+        if runs.is_none_or(|runs| runs > MOST_RUNS) {
+            let counts: Vec<String> = counts().map(|count| count.to_string()).collect();
+            return Err(PlanError::TooMany { counts: counts.join(" × ") });
+        }
+        let AttractorSearch { transient, recorded_periods, max_period, lyapunov_periods, .. } =
+            self.search;
+        let lengths = [
+            ("transient", transient, 0, MOST_PERIODS),
+            ("recorded_periods", recorded_periods, 1, MOST_RECORDED),
+            ("max_period", max_period, 1, MOST_RECORDED),
+            ("lyapunov_periods", lyapunov_periods, 0, MOST_PERIODS),
+        ];
+        match lengths.into_iter().find(|(_, value, low, high)| !(low..=high).contains(&value)) {
+            Some((name, value, low, high)) => Err(PlanError::Length { name, value, low, high }),
+            None => Ok(()),
+        }
     }
 
     /// The start of a run, by its number among the starts.
@@ -210,15 +258,12 @@ impl Plan {
     /// # Errors
     /// [`PlanError`] says what it is.
     pub fn check(&self) -> Result<(), PlanError> {
-        let counts = [
-            (self.points(), "a count"),
-            (self.starts.len(), "the number of starts"),
-            (self.search.recorded_periods, "`recorded_periods`"),
-            (self.search.max_period, "`max_period`"),
-        ];
-        if let Some((_, what)) = counts.into_iter().find(|(count, _)| *count == 0) {
+        let counts = self.axes.iter().map(|axis| (axis.count, "a count"));
+        let others = [(self.starts.len(), "the number of starts"), (self.strands, "`strands`")];
+        if let Some((_, what)) = counts.chain(others).find(|(count, _)| *count == 0) {
             return Err(PlanError::Nothing(what));
         }
+        self.check_sizes()?;
         if let Some(axis) = self.axes.iter().find(|a| !(a.low.is_finite() && a.high.is_finite())) {
             return Err(PlanError::Interval { low: axis.low, high: axis.high });
         }
