@@ -48,7 +48,7 @@ pub(crate) use report::entries;
 pub use report::{Entry, Report, ReportError};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use svg::draw;
-pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, merge};
+pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
 pub use table::{Screen, csv};
 pub use tile::{Hue, Tile};
 pub use work_precision::{

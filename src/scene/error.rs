@@ -6,7 +6,7 @@ use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{CycleSearchError, HybridError};
 use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
-use crate::output::Chosen;
+use crate::output::{Chosen, TableDifference};
 use crate::problems::text::ModelError;
 use ron::error::{Position, SpannedError};
 use std::error::Error;
@@ -121,6 +121,11 @@ pub enum SceneError {
          name another folder"
     )]
     OtherScene,
+    /// What is known has other tables.
+    #[error(
+        "the runs that are done are in other tables: {0}; remove their file, begin afresh, or name another folder"
+    )]
+    OtherTables(#[source] TableDifference),
     /// The accuracy that a scene asks for is not met by the finest discretisation.
     #[error("{chosen}, which is more: ask for less, or state the discretisation")]
     Unmet {

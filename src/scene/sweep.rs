@@ -90,17 +90,21 @@ pub fn sweep(
 ) -> Result<Sweeps, SceneError> {
     let prepared = scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep));
     let prepared: Vec<Prepared> = prepared.collect::<Result<_, _>>()?;
+    let nothing = Sweeps {
+        format: SWEEPS.into(),
+        name: name.into(),
+        title: scene.title.clone(),
+        scene: scene.in_words(),
+        plot: scene.plot.clone(),
+        sweeps: prepared.iter().map(Prepared::table).collect(),
+    };
     let mut all = match known {
-        Some(known) if known.scene == scene.in_words() => known,
+        Some(known) if known.scene == nothing.scene => {
+            known.check_tables(&nothing).map_err(SceneError::OtherTables)?;
+            known
+        }
         Some(_) => return Err(SceneError::OtherScene),
-        None => Sweeps {
-            format: SWEEPS.into(),
-            name: name.into(),
-            title: scene.title.clone(),
-            scene: scene.in_words(),
-            plot: scene.plot.clone(),
-            sweeps: prepared.iter().map(Prepared::table).collect(),
-        },
+        None => nothing,
     };
     for (index, one) in prepared.iter().enumerate() {
         if one.execute(part, &mut all, index, watch)?.is_break() {

@@ -3,6 +3,7 @@
 mod command_line;
 mod fidelity;
 mod itineraries;
+mod limits;
 mod models;
 mod output_document;
 mod output_figures;

@@ -12,6 +12,7 @@
 //!
 //! In Python `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
 
+use super::check::check_failures;
 use super::table::{Row, SWEEPS, SweepTable, Sweeps};
 use crate::output::error::{FileError, FormatError};
 use crate::output::write_atomically;
@@ -125,22 +126,25 @@ fn columns(
 
 /// Reads the rows of a sweep.
 fn fill(sweep: &mut SweepTable, zip: &mut Archive) -> Result<(), String> {
-    let SweepTable { name, run_columns, point_columns, rows, .. } = sweep;
-    let runs = columns(zip, name, "runs", run_columns)?;
-    let points = columns(zip, name, "points", point_columns)?;
+    sweep.check_columns()?;
+    let name = &sweep.name;
+    let runs = columns(zip, name, "runs", &sweep.run_columns)?;
+    let points = columns(zip, name, "points", &sweep.point_columns)?;
     let of =
         |columns: &[Vec<f64>], k: usize| -> Vec<f64> { columns.iter().map(|c| c[k]).collect() };
-    let mut failures = std::mem::take(rows);
+    let mut failures = std::mem::take(&mut sweep.rows);
     for k in 0..runs.first().map_or(0, Vec::len) {
         let values = of(&runs, k);
-        let run = values[0] as usize;
+        let run = sweep.run_number(values[0])?;
         let failure = failures.remove(&run).and_then(|row| row.failure);
-        rows.insert(run, Row { values, points: Vec::new(), failure });
+        sweep.take_row(run, Row { values, points: Vec::new(), failure })?;
     }
+    check_failures(&sweep.name, &failures)?;
     for k in 0..points.first().map_or(0, Vec::len) {
         let point = of(&points, k);
-        let run = rows.get_mut(&(point[0] as usize));
-        run.ok_or_else(|| format!("a point of run {} that there is not", point[0]))?
+        let run = sweep.run_number(point[0])?;
+        let run = sweep.rows.get_mut(&run);
+        run.ok_or_else(|| format!("a point of run {} that is not there", point[0]))?
             .points
             .extend(point);
     }

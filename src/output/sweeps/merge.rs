@@ -1,5 +1,6 @@
 //! Parts of a sweep, put together.
 
+use super::check::TableDifference;
 use super::table::Sweeps;
 
 /// Why parts do not make a whole.
@@ -16,6 +17,15 @@ pub enum MergeError {
     Different {
         /// Which of the parts, from 1 on.
         number: usize,
+    },
+    /// Parts with other tables.
+    #[error("part {number} is not of the same sweeps as the first: {cause}")]
+    Tables {
+        /// Which of the parts, from 1 on.
+        number: usize,
+        /// How they differ.
+        #[source]
+        cause: TableDifference,
     },
     /// Parts that say different things about one run.
     #[error(
@@ -54,9 +64,10 @@ pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
     let mut whole = parts.next().ok_or(MergeError::Nothing)?;
     for (index, part) in parts.enumerate() {
         let number = index + 2;
-        if part.scene != whole.scene || part.sweeps.len() != whole.sweeps.len() {
+        if part.scene != whole.scene {
             return Err(MergeError::Different { number });
         }
+        part.check_tables(&whole).map_err(|cause| MergeError::Tables { number, cause })?;
         for (sweep, more) in whole.sweeps.iter_mut().zip(part.sweeps) {
             for (run, row) in more.rows {
                 // NaN is what there is not: rows are the same if they are written the same.

@@ -1,10 +1,12 @@
 //! Sweeps as tables of numbers, in a file that other languages read.
 
+mod check;
 mod file;
 mod merge;
 mod scatter;
 mod table;
 
+pub use check::TableDifference;
 pub use merge::{MergeError, merge};
 pub(super) use scatter::{basins, scatter};
 pub use table::{Row, SWEEPS, SweepTable, Sweeps};

@@ -1,0 +1,117 @@
+//! What tables of a file must satisfy: they are rectangular, of the runs that there are, and those of the scene.
+
+use super::table::{Row, SweepTable, Sweeps};
+use std::collections::BTreeMap;
+
+/// The columns that every table begins with.
+const RUN_COLUMNS: [&str; 2] = ["run", "start"];
+const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
+/// How much of a list of names is shown.
+const SHOWN: usize = 300;
+
+/// How the tables of a file differ from those that are meant.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} of {place} differ: `{found}` in the file, `{expected}` by its scene")]
+pub struct TableDifference {
+    /// Where: a sweep, or the file.
+    pub place: String,
+    /// What differs.
+    pub what: &'static str,
+    /// What the file has.
+    pub found: String,
+    /// What the scene would write.
+    pub expected: String,
+}
+
+/// A list of names, cut where it is long.
+fn listed(names: &[String]) -> String {
+    let all = names.join(", ");
+    match all.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &all[..end]),
+        None => all,
+    }
+}
+
+impl Sweeps {
+    /// Whether the tables are those of other sweeps, whatever is done of them.
+    ///
+    /// # Errors
+    /// [`TableDifference`] names the first names, columns or number of runs that differ.
+    pub fn check_tables(&self, expected: &Sweeps) -> Result<(), TableDifference> {
+        let names = |all: &Sweeps| all.sweeps.iter().map(|sweep| sweep.name.clone()).collect();
+        let (found, wanted): (Vec<String>, Vec<String>) = (names(self), names(expected));
+        let differ = |place: &str, what: &'static str, found: &[String], wanted: &[String]| {
+            let same = found == wanted;
+            let [found, expected] = [found, wanted].map(listed);
+            if same {
+                Ok(())
+            } else {
+                Err(TableDifference { place: place.into(), what, found, expected })
+            }
+        };
+        differ("the file", "the sweeps", &found, &wanted)?;
+        for (found, wanted) in self.sweeps.iter().zip(&expected.sweeps) {
+            let place = format!("the sweep `{}`", found.name);
+            differ(&place, "the axes", &found.axes, &wanted.axes)?;
+            differ(&place, "the events", &found.events, &wanted.events)?;
+            differ(&place, "the columns of runs", &found.run_columns, &wanted.run_columns)?;
+            differ(&place, "the columns of points", &found.point_columns, &wanted.point_columns)?;
+            let totals = [found, wanted].map(|sweep| vec![sweep.total.to_string()]);
+            differ(&place, "the numbers of runs", &totals[0], &totals[1])?;
+        }
+        Ok(())
+    }
+}
+
+impl SweepTable {
+    /// Refuses columns without which rows have no meaning.
+    pub(super) fn check_columns(&self) -> Result<(), String> {
+        let begins = |columns: &[String], known: &[&str]| {
+            columns.len() >= known.len() && columns.iter().zip(known).all(|(a, b)| a == b)
+        };
+        let tables = [
+            ("runs", &self.run_columns, &RUN_COLUMNS[..]),
+            ("points", &self.point_columns, &POINT_COLUMNS[..]),
+        ];
+        match tables.into_iter().find(|(_, columns, known)| !begins(columns, known)) {
+            None => Ok(()),
+            Some((table, columns, known)) => Err(format!(
+                "the {table} of the sweep `{}` have the columns `{}`, which do not begin with `{}`",
+                self.name,
+                listed(columns),
+                known.join(", ")
+            )),
+        }
+    }
+
+    /// The number of a run, if it is one of those that there are.
+    pub(super) fn run_number(&self, value: f64) -> Result<usize, String> {
+        let run = value as usize;
+        match run < self.total && run as f64 == value {
+            true => Ok(run),
+            false => Err(format!(
+                "the sweep `{}` has a run of the number {value}; its numbers are 0 to {}",
+                self.name,
+                self.total as f64 - 1.0
+            )),
+        }
+    }
+
+    /// Takes in a row that is there once.
+    pub(super) fn take_row(&mut self, run: usize, row: Row) -> Result<(), String> {
+        match self.rows.insert(run, row) {
+            None => Ok(()),
+            Some(_) => Err(format!("the sweep `{}` has the run {run} twice", self.name)),
+        }
+    }
+}
+
+/// Refuses failures of runs that are not there.
+pub(super) fn check_failures(name: &str, left: &BTreeMap<usize, Row>) -> Result<(), String> {
+    match left.keys().next() {
+        None => Ok(()),
+        Some(run) => {
+            Err(format!("the sweep `{name}` says why run {run} failed, and has no row of it"))
+        }
+    }
+}

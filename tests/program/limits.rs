@@ -1,0 +1,158 @@
+//! Sizes that no machine has, and tables that no scene writes, are refused before anything is allocated.
+
+use std::path::Path;
+use std::process::{Command, Output};
+use tangency::output::{Row, Sweeps, merge};
+use tangency::scene::Scene;
+
+fn tangency(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
+    command.current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = tangency(folder, arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    assert!(output.stdout.is_empty(), "refused before any work: {arguments:?}");
+    message
+}
+
+const SCENE: &str = r#"Scene(title: "t", problem: ImpactOscillator(), parameters: [("frequency", 2.2)],
+    runs: [Run(name: "r", start: Simulated(), along: [(name: "amplitude", low: 0.1, high: 0.2)])],
+    sweeps: [(name: "up", over: [(name: "amplitude", low: 1, high: 5, count: 3)],
+        search: (transient: 20, recorded_periods: 10, lyapunov_periods: 0))])"#;
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.ron"), SCENE).unwrap();
+    folder
+}
+
+#[test]
+fn counts_have_limits() {
+    let folder = folder();
+    let with = |setting: &str| refused(folder.path(), &["sweep", "a.ron", "--set", setting]);
+    for count in ["18446744073709551615", "1000000000000", "4000001"] {
+        let message = with(&format!("count={count}"));
+        assert!(message.contains(count) && message.contains("4000000 runs"), "{message}");
+    }
+    assert!(with("count=0").contains("a count is 0"));
+    assert!(
+        with("recorded_periods=0").contains("`recorded_periods` = 0 must be from 1 to 1000000")
+    );
+    assert!(with("transient=1000000000000").contains("`transient` = 1000000000000 must be from 0"));
+    assert!(with("flow_error=1e300").contains("must be from 1e-15 to 1e-3"));
+    assert!(with("flow_error=nan").contains("flow_error"));
+}
+
+/// The product of counts is 2 in arithmetic that wraps.
+#[test]
+fn products_of_counts_have_limits() {
+    let folder = tempfile::tempdir().unwrap();
+    let axis =
+        |name: &str, count: u64| format!("(name: \"{name}\", low: 0, high: 1, count: {count})");
+    for (first, second) in [(6_148_914_691_236_517_206, 3), (1 << 32, 1 << 32), (2001, 2001)] {
+        let over = axis("displacement", first) + "," + &axis("velocity", second);
+        let text = SCENE.replace("(name: \"amplitude\", low: 1, high: 5, count: 3)", &over);
+        std::fs::write(folder.path().join("a.ron"), text).unwrap();
+        let message = refused(folder.path(), &["sweep", "a.ron"]);
+        assert!(message.contains(&format!("{first} × {second}")), "{message}");
+    }
+}
+
+#[test]
+fn threads_are_no_more_than_the_work_there_is() {
+    let folder = folder();
+    for threads in ["3000", "18446744073709551615"] {
+        let output = tangency(folder.path(), &["sweep", "a.ron", "--afresh", "--threads", threads]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn values_are_refused_with_what_may_be_written() {
+    let folder = folder();
+    let with = |setting: &str| refused(folder.path(), &["trace", "a.ron", "--set", setting]);
+    assert!(with("method=3").contains("it must be one of "));
+    assert!(with("intervals=f").contains("it must be a whole number that is not negative"));
+    assert!(with("max_step=fast").contains("it must be a number"));
+    let scene = |text: &str| Scene::parse(text).unwrap().set("orders", "3").unwrap_err();
+    let plate = "Scene(title: \"t\", problem: Plate(), runs: [Run(name: \"r\", along: [(name: \"load\", low: 0, high: 1)])])";
+    assert!(scene(plate).to_string().contains("it must be of the form of `("), "{}", scene(plate));
+}
+
+/// Archives whose tables are not those of the scene are neither continued nor merged.
+#[test]
+fn tables_must_be_those_of_the_scene() {
+    let folder = folder();
+    let path = folder.path().join("out/a.npz");
+    assert!(tangency(folder.path(), &["sweep", "a.ron"]).status.success());
+    let whole = Sweeps::load(&path).unwrap();
+    let changes: [(&str, fn(&mut Sweeps)); 5] = [
+        ("the sweeps of the file differ", |all| all.sweeps.clear()),
+        ("the numbers of runs", |all| all.sweeps[0].total = 7),
+        ("the events", |all| all.sweeps[0].events.clear()),
+        ("the columns of runs", |all| {
+            all.sweeps[0].run_columns.pop();
+            all.sweeps[0].rows.values_mut().for_each(|row| drop(row.values.pop()));
+        }),
+        ("the columns of points", |all| {
+            all.sweeps[0].point_columns.pop();
+            all.sweeps[0].rows.values_mut().for_each(|row| row.points.clear());
+        }),
+    ];
+    for (what, change) in changes {
+        let mut changed = whole.clone();
+        change(&mut changed);
+        changed.save(&path).unwrap();
+        let message = refused(folder.path(), &["sweep", "a.ron", "--set", "max_points=5"]);
+        assert!(message.contains("another scene"), "{message}");
+        let output = tangency(folder.path(), &["sweep", "a.ron"]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(1) && message.contains(what), "{what}: {message}");
+        let merged = merge(vec![whole.clone(), changed]).unwrap_err().to_string();
+        assert!(merged.contains(what), "{merged}");
+    }
+}
+
+/// Rows that there cannot be are refused where an archive is read.
+#[test]
+fn rows_must_be_of_the_runs_there_are() {
+    let folder = folder();
+    let path = folder.path().join("out/a.npz");
+    assert!(tangency(folder.path(), &["sweep", "a.ron"]).status.success());
+    let whole = Sweeps::load(&path).unwrap();
+    let changes: [(&str, fn(&mut Sweeps)); 5] = [
+        ("its numbers are 0 to 1", |all| all.sweeps[0].total = 2),
+        ("number 0.5", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 0.5),
+        ("number -1", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = -1.0),
+        ("the run 2 twice", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 2.0),
+        ("do not begin with `run, period, event, time`", |all| {
+            all.sweeps[0].point_columns.clear();
+            all.sweeps[0].rows = [(0, Row::default()); 0].into();
+        }),
+    ];
+    for (what, change) in changes {
+        let mut changed = whole.clone();
+        change(&mut changed);
+        changed.save(&path).unwrap();
+        let message = Sweeps::load(&path).unwrap_err().to_string();
+        assert!(message.contains(what), "{what}: {message}");
+    }
+}
+
+/// Ten thousand runs are checked in a time that is not felt: each by itself.
+#[test]
+fn scenes_of_many_runs_are_read() {
+    let run = |k: usize| {
+        format!(
+            "Run(name: \"r{k}\", set: [(\"frequency\", \"2\")], start: Simulated(), along: [(name: \"amplitude\", low: 0.1, high: 0.2)])"
+        )
+    };
+    let runs: Vec<String> = (0..10_000).map(run).collect();
+    let text =
+        format!("Scene(title: \"t\", problem: ImpactOscillator(), runs: [{}])", runs.join(","));
+    assert_eq!(Scene::parse(&text).unwrap().runs.len(), 10_000);
+}
