@@ -86,10 +86,7 @@ impl SceneAt {
         for (name, value) in &self.settings {
             scene.set(name, value)?;
         }
-        match asked {
-            Some(asked) => scene.asked(asked),
-            None => Ok(scene),
-        }
+        scene.asked(asked.unwrap_or(&Asked::default()))
     }
 
     /// What is wrong with the scene.

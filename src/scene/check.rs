@@ -20,7 +20,7 @@ impl Scene {
             return Err(SceneError::invalid("the list of runs", "empty", rule));
         }
         self.check_parameters()?;
-        self.values()?;
+        self.check_durations()?;
         unique("parameter", self.parameters.iter().map(|(name, _)| name))?;
         unique("run", self.runs.iter().map(|run| &run.name))?;
         unique("sweep", self.sweeps.iter().map(|sweep| &sweep.name))?;
@@ -58,7 +58,15 @@ impl Scene {
         self.parameters.iter().try_for_each(|(name, _)| self.require_parameter(name, false))
     }
 
+    /// Refuses a period or a length that is not positive where parameters begin.
+    fn check_durations(&self) -> Result<(), SceneError> {
+        let p = self.values()?;
+        let refused = self.problem.text().and_then(|model| model.refused_duration(&p));
+        Ok(refused.map_or(Ok(()), Err)?)
+    }
+
     fn check_sweep(&self, sweep: &Sweep) -> Result<(), SceneError> {
+        self.with(&sweep.set)?.check_durations()?;
         let place = |what: &str| format!("sweep `{}`, {what}", sweep.name);
         if !FLOW_ERRORS.contains(&sweep.flow_error) {
             let rule = "must be from 1e-15 to 1e-3";
@@ -92,6 +100,7 @@ impl Scene {
 
     fn check_run(&self, run: &Run, earlier: &[Run]) -> Result<(), SceneError> {
         let scene = self.with(&run.set)?;
+        scene.check_durations()?;
         let place = |what: &str| format!("run `{}`, {what}", run.name);
         for range in run.along.iter().chain(&run.bounds) {
             for end in [range.low, range.high].into_iter().flatten() {

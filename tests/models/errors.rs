@@ -293,3 +293,33 @@ fn nothing_is_silently_left_out() {
     );
     assert!(refused(&text).to_string().contains("sums and functions in each other"));
 }
+
+/// Periods and lengths must be positive where parameters begin: in the scene, in its runs and its sweeps.
+#[test]
+fn periods_and_lengths_are_positive() {
+    says(
+        "Equations(states: [(\"x\", \"1\")], period: \"»0«\")",
+        "the period `0` is 0, but must be a finite number above 0",
+    );
+    says(
+        "Boundary(states: [(\"u\", \"1\")], conditions: [\"u(0)\"], length: \"»-1«\")",
+        "the length `-1` is -1",
+    );
+    says(
+        "Boundary(states: [(\"u\", \"1\")], conditions: [\"u(0)\"], length: \"»u«\")",
+        "the length: it may depend on parameters only",
+    );
+    let scene = |parameters: &str, run: &str| {
+        let text = format!(
+            "Scene(title: \"t\", problem: Equations(states: [(\"x\", \"cos(w*t) - x + a\")], period: \"2/w\"),
+    parameters: [(\"a\", 1), {parameters}], runs: [Run(name: \"r\"{run}, along: [(name: \"a\", low: 0, high: 2)])])"
+        );
+        Scene::parse(&text).map_err(|error| error.to_string())
+    };
+    assert!(scene("(\"w\", 2)", "").is_ok());
+    let error = scene("(\"w\", -2)", "").unwrap_err();
+    assert!(error.contains("the period `2/w` is -1 at w = -2"), "{error}");
+    assert!(error.starts_with("line 1, column "), "{error}");
+    let error = scene("(\"w\", 2)", ", set: [(\"w\", \"0\")]").unwrap_err();
+    assert!(error.contains("the period `2/w` is inf at w = 0"), "{error}");
+}

@@ -33,6 +33,11 @@ impl Value {
         self.as_parameter().is_some()
     }
 
+    /// Whether it is the parameter at this position.
+    pub fn is_at(self, parameter: usize) -> bool {
+        self == Value::Parameter(parameter as u32)
+    }
+
     pub fn as_number(self) -> Option<f64> {
         match self {
             Value::Number(bits) => Some(f64::from_bits(bits)),

@@ -2,7 +2,8 @@
 
 use super::assembling::Assembling;
 use super::basis::{Basis, monitors_of, plain, scales_of, states_of, values_of};
-use super::smooth::{period_of, sizes_in_order};
+use super::duration::Duration;
+use super::smooth::sizes_in_order;
 use super::source::{Fault, ModelError, Source};
 use super::statement::Boundary;
 use super::tape::Tape;
@@ -22,7 +23,7 @@ pub struct Conditions {
     conditions: Tape,
     integrands: Tape,
     integrals: usize,
-    length: Option<Tape>,
+    length: Option<Duration>,
     monitors: Vec<(String, Tape)>,
     scales: Vec<f64>,
 }
@@ -57,7 +58,8 @@ impl Conditions {
         let conditions = ends.tape(&values);
         check_count(source, &statement, values.len() + statement.integrals.len(), states.len())?;
         let length =
-            statement.length.as_ref().map(|length| period_of(&scope, length)).transpose()?;
+            statement.length.as_ref().map(|length| Duration::read(&scope, "the length", length));
+        let length = length.transpose()?;
         let monitors = monitors_of(&scope, &statement.monitors)?;
         basis.look_for_unused(&[&scope]);
         let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
@@ -76,6 +78,13 @@ impl Conditions {
             monitors,
             scales,
         })
+    }
+}
+
+impl Conditions {
+    /// The error of a length that is not positive for some parameters; nothing is known of one that depends on unknowns.
+    pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
+        self.length.as_ref()?.refused(&self.basis.source, p)
     }
 }
 
@@ -124,7 +133,7 @@ impl BoundaryProblem for Conditions {
     }
 
     fn duration<T: Scalar>(&self, _segment: usize, q: &[T]) -> T {
-        self.length.as_ref().map_or(T::one(), |length| length.value(T::zero(), &[], q))
+        self.length.as_ref().map_or(T::one(), |length| length.value(q))
     }
 
     fn boundary<T: Scalar>(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {

@@ -4,9 +4,9 @@ use super::assembling::Assembling;
 use super::basis::{
     Basis, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
 };
+use super::duration::Duration;
 use super::events::{Event, ModeScope, add, check_definitions};
 use super::scope::Scope;
-use super::smooth::period_of;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::HybridEquations;
 use super::tape::Tape;
@@ -28,7 +28,7 @@ pub struct Hybrid {
     rates: Vec<Tape>,
     /// Of each guard, in each mode that ends there.
     events: Vec<Vec<Option<Event>>>,
-    period: Option<Tape>,
+    period: Option<Duration>,
     monitor_names: Vec<String>,
     /// In each mode.
     monitors: Vec<Vec<Tape>>,
@@ -61,7 +61,8 @@ impl Hybrid {
             add(source, guard, &scopes, &mut guards, &mut events)?;
         }
         let period = statement.period.as_ref();
-        let period = period.map(|period| period_of(&scopes[0].scope, period)).transpose()?;
+        let period = period.map(|period| Duration::read(&scopes[0].scope, "the period", period));
+        let period = period.transpose()?;
         let of_modes = scopes.iter().map(|mode| monitors_of(&mode.scope, &statement.monitors));
         let of_modes = of_modes.collect::<Result<Vec<_>, _>>()?;
         let monitor_names: Vec<String> = of_modes[0].iter().map(|(name, _)| name.clone()).collect();
@@ -96,6 +97,11 @@ impl Hybrid {
     /// Whether time enters, but not with a period: there are no periodic orbits then.
     pub fn is_aperiodic(&self) -> bool {
         self.aperiodic
+    }
+
+    /// The error of a period that is not positive for some parameters.
+    pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
+        self.period.as_ref()?.refused(&self.basis.source, p)
     }
 
     /// The formula of the first mode that has no finite value at `(t, x, p)`, if one has none.
@@ -210,7 +216,7 @@ impl HybridSystem for Hybrid {
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.as_ref().map_or(T::one(), |period| period.value(T::zero(), &[], p))
+        self.period.as_ref().map_or(T::one(), |period| period.value(p))
     }
 
     fn scales(&self, _p: &[f64]) -> Scales {

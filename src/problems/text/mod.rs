@@ -18,6 +18,7 @@ mod assembling;
 mod assembly;
 mod basis;
 mod boundary;
+mod duration;
 mod events;
 mod hybrid;
 mod layout;
@@ -208,6 +209,26 @@ impl Model {
             Model::Map(map) => map.undefined(x, p),
             Model::Hybrid(hybrid) => hybrid.undefined(0.0, x, p),
             Model::Boundary(_) => None,
+        }
+    }
+
+    /// The error of a period or a length that is not positive for some parameters.
+    ///
+    /// ```
+    /// use tangency::problems::text::{Model, Source};
+    /// let text = "Equations(states: [(\"x\", \"cos(t) - x\")], parameters: [(\"w\", 1)], period: \"2/w\")";
+    /// let model = Model::read(&Source::new("", text), &[])?;
+    /// assert!(model.refused_duration(&[1.0]).is_none());
+    /// let error = model.refused_duration(&[-2.0]).expect("a negative period");
+    /// assert!(error.to_string().contains("the period `2/w` is -1 at w = -2"), "{error}");
+    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// ```
+    pub fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
+        match self {
+            Model::Field(field) => field.refused_duration(p),
+            Model::Boundary(conditions) => conditions.refused_duration(p),
+            Model::Hybrid(hybrid) => hybrid.refused_duration(p),
+            Model::Zero(_) | Model::Map(_) => None,
         }
     }
 

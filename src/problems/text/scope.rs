@@ -102,6 +102,11 @@ impl Scope {
         self.meanings.get(name).copied()
     }
 
+    /// All names, in the order in which they were declared.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.order.iter().map(String::as_str)
+    }
+
     /// Refuses names that the language uses by itself.
     fn refuse_reserved(&self, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
         if !["t", "if", "sum", "then", "else", "of"].contains(&name) {

@@ -2,7 +2,8 @@
 
 use super::assembling::Assembling;
 use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
-use super::source::{Fault, ModelError, Source};
+use super::duration::Duration;
+use super::source::{ModelError, Source};
 use super::statement::Equations;
 use super::tape::Tape;
 use crate::core::field::{Forcing, VectorField};
@@ -19,7 +20,7 @@ pub struct Field {
     names: Names,
     measures: Vec<(String, Measure)>,
     rates: Tape,
-    period: Option<Tape>,
+    period: Option<Duration>,
     monitors: Vec<Tape>,
     scales: Vec<f64>,
     /// Whether time occurs though no period is stated.
@@ -43,7 +44,8 @@ impl Field {
         let rates = assembling.tape(&values);
         let monitors = monitors_of(&scope, &statement.monitors)?;
         let period =
-            statement.period.as_ref().map(|period| period_of(&scope, period)).transpose()?;
+            statement.period.as_ref().map(|period| Duration::read(&scope, "the period", period));
+        let period = period.transpose()?;
         basis.look_for_unused(&[&scope]);
         let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
         let sizes = scales_of(source, &statement.scales, &states, false)?;
@@ -61,26 +63,15 @@ impl Field {
         self.aperiodic
     }
 
+    /// The error of a period that is not positive for some parameters.
+    pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
+        self.period.as_ref()?.refused(&self.basis.source, p)
+    }
+
     /// The formula that has no finite value at `(t, x, p)`, if one has none.
     pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
         undefined(&self.basis, self.statement.common(), &self.statement.states, (t, x, p))
     }
-}
-
-/// The tape of a period, which may depend on parameters only.
-pub(super) fn period_of(
-    scope: &super::scope::Scope,
-    phrase: &super::source::Phrase,
-) -> Result<Tape, ModelError> {
-    let mut assembling = Assembling::new(scope);
-    let value = assembling.read(phrase)?;
-    if assembling.depends(value, |input| !input.is_parameter()) {
-        let reason = "it may depend on parameters only, not on states or time".to_string();
-        return Err(scope
-            .source
-            .fault_of(phrase, Fault::Misplaced { what: "the period".into(), reason }));
-    }
-    Ok(assembling.tape(&[value]))
 }
 
 /// Sizes in the order of states, 1 where none is given; none if none is given at all.
@@ -116,7 +107,7 @@ impl VectorField for Field {
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.as_ref().map_or(T::one(), |period| period.value(T::zero(), &[], p))
+        self.period.as_ref().map_or(T::one(), |period| period.value(p))
     }
 
     fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {

@@ -324,6 +324,16 @@ pub enum Fault {
         /// The values that decide.
         values: String,
     },
+    /// A period or a length that is not positive.
+    #[error("{what} `{formula}` is {value}, but must be a finite number above 0")]
+    NotPositive {
+        /// `the period` or `the length`.
+        what: &'static str,
+        /// Its formula.
+        formula: String,
+        /// Its value, with the parameters that decide.
+        value: String,
+    },
     /// A construct of another program's language that has no counterpart.
     #[error("{construct} is not supported: {reason}")]
     Unsupported {
