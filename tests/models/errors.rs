@@ -323,3 +323,33 @@ fn periods_and_lengths_are_positive() {
     let error = scene("(\"w\", 2)", ", set: [(\"w\", \"0\")]").unwrap_err();
     assert!(error.contains("the period `2/w` is inf at w = 0"), "{error}");
 }
+
+/// A name that nothing has is an error wherever it stands: in a function that nothing calls, in a sum without terms.
+#[test]
+fn unknown_names_that_nothing_uses() {
+    let of = |functions: &str| {
+        format!(
+            "Equations(states: [(\"x\", \"1\")], definitions: [(\"u[0]\", 1)], functions: [{functions}])"
+        )
+    };
+    says(&of("(\"f\", [\"u\"], \"u + »typo«\")"), "unknown name `typo`");
+    says(&of("(\"f\", [\"u\"], \"»snh(u)«\")"), "unknown function `snh`; did you mean `sinh`?");
+    says(&of("(\"f\", [\"u\"], \"»g(u, 1)«\"), (\"g\", [\"v\"], \"v\")"), "`g` takes one argument");
+    says(&of("(\"f\", [\"u\"], \"»w[u]«\")"), "unknown name `w`");
+    says(&of("(\"f\", [\"n\"], \"sum(i, 1, n, i*»q«)\")"), "unknown name `q`");
+    says("Equations(states: [(\"x\", \"sum(i, 1, 0, i*»q«)\")])", "unknown name `q`");
+    says(
+        "Equations(states: [(\"x\", \"1\")], definitions: [(\"d\", \"2*»typo«\")])",
+        "unknown name `typo`",
+    );
+    let right = of("(\"f\", [\"n\", \"k\"], \"sum(i, 1, n, i*pi*x + u[k] + t + max(n, k, e))\")");
+    assert!(Model::read(&Source::new("", right), &[]).is_ok());
+    let modes = |formula: &str| {
+        format!(
+            "HybridEquations(modes: [(name: \"a\", states: [(\"x\", \"1\")]), (name: \"b\", states: [(\"y\", \"1\")])],
+    functions: [(\"f\", [\"u\"], \"{formula}\")])"
+        )
+    };
+    says(&modes("y + »typo«"), "unknown name `typo`");
+    assert!(Model::read(&Source::new("", modes("u + y")), &[]).is_ok());
+}

@@ -92,14 +92,16 @@ impl<'s> Assembling<'s> {
         self.formula(&Formula::read(&self.scope.source, phrase)?)
     }
 
-    /// The error of the first definition that has one.
-    pub fn check_definitions(&self) -> Result<(), ModelError> {
-        self.defined.iter().try_for_each(|value| value.clone().map(|_| ()))
+    /// The error of the first definition or function that has one.
+    pub fn check_named(&self) -> Result<(), ModelError> {
+        self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
     }
 
-    /// The error of each definition that has one.
-    pub fn definition_errors(&self) -> Vec<Option<ModelError>> {
-        self.defined.iter().map(|value| value.clone().err()).collect()
+    /// The errors of all definitions and functions, `None` where one has none. What a function calls is known only where it
+    /// is called itself: its names are checked here.
+    pub fn errors_of_named(&self) -> Vec<Option<ModelError>> {
+        let definitions = self.defined.iter().map(|value| value.clone().err());
+        definitions.chain(self.scope.errors_of_functions()).collect()
     }
 
     /// The tape of some values.
@@ -262,15 +264,8 @@ impl<'s> Assembling<'s> {
             return self.at_end(function, k, &arguments, phrase, place);
         }
         let given = arguments.len();
-        let takes = |count: usize| match count {
-            1 => "one argument".to_string(),
-            _ => format!("{count} arguments"),
-        };
-        let wrong = |takes| Fault::Arguments { function: function.into(), takes, given };
+        self.scope.check_call(function, given, &self.phrases[phrase], place)?;
         if let Some(own) = self.scope.functions.get(function) {
-            if own.arguments.len() != given {
-                return Err(self.fault(phrase, place, wrong(takes(own.arguments.len()))));
-            }
             if self.calls.iter().any(|name| name == function) || self.calls.len() >= CALLS {
                 let through = self.calls.join(", ");
                 return Err(self.fault(
@@ -290,19 +285,16 @@ impl<'s> Assembling<'s> {
             ));
         };
         let origin = Origin { phrase, part: place.clone() };
-        match (operation, given) {
+        Ok(match operation {
             // Of many the least and the largest are those of the first and of the others.
-            (Operation::Minimum | Operation::Maximum, 2..) => {
+            Operation::Minimum | Operation::Maximum => {
                 let first = arguments[0];
-                Ok(arguments[1..]
+                arguments[1..]
                     .iter()
-                    .fold(first, |a, b| self.assembly.apply(*operation, &[a, *b], &origin)))
+                    .fold(first, |a, b| self.assembly.apply(*operation, &[a, *b], &origin))
             }
-            _ if given == operation.arity() => {
-                Ok(self.assembly.apply(*operation, &arguments, &origin))
-            }
-            _ => Err(self.fault(phrase, place, wrong(takes(operation.arity())))),
-        }
+            _ => self.assembly.apply(*operation, &arguments, &origin),
+        })
     }
 
     /// The value of a state at an end: those at the end stand behind those at the beginning.
@@ -356,6 +348,11 @@ impl<'s> Assembling<'s> {
             integer(ends[0], "the first index of a sum")?,
             integer(ends[1], "the last index of a sum")?,
         ];
+        if low > high {
+            let seen = self.locals[self.frame..].iter().map(|(name, _)| name);
+            let mut seen: Vec<String> = seen.chain([&index.to_string()]).cloned().collect();
+            self.scope.check_nodes(body, &self.phrases[phrase], &mut seen)?;
+        }
         let mut total = None;
         for k in low..=high {
             self.work += 1;

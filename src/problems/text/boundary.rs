@@ -46,7 +46,7 @@ impl Conditions {
         }
         basis.begin(common, &scope)?;
         let mut assembling = Assembling::new(&scope);
-        assembling.check_definitions()?;
+        assembling.check_named()?;
         let values = values_of(&mut assembling, &rates)?;
         let rates = assembling.tape(&values);
         let values = statement.integrals.iter().map(|formula| assembling.read(formula));

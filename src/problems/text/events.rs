@@ -43,13 +43,16 @@ pub(super) struct ModeScope {
     pub scope: Scope,
 }
 
-/// Refuses a definition that has no meaning in any mode.
-pub(super) fn check_definitions(scopes: &[ModeScope]) -> Result<(), ModelError> {
-    let checks = scopes.iter().map(|mode| Assembling::new(&mode.scope).definition_errors());
+/// Refuses a definition or a function that has no meaning in any mode.
+pub(super) fn check_named(scopes: &[ModeScope]) -> Result<(), ModelError> {
+    let checks = scopes.iter().map(|mode| Assembling::new(&mode.scope).errors_of_named());
     let of_modes: Vec<Vec<Option<ModelError>>> = checks.collect();
     for k in 0..of_modes[0].len() {
-        if of_modes.iter().all(|errors| errors[k].is_some()) {
-            return of_modes[0][k].clone().map_or(Ok(()), Err);
+        let errors: Option<Vec<&ModelError>> = of_modes.iter().map(|all| all[k].as_ref()).collect();
+        // The mode in which most of it has a meaning tells what is wrong.
+        let last = errors.into_iter().flatten().max_by_key(|e| (e.place.line, e.place.column));
+        if let Some(error) = last {
+            return Err(error.clone());
         }
     }
     Ok(())

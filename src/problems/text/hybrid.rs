@@ -5,7 +5,7 @@ use super::basis::{
     Basis, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
 };
 use super::duration::Duration;
-use super::events::{Event, ModeScope, add, check_definitions};
+use super::events::{Event, ModeScope, add, check_named};
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::HybridEquations;
@@ -134,7 +134,7 @@ fn understood_modes(
         let states = states.into_iter().map(|(_, name)| name).collect();
         scopes.push(ModeScope { name, states, scope });
     }
-    check_definitions(&scopes)?;
+    check_named(&scopes)?;
     Ok((scopes, rates))
 }
 

@@ -32,7 +32,7 @@ impl Iteration {
         let scope = basis.scope(common, &states)?;
         basis.begin(common, &scope)?;
         let mut assembling = Assembling::new(&scope);
-        assembling.check_definitions()?;
+        assembling.check_named()?;
         let values = values_of(&mut assembling, &formulas)?;
         let next = assembling.tape(&values);
         let monitors = monitors_of(&scope, &statement.monitors)?;

@@ -18,6 +18,7 @@ mod assembling;
 mod assembly;
 mod basis;
 mod boundary;
+mod calls;
 mod duration;
 mod events;
 mod hybrid;

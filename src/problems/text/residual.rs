@@ -31,7 +31,7 @@ impl Zero {
         let scope = basis.scope(statement.common(), &unknowns)?;
         basis.begin(statement.common(), &scope)?;
         let mut assembling = Assembling::new(&scope);
-        assembling.check_definitions()?;
+        assembling.check_named()?;
         let values = values_of(&mut assembling, &rows)?;
         let residual = assembling.tape(&values);
         // Checked one by one, evaluated together.

@@ -39,7 +39,7 @@ impl Field {
         let scope = basis.scope(statement.common(), &states)?;
         basis.begin(statement.common(), &scope)?;
         let mut assembling = Assembling::new(&scope);
-        assembling.check_definitions()?;
+        assembling.check_named()?;
         let values = values_of(&mut assembling, &rates)?;
         let rates = assembling.tape(&values);
         let monitors = monitors_of(&scope, &statement.monitors)?;

@@ -1,0 +1,101 @@
+//! Names and calls in formulas, checked without values: those of functions that nothing may ever call.
+
+use super::operation::{FUNCTIONS, Operation};
+use super::scope::{Function, Meaning, Scope};
+use super::source::{Fault, ModelError, Phrase};
+use super::syntax::{Node, Step};
+use std::ops::Range;
+
+impl Scope {
+    /// The errors of all functions in the order of their names, `None` where one has none.
+    pub fn errors_of_functions(&self) -> Vec<Option<ModelError>> {
+        let mut functions: Vec<(&String, &Function)> = self.functions.iter().collect();
+        functions.sort_unstable_by_key(|(name, _)| *name);
+        let error = |own: &Function| {
+            let formula = &self.formulas[own.formula];
+            let mut locals = own.arguments.clone();
+            self.check_nodes(&formula.nodes, &formula.phrase, &mut locals).err()
+        };
+        functions.into_iter().map(|(_, own)| error(own)).collect()
+    }
+
+    /// Refuses names and calls that mean nothing, beside names that have values here only.
+    pub fn check_nodes(
+        &self,
+        nodes: &[Node],
+        phrase: &Phrase,
+        locals: &mut Vec<String>,
+    ) -> Result<(), ModelError> {
+        for Node { step, place } in nodes {
+            match step {
+                Step::Name(name) => {
+                    let known = locals.contains(name) || self.is_known(name);
+                    self.require(known, name, phrase, place)?;
+                }
+                Step::Element(name) | Step::ElementAt(name) => {
+                    let known = self.names().any(|known| is_element(known, name));
+                    self.require(known, name, phrase, place)?;
+                }
+                Step::Call(function, given) => self.check_call(function, *given, phrase, place)?,
+                Step::Sum(index, body) => {
+                    locals.push(index.clone());
+                    let checked = self.check_nodes(body, phrase, locals);
+                    locals.pop();
+                    checked?;
+                }
+                Step::Number(_) | Step::Apply(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn require(
+        &self,
+        known: bool,
+        name: &str,
+        phrase: &Phrase,
+        place: &Range<usize>,
+    ) -> Result<(), ModelError> {
+        match known {
+            true => Ok(()),
+            false => Err(self.unknown("name", name, phrase, place.clone())),
+        }
+    }
+
+    fn is_known(&self, name: &str) -> bool {
+        self.meaning(name).is_some() || ["pi", "e"].contains(&name)
+    }
+
+    /// Refuses a call of what is no function, or with another number of arguments. A state may be called for its value at an end.
+    pub fn check_call(
+        &self,
+        function: &str,
+        given: usize,
+        phrase: &Phrase,
+        place: &Range<usize>,
+    ) -> Result<(), ModelError> {
+        let own = self.functions.get(function).map(|own| own.arguments.len());
+        let built_in = FUNCTIONS.iter().find(|(name, _)| *name == function);
+        let several = matches!(built_in, Some((_, Operation::Minimum | Operation::Maximum)));
+        let count = match (own, built_in, self.meaning(function)) {
+            (Some(count), ..) => count,
+            (_, Some((_, operation)), _) => operation.arity(),
+            (.., Some(Meaning::State(_))) => 1,
+            _ => return Err(self.unknown("function", function, phrase, place.clone())),
+        };
+        if given == count || own.is_none() && several && given > count {
+            return Ok(());
+        }
+        let takes = match count {
+            1 => "one argument".to_string(),
+            _ => format!("{count} arguments"),
+        };
+        let fault = Fault::Arguments { function: function.into(), takes, given };
+        Err(self.source.fault(phrase, place.clone(), fault))
+    }
+}
+
+/// Whether a name is that of an element of an array.
+fn is_element(name: &str, array: &str) -> bool {
+    name.strip_prefix(array).is_some_and(|rest| rest.starts_with('['))
+}
