@@ -152,6 +152,14 @@ fn sizes_of_arrays() {
         "Residual(unknowns: [(\"»u[i=1..n]«\", \"u[i]\")], parameters: [(\"n\", 10)])",
         "the last index must be an integer that does not depend on states, parameters or time",
     );
+    says(
+        "Residual(unknowns: [(\"»u[i=3..1]«\", \"u[i]\")])",
+        "the range 3..1 of `i`: it is empty: the first index must not be above the last",
+    );
+    says(
+        "Equations(states: [(\"x\", \"1\")], definitions: [(\"n\", 0), (\"»d[i=1..n]«\", \"i\")])",
+        "the range 1..0 of `i`",
+    );
 }
 
 #[test]

@@ -387,6 +387,11 @@ pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Vec<Element>, M
         Some(Index::Range(index, low, high)) => {
             let [low, high] =
                 [integer(&low, "the first index")?, integer(&high, "the last index")?];
+            if low > high {
+                let what = format!("the range {low}..{high} of `{index}`");
+                let reason = "it is empty: the first index must not be above the last".into();
+                return Err(scope.source.fault_of(phrase, Fault::Misplaced { what, reason }));
+            }
             if high - low >= OPERATIONS as i64 {
                 let fault = Fault::TooLarge { what: "elements of an array", limit: OPERATIONS };
                 return Err(scope.source.fault_of(phrase, fault));
