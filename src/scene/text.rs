@@ -99,9 +99,12 @@ pub(super) fn of_file(
     if is_ode(&path) {
         let read = ode::read(&source)?;
         let written = read.statement.ron();
-        let mut stated =
-            Stated::new(read.statement.model(&source, given)?, text::statement_in(&written).1);
+        let model = read.statement.clone().model(&source, given)?;
+        let mut stated = Stated::new(model, text::statement_in(&written).1);
         stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
+        stated.notes.extend(read.of_simulations().iter().map(|what| {
+            format!("{what} has no effect: branches begin where motion settles (`--settle`)")
+        }));
         let renamed =
             read.renamed.iter().map(|(old, new)| format!("`{old}` is called `{new}` here"));
         stated.notes.extend(renamed);

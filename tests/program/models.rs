@@ -107,6 +107,7 @@ fn curves_of_special_points_and_bounds() {
     }
     assert!(warnings.contains("warning: no formula uses the parameter `unused`"), "{warnings}");
     assert!(warnings.contains("option `xlo=0` has no effect"), "{warnings}");
+    assert!(warnings.contains("option `total=50` has no effect"), "{warnings}");
 }
 
 #[test]

@@ -44,6 +44,25 @@ pub struct Ode {
     pub clock: Option<String>,
 }
 
+impl Ode {
+    /// The options that say how motion is simulated, which branches do not need.
+    ///
+    /// ```
+    /// use tangency::problems::text::{Source, ode};
+    /// let read = ode::read(&Source::new("", "x'=-x\n@ total=50,ntst=20,t0=0\n"))?;
+    /// assert_eq!(read.of_simulations(), ["option `total=50`"]);
+    /// # Ok::<(), tangency::problems::text::ModelError>(())
+    /// ```
+    pub fn of_simulations(&self) -> Vec<String> {
+        let Options { start, total, transient, .. } = self.options;
+        // The count of iterates begins there.
+        let start = Some(start).filter(|start| *start != 0.0 && self.clock.is_none());
+        let all = [("t0", start), ("total", total), ("trans", transient)];
+        let stated = all.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        stated.map(|(name, value)| format!("option `{name}={value}`")).collect()
+    }
+}
+
 /// Reads an `.ode` file.
 ///
 /// ```

@@ -26,7 +26,7 @@ pub struct Options {
     pub bounds: Option<f64>,
     /// How many intervals an orbit has in AUTO: `ntst`.
     pub ntst: Option<usize>,
-    /// After how many points AUTO writes one: `npr`.
+    /// After how many points AUTO writes one, 0 for none: `npr`.
     pub npr: Option<usize>,
 }
 
@@ -58,7 +58,17 @@ impl Found {
         let name = name.to_ascii_uppercase();
         let options = &mut self.options;
         let real = || number(value).ok_or_else(|| piece.expected(source, "a number behind `=`"));
-        let count = |value: f64| Some(value as usize).filter(|_| value >= 0.0);
+        let size = || {
+            let expected = "a number above 0 behind `=`";
+            number(value)
+                .filter(|value| *value > 0.0)
+                .ok_or_else(|| piece.expected(source, expected))
+        };
+        let whole = |least: usize| {
+            let value = number(value).filter(|value| value.fract() == 0.0 && *value >= least as f64);
+            let expected = || format!("a whole number of {least} or more behind `=`");
+            value.map(|value| Some(value as usize)).ok_or_else(|| piece.expected(source, expected()))
+        };
         if name.starts_with("DLL") {
             let reason = "the equations are not in this file then";
             return Err(piece.unsupported(source, "a library of compiled functions", reason));
@@ -70,10 +80,10 @@ impl Found {
         match name.as_str() {
             name if name.starts_with("TOTAL") => options.total = Some(real()?),
             name if name.starts_with("TRANS") => options.transient = Some(real()?),
-            name if name.starts_with("BOUND") => options.bounds = Some(real()?),
+            name if name.starts_with("BOUND") => options.bounds = Some(size()?),
             name if name.starts_with("T0") => options.start = real()?,
-            name if name.starts_with("NTST") => options.ntst = count(real()?),
-            name if name.starts_with("NPR") => options.npr = count(real()?),
+            name if name.starts_with("NTST") => options.ntst = whole(1)?,
+            name if name.starts_with("NPR") => options.npr = whole(0)?,
             name if name.starts_with("METH") => {
                 self.discrete = value.starts_with(['d', 'D']);
                 if !self.discrete {
