@@ -286,6 +286,7 @@ fn nothing_is_silently_left_out() {
     };
     says(&of("reset: [(\"v\", \"-v\"), (\"»v«\", \"2*v\")]"), "`v` is reset already");
     says(&of("modes: [\"f\", \"»f«\"]"), "`f` is a mode of this guard already");
+    says(&of("reset: [(\"»x[i=1..2]«\", 0)]"), "unknown state `x[1]`");
     says(&of("next: [\"»f«\", (\"f\", \"x\")]"), "what stands behind it is never reached");
     // Values of arrays at ends.
     let text = "Boundary(states: [(\"u[i=1..2]\", \"-u[i]\")], conditions: [\"u[1](0) - 1\", \"u[2](1)\"])";

@@ -343,3 +343,18 @@ fn every_scene_can_be_written() {
         assert!(again == scene, "{}:\n{written}", built_in.name);
     }
 }
+
+/// Resets name the elements of arrays as states do: one by one, or by range.
+#[test]
+fn resets_of_arrays() {
+    use tangency::core::hybrid::HybridSystem;
+    let text = "HybridEquations(
+        modes: [(name: \"m\", states: [(\"u[i=1..n]\", \"-i\"), (\"v\", \"1\")])],
+        guards: [(name: \"g\", function: \"u[1]\", reset: [(\"u[k=2..n]\", \"k*u[k-1] + v\"), (\"u[n-2]\", 7)])],
+        definitions: [(\"n\", 3)],
+    )";
+    let Model::Hybrid(system) = Model::read(&Source::new("", text), &[]).unwrap() else { panic!() };
+    let mut after = [0.0; 4];
+    system.reset(0, (0, 0), 0.0, &[1.0, 2.0, 4.0, 0.5], &[], &mut after);
+    assert_eq!(after, [7.0, 2.5, 6.5, 0.5]);
+}

@@ -1,6 +1,6 @@
 //! Guards that are given as text: when they are events, what follows, and from which states.
 
-use super::assembling::Assembling;
+use super::assembling::{Assembling, elements};
 use super::assembly::Value;
 use super::basis::plain;
 use super::scope::Scope;
@@ -10,6 +10,7 @@ use super::syntax::Formula;
 use super::tape::Tape;
 use crate::core::hybrid::Guard;
 use crate::core::names::{distinct, position};
+use std::collections::HashMap;
 
 /// A guard in one of its modes.
 #[derive(Clone, Debug)]
@@ -167,6 +168,33 @@ fn choice(
     Ok(Some(Choice { modes, functions }))
 }
 
+/// Formulas by the state that they reset, with the value of its index in an array.
+type Resets = HashMap<String, (Formula, Option<(String, f64)>)>;
+
+/// The states that a guard resets in a mode, by name: all elements where a name stands for a range.
+fn resets(
+    source: &Source,
+    guard: &statement::Guard,
+    scopes: &[ModeScope],
+    before: &Scope,
+) -> Result<Resets, ModelError> {
+    // A reset may be of a state that only some of the modes have which may follow.
+    let known = distinct(scopes.iter().flat_map(|mode| &mode.states));
+    let mut resets = Resets::new();
+    for (name, formula) in &guard.reset {
+        let formula = Formula::read(source, formula)?;
+        for (state, index) in elements(before, name)? {
+            position("state", &state, known.iter().copied())
+                .map_err(|unknown| source.fault_of(name, Fault::Unknown(unknown)))?;
+            if resets.insert(state.clone(), (formula.clone(), index)).is_some() {
+                let fault = Fault::Twice { name: state, first: "reset" };
+                return Err(source.fault_of(name, fault));
+            }
+        }
+    }
+    Ok(resets)
+}
+
 /// The states with which a mode begins that follows another one.
 fn reset(
     source: &Source,
@@ -176,26 +204,15 @@ fn reset(
 ) -> Result<Tape, ModelError> {
     let (before, after) = (&scopes[before], &scopes[after]);
     let mut assembling = Assembling::new(&before.scope);
-    for (k, (state, _)) in guard.reset.iter().enumerate() {
-        if guard.reset[..k].iter().any(|(known, _)| known.text == state.text) {
-            let fault = Fault::Twice { name: state.text.clone(), first: "reset" };
-            return Err(source.fault_of(state, fault));
-        }
-        // A reset may be of a state that only some of the modes have which may follow.
-        let known = scopes.iter().flat_map(|mode| &mode.states);
-        position("state", &state.text, distinct(known))
-            .map_err(|unknown| source.fault_of(state, Fault::Unknown(unknown)))?;
-    }
+    let resets = resets(source, guard, scopes, &before.scope)?;
     let mut values = Vec::new();
     for state in &after.states {
-        let given = guard.reset.iter().find(|(name, _)| name.text == *state);
-        values.push(match given {
-            Some((_, formula)) => assembling.formula(&Formula::read(source, formula)?)?,
+        values.push(match resets.get(state) {
+            Some((formula, index)) => assembling.indexed(formula, index.as_ref())?,
             None if before.states.contains(state) => assembling.read(&state.as_str().into())?,
             None => {
-                let what = format!(
-                    "the reset of `{}` leaves `{state}` undefined", guard.name.text
-                );
+                let what =
+                    format!("the reset of `{}` leaves `{state}` undefined", guard.name.text);
                 let needed = format!(
                     "`{}` has this state, `{}` before it has not; give it, as in `reset: [(\"{state}\", \"0\")]`",
                     after.name, before.name

@@ -65,9 +65,12 @@ impl Found {
                 .ok_or_else(|| piece.expected(source, expected))
         };
         let whole = |least: usize| {
-            let value = number(value).filter(|value| value.fract() == 0.0 && *value >= least as f64);
+            let value =
+                number(value).filter(|value| value.fract() == 0.0 && *value >= least as f64);
             let expected = || format!("a whole number of {least} or more behind `=`");
-            value.map(|value| Some(value as usize)).ok_or_else(|| piece.expected(source, expected()))
+            value
+                .map(|value| Some(value as usize))
+                .ok_or_else(|| piece.expected(source, expected()))
         };
         if name.starts_with("DLL") {
             let reason = "the equations are not in this file then";
