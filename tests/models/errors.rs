@@ -196,6 +196,15 @@ fn modes_and_guards() {
         ),
         "unknown state `z`",
     );
+    let begin = |initial: &str| {
+        of("(name: \"hit\", modes: [\"up\"], function: \"x\")")
+            .replace("guards", &format!("initial: [({initial}, 1)], guards"))
+    };
+    says(
+        &begin("\"»w«\""),
+        "`w` is a state of mode `down`: motion begins in mode `up`, the first one, which has not this state",
+    );
+    says(&begin("\"»vv«\""), "unknown state `vv`; did you mean `v`?");
     says(
         "HybridEquations(modes: [(name: \"a\", states: [(\"x\", \"1\")]), (name: \"»a«\", states: [(\"x\", \"1\")])])",
         "`a` is a mode already",

@@ -8,6 +8,7 @@ use super::statement::{Common, Formulas};
 use super::syntax::Formula;
 use super::tape::Tape;
 use crate::core::measure::Measure;
+use crate::core::names::UnknownName;
 
 /// The parameters of a model, and where its motion begins.
 #[derive(Clone, Debug)]
@@ -90,15 +91,11 @@ impl Basis {
         Ok(scope)
     }
 
-    /// Sets where motion begins.
+    /// Sets where motion begins, in the states of a scope.
     pub fn begin(&mut self, common: Common, scope: &Scope) -> Result<(), ModelError> {
         for (name, value) in common.initial {
             for (element, index) in elements(scope, name)? {
-                if !matches!(scope.meaning(&element), Some(Meaning::State(_))) {
-                    let (what, reason) =
-                        (format!("`{element}`"), "only states begin somewhere".to_string());
-                    return Err(scope.source.fault_of(name, Fault::Misplaced { what, reason }));
-                }
+                require_state(scope, name, &element)?;
                 let mut assembling = Assembling::new(scope);
                 let formula = Formula::read(&scope.source, value)?;
                 let value = assembling.indexed(&formula, index.as_ref())?;
@@ -129,6 +126,23 @@ impl Basis {
         let unused = |name: &&String| !scopes.iter().any(|scope| scope.uses(name));
         self.unused = self.parameters.iter().filter(unused).cloned().collect();
     }
+}
+
+/// Refuses a name that is no state.
+fn require_state(scope: &Scope, phrase: &Phrase, name: &str) -> Result<(), ModelError> {
+    let fault = match scope.meaning(name) {
+        Some(Meaning::State(_)) => return Ok(()),
+        Some(other) => {
+            let what = format!("`{name}` is {}", other.words());
+            Fault::Misplaced { what, reason: "only states begin somewhere".into() }
+        }
+        None => {
+            let states =
+                scope.names().filter(|name| matches!(scope.meaning(name), Some(Meaning::State(_))));
+            Fault::Unknown(UnknownName::new("state", name, states))
+        }
+    };
+    Err(scope.source.fault_of(phrase, fault))
 }
 
 /// A name without an index.

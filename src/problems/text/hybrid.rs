@@ -1,6 +1,6 @@
 //! Hybrid systems that are given as text.
 
-use super::assembling::Assembling;
+use super::assembling::{Assembling, elements};
 use super::basis::{
     Basis, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
 };
@@ -52,6 +52,7 @@ impl Hybrid {
             return Err(source.fault_of(&Phrase::default(), Fault::Missing { what, needed }));
         }
         let (scopes, rates) = understood_modes(&basis, &statement)?;
+        refuse_later_starts(source, &statement, &scopes)?;
         basis.begin(common, &scopes[0].scope)?;
         let modes: Vec<Mode> =
             scopes.iter().map(|mode| Mode::new(&mode.name, mode.states.clone())).collect();
@@ -136,6 +137,29 @@ fn understood_modes(
     }
     check_named(&scopes)?;
     Ok((scopes, rates))
+}
+
+/// Refuses initial values of states that the first mode, in which motion begins, has not.
+fn refuse_later_starts(
+    source: &Source,
+    statement: &HybridEquations,
+    scopes: &[ModeScope],
+) -> Result<(), ModelError> {
+    let [first, later @ ..] = scopes else { return Ok(()) };
+    for (name, _) in &statement.initial {
+        for (state, _) in elements(&first.scope, name)? {
+            let has = |mode: &&ModeScope| mode.states.contains(&state);
+            if let (None, Some(mode)) = (first.scope.meaning(&state), later.iter().find(has)) {
+                let what = format!("`{state}` is a state of mode `{}`", mode.name);
+                let reason = format!(
+                    "motion begins in mode `{}`, the first one, which has not this state: leave it out, or state `{}` first",
+                    first.name, mode.name
+                );
+                return Err(source.fault_of(name, Fault::Misplaced { what, reason }));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn scales(sizes: &[(String, f64)]) -> Scales {
