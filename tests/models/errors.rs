@@ -122,6 +122,7 @@ fn statements() {
     );
     let error = refused("Equations()");
     assert!(matches!(error.fault, Fault::Missing { .. }), "{error}");
+    assert_eq!(error.to_string(), "model.ron: the equations: there must be one state or more");
     assert!(
         refused("Map(states: [(\"x\", \"x + t\")])")
             .to_string()

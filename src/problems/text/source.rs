@@ -194,8 +194,12 @@ impl Place {
 /// The longest part of a line that an error shows.
 const SHOWN: usize = 100;
 
+/// The line with marks below the place; nothing of an empty line.
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if self.text.trim().is_empty() {
+            return Ok(());
+        }
         let number = self.line.map_or(String::new(), |line| line.to_string());
         // Long lines are shown from shortly before the place.
         let skipped = if self.column > SHOWN / 2 { self.column - SHOWN / 4 } else { 0 };
@@ -220,7 +224,7 @@ impl fmt::Display for Place {
 ///    |                     ^^^^^");
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{fault}\n{place}", self.prefix())]
+#[error("{}{fault}{}", self.prefix(), self.shown())]
 pub struct ModelError {
     /// The name of the source; empty if it has none.
     pub file: String,
@@ -231,6 +235,12 @@ pub struct ModelError {
 }
 
 impl ModelError {
+    /// The place on lines of its own, if it has text.
+    fn shown(&self) -> String {
+        let shown = self.place.to_string();
+        if shown.is_empty() { shown } else { format!("\n{shown}") }
+    }
+
     fn prefix(&self) -> String {
         let at = self.place.line.map(|line| format!("line {line}, column {}", self.place.column));
         let parts = [Some(self.file.clone()).filter(|name| !name.is_empty()), at];
