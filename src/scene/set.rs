@@ -214,6 +214,15 @@ impl Scene {
         if known.iter().any(|known| known == name) {
             return Ok(());
         }
+        if let Some(line) = self.problem.text().and_then(|text| text.line_of_definition(name)) {
+            let rule = "only parameters can be set and varied: change it there, or move it to `parameters` (sizes of \
+                        arrays must be definitions)";
+            return Err(SceneError::invalid(
+                format!("`{name}`"),
+                format!("a definition ({line})"),
+                rule,
+            ));
+        }
         if !with_settings {
             return Err(UnknownName::new("parameter", name, known).into());
         }

@@ -372,3 +372,28 @@ fn unknown_names_that_nothing_uses() {
     says(&modes("y + »typo«"), "unknown name `typo`");
     assert!(Model::read(&Source::new("", modes("u + y")), &[]).is_ok());
 }
+
+/// A definition that is a number looks like a parameter, but cannot be set or varied.
+#[test]
+fn definitions_are_no_parameters() {
+    let text = "Scene(title: \"t\",
+    problem: Equations(
+        states: [(\"x\", \"a - n*x\")],
+        definitions: [(\"n\", 3)],
+        solution: equilibrium,
+    ),
+    parameters: [(\"a\", 1)],
+    runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])],
+)";
+    let mut scene = Scene::parse(text).unwrap();
+    let error = scene.set("n", "4").unwrap_err().to_string();
+    assert!(
+        error.starts_with(
+            "`n` is a definition (line 4), but only parameters can be set and varied: change it there, or move it to \
+             `parameters`"
+        ),
+        "{error}"
+    );
+    let error = Scene::parse(&text.replace("name: \"a\"", "name: \"n\"")).unwrap_err().to_string();
+    assert!(error.starts_with("`n` is a definition (line 4)"), "{error}");
+}

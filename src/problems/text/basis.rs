@@ -21,6 +21,8 @@ pub(super) struct Basis {
     pub initial: Vec<(String, Tape)>,
     /// Parameters that no formula uses.
     pub unused: Vec<String>,
+    /// Definitions with the lines in which they stand.
+    pub definitions: Vec<(String, String)>,
 }
 
 /// The value of a formula without names, as of a number: `8/3`, `2*pi`.
@@ -63,8 +65,11 @@ impl Basis {
                 parameters.push(name.clone());
             }
         }
-        let source = source.clone();
-        Ok(Basis { source, parameters, defaults, initial: Vec::new(), unused: Vec::new() })
+        let line = |name: &Phrase| source.line_of(name).unwrap_or_default();
+        let definitions = common.definitions.iter();
+        let definitions = definitions.map(|(name, _)| (name.text.clone(), line(name))).collect();
+        let (source, initial, unused) = (source.clone(), Vec::new(), Vec::new());
+        Ok(Basis { source, parameters, defaults, initial, unused, definitions })
     }
 
     /// The names that formulas may use: states, parameters, definitions and functions.

@@ -184,6 +184,12 @@ impl Model {
         &self.basis().unused
     }
 
+    /// The line in which a definition stands, `equations.ron:7` or `line 7`; `None` if there is none of this name.
+    pub fn line_of_definition(&self, name: &str) -> Option<&str> {
+        let mut definitions = self.basis().definitions.iter();
+        definitions.find(|(known, _)| known == name).map(|(_, line)| line.as_str())
+    }
+
     /// Whether time enters, but not with a period: such motion can be simulated, but has no equilibria and no periodic
     /// orbits.
     pub fn is_aperiodic(&self) -> bool {

@@ -51,6 +51,15 @@ impl Source {
         within(&self.masked).or(within(&self.text))
     }
 
+    /// The file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if it was not taken from this text.
+    pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
+        let line = self.line(self.offset(phrase)?);
+        Some(match self.name.is_empty() {
+            true => format!("line {line}"),
+            false => format!("{}:{line}", self.name),
+        })
+    }
+
     /// An error at a part of a phrase.
     pub fn fault(&self, phrase: &Phrase, part: Range<usize>, fault: Fault) -> ModelError {
         // Blanks behind a part do not belong to it.
@@ -66,9 +75,14 @@ impl Source {
         self.fault(phrase, 0..phrase.text.len(), fault)
     }
 
+    /// The line of an offset, from 1.
+    fn line(&self, offset: usize) -> usize {
+        1 + self.text[..offset].matches('\n').count()
+    }
+
     fn place(&self, part: Range<usize>) -> Place {
         let mut place = Place::within(&self.text, part.clone());
-        place.line = Some(1 + self.text[..part.start].matches('\n').count());
+        place.line = Some(self.line(part.start));
         place
     }
 }
