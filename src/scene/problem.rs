@@ -11,8 +11,8 @@ use crate::core::grazing::LocalMap;
 use crate::core::hybrid::HybridEquations;
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::System;
-use crate::problems::text;
 use crate::problems::text::ode::Options;
+use crate::problems::text::{self, ModelError, Source, Statement};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
@@ -136,7 +136,7 @@ where
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
     pub model: text::Model,
-    /// What is stated: between the brackets.
+    /// What is stated, as [`Statement::ron`] writes it: from its bracket on.
     pub written: String,
     /// What a file says that has no effect, or another name here.
     pub notes: Vec<String>,
@@ -145,8 +145,15 @@ pub(super) struct Stated {
 }
 
 impl Stated {
-    pub(super) fn new(model: text::Model, written: &str) -> Self {
-        Stated { model, written: written.into(), notes: Vec::new(), options: Options::default() }
+    /// Understands a statement, for a scene that gives some parameters.
+    pub(super) fn new(
+        statement: Statement,
+        source: &Source,
+        given: &[String],
+    ) -> Result<Self, ModelError> {
+        let written = text::statement_in(&statement.ron()).1.trim_end().to_string();
+        let model = statement.model(source, given)?;
+        Ok(Stated { model, written, notes: Vec::new(), options: Options::default() })
     }
 }
 
@@ -185,9 +192,7 @@ impl Problem {
 
     /// Its equations as a file that [`from_file`](Self::from_file) reads, if they are given as text.
     pub fn equations(&self) -> String {
-        self.text
-            .as_ref()
-            .map_or(String::new(), |text| format!("{}{}", self.name, text.written.trim_end()))
+        self.text.as_ref().map_or(String::new(), |text| format!("{}{}", self.name, text.written))
     }
 
     /// How far a file of its equations says that they are to be followed.
@@ -258,8 +263,7 @@ impl Problem {
         };
         let parts = [inner(&text.written), inner(&settings)];
         let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-        // The last line may be a comment.
-        format!("({}\n)", parts.join("\n, "))
+        format!("({}\n)", parts.join(",\n    "))
     }
 
     /// Sets one setting by name; false if there is none of this name.

@@ -11,7 +11,7 @@ use super::slot::options;
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::names::UnknownName;
 use crate::problems::text::ode;
-use crate::problems::text::{self, KINDS, Source, Statement, blanked};
+use crate::problems::text::{self, KINDS, Source, Statement, blanked, skip_comments};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -73,7 +73,7 @@ pub(super) fn stated(
                 of(&|name| !fields.contains(&name)).into_iter().map(moved).collect::<Vec<_>>();
             let source = source.without(&others);
             let part = &source.readable()[at..at + part.len()];
-            Stated::new(Statement::read(&source, kind, part)?.model(&source, given)?, part)
+            Stated::new(Statement::read(&source, kind, part)?, &source, given)?
         }
     };
     if kind != name_of(&stated.model) {
@@ -98,9 +98,7 @@ pub(super) fn of_file(
     let source = Source::new(file, String::from_utf8_lossy(&bytes));
     if is_ode(&path) {
         let read = ode::read(&source)?;
-        let written = read.statement.ron();
-        let model = read.statement.clone().model(&source, given)?;
-        let mut stated = Stated::new(model, text::statement_in(&written).1);
+        let mut stated = Stated::new(read.statement.clone(), &source, given)?;
         stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
         stated.notes.extend(read.of_simulations().iter().map(|what| {
             format!("{what} has no effect: branches begin where motion settles (`--settle`)")
@@ -112,9 +110,7 @@ pub(super) fn of_file(
         return Ok(stated);
     }
     let (kind, part) = text::statement_in(&source.text);
-    // Without comments behind it.
-    let part = RawValue::from_ron(part).map_or(part, |raw| raw.trim().get_ron());
-    Ok(Stated::new(Statement::read(&source, kind, part)?.model(&source, given)?, part))
+    Ok(Stated::new(Statement::read(&source, kind, part)?, &source, given)?)
 }
 
 /// Whether a file is one of XPPAUT's, by its name.
@@ -193,22 +189,27 @@ struct Field<'a> {
     part: Range<usize>,
 }
 
-/// The named parts of what stands in brackets.
+/// The named parts of what stands in brackets, among any comments.
 fn fields_of(part: &str) -> Result<Vec<Field<'_>>, SpannedError> {
     let Parts(all) = options().from_str(part)?;
-    Ok(all.into_iter().map(|(name, value)| Field::of(part, name, value)).collect())
+    let mut end = behind_comments(part, 0) + 1;
+    let mut fields = Vec::new();
+    for (name, value) in all {
+        let start = behind_comments(part, end);
+        let value = value.trim().get_ron();
+        end = value.as_ptr() as usize - part.as_ptr() as usize + value.len();
+        let comma = behind_comments(part, end);
+        if part[comma..].starts_with(',') {
+            end = comma + 1;
+        }
+        fields.push(Field { name, value, part: start..end });
+    }
+    Ok(fields)
 }
 
-impl<'a> Field<'a> {
-    fn of(part: &'a str, name: String, value: &'a RawValue) -> Self {
-        let value = value.trim().get_ron();
-        let begin = value.as_ptr() as usize - part.as_ptr() as usize;
-        let start = part[..begin].rfind(&name).unwrap_or(begin);
-        let end = begin + value.len();
-        let behind = part[end..].trim_start();
-        let end = if behind.starts_with(',') { part.len() - behind.len() + 1 } else { end };
-        Field { name, value, part: start..end }
-    }
+/// Where the blanks and comments end that begin here.
+fn behind_comments(text: &str, at: usize) -> usize {
+    text.len() - skip_comments(&text[at..]).len()
 }
 
 /// Names with what stands behind them, not yet read.

@@ -397,3 +397,27 @@ fn definitions_are_no_parameters() {
     let error = Scene::parse(&text.replace("name: \"a\"", "name: \"n\"")).unwrap_err().to_string();
     assert!(error.starts_with("`n` is a definition (line 4)"), "{error}");
 }
+
+/// Comments stand wherever RON has them, whatever they hold.
+#[test]
+fn comments_within_equations() {
+    let text = "// states: [
+Scene(title: \"t\",
+    problem: Equations /* , ( */ ( // a, \"quote\" and a bracket (
+        /* states: /* in each other */ [ */ states /* named */: /* states */ [
+            (\"x\", /* , */ \"a - x // 2\"), // solution: orbit,
+        ] /* behind, */ , /* solution: */ solution: /* solution */ equilibrium // the last, one
+        , // done
+        definitions: [(\"d\", 1)] /* none */
+    ),
+    parameters: [(\"a\", 1)],
+    runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])],
+)";
+    let error = Scene::parse(text).unwrap_err().to_string();
+    assert!(error.starts_with("line 5, column 35: expected a number, a name or `(`"), "{error}");
+    let scene = Scene::parse(&text.replace(" // 2\"", "\"")).unwrap();
+    let settings = scene.problem.settings();
+    assert!(settings.contains(&("solution", "equilibrium".to_string())), "{settings:?}");
+    let written = scene.to_ron();
+    assert_eq!(Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}")), scene);
+}

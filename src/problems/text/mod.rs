@@ -273,15 +273,25 @@ pub(crate) fn statement_in(text: &str) -> (&str, &str) {
     text.split_at(text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len()))
 }
 
-/// A text from behind its first comments.
-fn skip_comments(mut text: &str) -> &str {
+/// A text from behind its first blanks and comments.
+pub(crate) fn skip_comments(mut text: &str) -> &str {
     loop {
         text = text.trim_start();
-        let rest = match text.as_bytes() {
-            [b'/', b'/', ..] => text.split_once('\n').map(|(_, rest)| rest),
-            [b'/', b'*', ..] => text.split_once("*/").map(|(_, rest)| rest),
+        text = match text.as_bytes() {
+            [b'/', b'/', ..] => text.split_once('\n').map_or("", |(_, rest)| rest),
+            [b'/', b'*', ..] => behind_block(&text[2..]),
             _ => return text,
         };
-        text = rest.unwrap_or("");
     }
+}
+
+/// A text from behind a comment that has been opened. Comments may stand in comments.
+fn behind_block(mut text: &str) -> &str {
+    let mut depth = 1;
+    while depth > 0 {
+        let [open, close] = ["/*", "*/"].map(|mark| text.find(mark).unwrap_or(text.len()));
+        depth = if open < close { depth + 1 } else { depth - 1 };
+        text = text.get(open.min(close) + 2..).unwrap_or("");
+    }
+    text
 }
