@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 use tangency::core::continuation::{Branch, End, Kind, Point};
 use tangency::output::Document;
-use tangency::scene::{Catalogue, Scene, Way, execute};
+use tangency::scene::{Catalogue, Scene, Start, Way, execute};
 
 fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
@@ -133,6 +133,27 @@ fn dry_friction() {
     finds(&document, ("no stops", Kind::UZ, "max_x"), &[(v * v - (0.2 * h).powi(2)).sqrt()], 1e-9);
     finds(&document, ("no stops", Kind::EP, "max_x"), &[v], 1e-9);
     finds(&document, ("boundary", Kind::EP, "F"), &[0.5625, end(0.7)], 1e-9);
+}
+
+/// Where legs vanish, at a grazing, the branch goes on without them: in orbits of another itinerary.
+#[test]
+fn legs_that_vanish_are_left_out() {
+    let mut scene = scene("dry-friction");
+    scene.runs.truncate(2);
+    let two = scene.runs[0].name.clone();
+    scene.runs[0].marks.clear();
+    scene.runs[1].start =
+        Start::From { run: two, kind: Kind::G, nth: 0, switch: true, unconverged: false };
+    scene.runs[1].set.clear();
+    let outcome = execute(&scene, None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let document = outcome.document;
+    assert_eq!(document.branches[1].itinerary, "backward:stop forward:stop");
+    let h = (PI / 1.5).sin() / (1.5 * (1.0 + (PI / 1.5).cos()));
+    let amplitude = (0.64 - (0.2 * h).powi(2)).sqrt();
+    finds(&document, ("no stops", Kind::UZ, "max_x"), &[amplitude], 1e-9);
+    let back = |point: &Point| point.parameters[1] < 0.64657908;
+    assert!(document.branches[1].points.iter().filter(|point| back(point)).all(|p| p.admissible));
 }
 
 /// A branch of orbits does not see by its equations that a stop leads elsewhere: such points are marked.

@@ -94,6 +94,10 @@ impl<'a> Continuation<'a> {
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
         let tangent = stepper.scaled(tangent);
         let mut place = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
+        // Where a branch is born its solutions graze: what its events lead to is decided by rounding.
+        if start != Start::Birth {
+            stepper.check_first(&place)?;
+        }
         if one_sided {
             stepper.forget_stability_at(&mut place);
         }
@@ -300,7 +304,7 @@ impl Stepper<'_> {
         tangent
     }
 
-    /// Records the start. The system may refuse it, unless it grazes.
+    /// Records the start.
     fn arrive_first(
         &mut self,
         unknowns: Vec<f64>,
@@ -322,8 +326,12 @@ impl Stepper<'_> {
             let row = self.covector(&tangent);
             self.arrive(unknowns, &row, f64::INFINITY, stability)?
         };
-        let x = self.equations.load(&start.unknowns).to_vec();
-        self.leads_on(&x, &start.point.monitors, &start.point.parameters)?;
         Ok(start)
+    }
+
+    /// Refuses a start at which an event leads elsewhere, unless it grazes.
+    fn check_first(&mut self, start: &Place) -> Result<(), Failure> {
+        let x = self.equations.load(&start.unknowns).to_vec();
+        self.leads_on(&x, &start.point.monitors, &start.point.parameters)
     }
 }

@@ -6,11 +6,8 @@ use crate::core::bvp::{BoundarySystem, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::Flow;
 use crate::core::hybrid::{Moment, guard_scale, time_scale};
-use crate::core::orbit::{HybridOrbit, Leg};
+use crate::core::orbit::{HybridOrbit, Leg, VANISHES};
 use std::any::Any;
-
-/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in units of the scales.
-const NONE: f64 = 1e-6;
 
 /// An orbit: its problem, the states at which its legs begin, and its numbers.
 struct Orbit<'a> {
@@ -49,7 +46,7 @@ impl Orbit<'_> {
         let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
         let x = self.end(leg)?;
         let (system, unit) = (self.problem.system(), time_scale(self.problem.system(), p));
-        let slow = NONE * guard_scale(system, (guard, mode), (time, &x), p) / unit;
+        let slow = VANISHES * guard_scale(system, (guard, mode), (time, &x), p) / unit;
         if (Moment { system, mode, t: time, x: &x, p }).rate(guard).abs() > slow {
             return Ok(None);
         }
@@ -57,7 +54,7 @@ impl Orbit<'_> {
             self.problem.legs().iter().copied().zip(durations.iter().copied()).collect();
         legs.rotate_left(leg + 1);
         let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
-        if legs[..returns].iter().any(|(_, duration)| duration.abs() > NONE * unit) {
+        if legs[..returns].iter().any(|(_, duration)| duration.abs() > VANISHES * unit) {
             return Ok(None);
         }
         let following = legs.drain(..returns).map(|(leg, _)| leg).collect();

@@ -230,7 +230,14 @@ impl Equations for HybridOrbit {
     }
 
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        (!self.guards.is_empty()).then(|| Ok(self.born(starts, q)?.erased())).transpose()
+        if self.guards.is_empty() {
+            return Ok(None);
+        }
+        let birth = match self.without_vanished(starts, q)? {
+            Some(birth) => birth,
+            None => self.born(starts, q)?,
+        };
+        Ok(Some(birth.erased()))
     }
 
     /// Every event must lead to the mode that the itinerary says. At an event that is tangent, or virtual,

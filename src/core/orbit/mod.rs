@@ -5,6 +5,7 @@
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation ([`from_cycle`]).
 
 mod birth;
+mod departed;
 mod equations;
 mod hybrid;
 mod itinerary;
@@ -13,6 +14,7 @@ mod measures;
 mod periodic;
 mod smooth;
 
+pub(in crate::core) use departed::VANISHES;
 pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
 pub use map_cycle::{DiscreteMap, MapCycle};
