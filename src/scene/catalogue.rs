@@ -15,7 +15,7 @@ use crate::core::hybrid::HybridSystem;
 use crate::core::names;
 use crate::core::orbit::DiscreteMap;
 use crate::core::zero::ZeroProblem;
-use crate::problems::text::KINDS;
+use crate::problems::text::{KINDS, without_mark};
 use ron::error::Position;
 use ron::value::RawValue;
 use std::path::Path;
@@ -182,6 +182,7 @@ impl Catalogue {
     /// # Errors
     /// As [`parse`](Self::parse); [`SceneError::Value`] for files that cannot be read.
     pub fn parse_in(&self, folder: &Path, text: &str) -> Result<Scene, SceneError> {
+        let text = without_mark(text);
         let read: Scene<Option<&RawValue>> = options()
             .from_str(text)
             .map_err(|error| syntax(error, Position { line: 1, col: 1 }))?;

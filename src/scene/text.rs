@@ -109,8 +109,7 @@ pub(super) fn of_file(
         stated.options = read.options;
         return Ok(stated);
     }
-    let (kind, part) = text::statement_in(&source.text);
-    Ok(Stated::new(Statement::read(&source, kind, part)?, &source, given)?)
+    Ok(Stated::new(Statement::of(&source)?, &source, given)?)
 }
 
 /// Whether a file is one of XPPAUT's, by its name.

@@ -421,3 +421,26 @@ Scene(title: \"t\",
     let written = scene.to_ron();
     assert_eq!(Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}")), scene);
 }
+
+/// Files may begin with a byte-order mark, and RON with attributes.
+#[test]
+fn marks_and_attributes_at_the_beginning() {
+    let equations = "Equations(states: [(\"x\", \"a - x\")], parameters: [(\"a\", 1)])";
+    let header =
+        "\u{feff}// first\n#![enable(implicit_some)] /* and */\n#![enable(unwrap_newtypes)]\n";
+    let read = |text: String| Model::read(&Source::new("m.ron", text), &[]);
+    assert!(read(format!("\u{feff}{equations}")).is_ok());
+    assert!(read(format!("{header}{equations}")).is_ok());
+    let error = read(format!("{header}{}", equations.replace("a - x", "a - y"))).unwrap_err();
+    assert_eq!((error.place.line, error.place.column), (Some(4), 31), "{error}");
+    let error = read(format!("// first\n#![enable(nothing)]\n{equations}")).unwrap_err();
+    assert_eq!(error.place.line, Some(2), "{error}");
+    let scene = format!(
+        "Scene(title: \"t\", problem: {equations}, runs: [Run(name: \"r\", along: [(name: \"a\", low: 0, high: 2)])])"
+    );
+    assert!(Scene::parse(&format!("{header}{scene}")).is_ok());
+    let error = Scene::parse(&format!("\u{feff}{}", scene.replace("a - x", "a - y"))).unwrap_err();
+    assert!(error.to_string().starts_with("line 1, column 58: unknown name `y`"), "{error}");
+    let source = Source::new("m.ode", "\u{feff}x'=-x\n");
+    assert!(tangency::problems::text::ode::read(&source).is_ok());
+}

@@ -41,10 +41,11 @@ pub use hybrid::Hybrid;
 pub use map::Iteration;
 pub use residual::Zero;
 pub use smooth::Field;
-pub(crate) use source::blanked;
 pub use source::{Fault, ModelError, Phrase, Place, Source};
+pub(crate) use source::{blanked, without_mark};
 
 use basis::Basis;
+use ron::error::SpannedError;
 use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 use statement::{Boundary, Equations, HybridEquations, Map, Residual};
@@ -123,6 +124,18 @@ impl Statement {
         })
     }
 
+    /// Reads the statement that is all of a text, behind attributes (`#![enable(…)]`) and comments.
+    ///
+    /// # Errors
+    /// [`ModelError`] with the place, if it is not of the form.
+    pub fn of(source: &Source) -> Result<Self, ModelError> {
+        let (kind, part) = statement_in(&source.text);
+        let header = &source.text[..source.text.len() - part.len() - kind.len()];
+        let attributes = options().from_str::<()>(&format!("{header}()"));
+        attributes.map_err(|error| form(source, header, error))?;
+        Statement::read(source, kind, part)
+    }
+
     /// What is stated, understood; with the names of parameters that a scene gives.
     ///
     /// # Errors
@@ -146,17 +159,24 @@ impl Statement {
 
 /// Reads a part of a source as RON.
 fn read<S: DeserializeOwned>(source: &Source, part: &str) -> Result<S, ModelError> {
-    let options = ron::Options::default()
+    options().from_str(part).map_err(|error| form(source, part, error))
+}
+
+/// How RON is read: as in scenes.
+fn options() -> ron::Options {
+    ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
-        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES);
-    options.from_str(part).map_err(|error| {
-        let ron::error::Position { line, col } = error.span.start;
-        let before: usize = part.split_inclusive('\n').take(line - 1).map(str::len).sum();
-        let within = part[before..].char_indices().nth(col.saturating_sub(1));
-        let at = before + within.map_or(0, |(at, _)| at);
-        let phrase = source.phrase(part);
-        source.fault(&phrase, at..at, Fault::Form { reason: error.code.to_string() })
-    })
+        .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
+}
+
+/// The error of a part of a source that is not RON of the form.
+fn form(source: &Source, part: &str, error: SpannedError) -> ModelError {
+    let ron::error::Position { line, col } = error.span.start;
+    let before: usize = part.split_inclusive('\n').take(line - 1).map(str::len).sum();
+    let within = part[before..].char_indices().nth(col.saturating_sub(1));
+    let at = before + within.map_or(0, |(at, _)| at);
+    let phrase = source.phrase(part);
+    source.fault(&phrase, at..at, Fault::Form { reason: error.code.to_string() })
 }
 
 impl Model {
@@ -165,8 +185,7 @@ impl Model {
     /// # Errors
     /// [`ModelError`] with the place.
     pub fn read(source: &Source, given: &[String]) -> Result<Model, ModelError> {
-        let (kind, part) = statement_in(&source.text);
-        Statement::read(source, kind, part)?.model(source, given)
+        Statement::of(source)?.model(source, given)
     }
 
     /// Values of states, where motion and branches begin, for values of the parameters.
@@ -269,8 +288,17 @@ impl Model {
 
 /// The kind of the statement that is all of a text, and what stands behind it.
 pub(crate) fn statement_in(text: &str) -> (&str, &str) {
-    let text = skip_comments(text);
+    let text = skip_attributes(without_mark(text));
     text.split_at(text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len()))
+}
+
+/// A text from behind its first attributes, `#![…]`, blanks and comments.
+fn skip_attributes(text: &str) -> &str {
+    let mut text = skip_comments(text);
+    while text.starts_with('#') {
+        text = skip_comments(text.split_once(']').map_or("", |(_, rest)| rest));
+    }
+    text
 }
 
 /// A text from behind its first blanks and comments.

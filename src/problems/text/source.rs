@@ -18,9 +18,13 @@ pub struct Source {
 }
 
 impl Source {
-    /// A text with a name.
+    /// A text with a name, without a byte-order mark.
     pub fn new(name: impl Into<String>, text: impl Into<Arc<str>>) -> Self {
-        let text = text.into();
+        let text: Arc<str> = text.into();
+        let text = match without_mark(&text) {
+            plain if plain.len() < text.len() => plain.into(),
+            _ => text,
+        };
         Source { name: name.into(), masked: text.clone(), text }
     }
 
@@ -85,6 +89,11 @@ impl Source {
         place.line = Some(self.line(part.start));
         place
     }
+}
+
+/// A text without the byte-order mark that some editors write first.
+pub(crate) fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 /// A text with blanks in place of some parts, line ends excepted.
