@@ -19,8 +19,9 @@ pub enum CommandError {
     #[error("{} is an input and is not overwritten; name another place with --out", path.display())]
     OutputIsInput { path: PathBuf },
     /// The scene, or what was asked of it, is at fault.
-    #[error("{place}: {cause}")]
+    #[error("{}{cause}", if cause.names_file() { String::new() } else { format!("{place}: ") })]
     Scene {
+        /// Which scene or model was named.
         place: String,
         #[source]
         cause: Box<SceneError>,

@@ -180,7 +180,7 @@ impl Catalogue {
     /// Reads a scene that names files of equations from a folder.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse); [`SceneError::Value`] for files that cannot be read.
+    /// As [`parse`](Self::parse); [`SceneError::File`] for files that cannot be read.
     pub fn parse_in(&self, folder: &Path, text: &str) -> Result<Scene, SceneError> {
         let text = without_mark(text);
         let read: Scene<Option<&RawValue>> = options()

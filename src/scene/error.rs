@@ -75,6 +75,14 @@ pub enum SceneError {
         /// What the reader expected.
         reason: String,
     },
+    /// A file of equations cannot be read.
+    #[error("{path} cannot be read: {cause}")]
+    File {
+        /// Its path.
+        path: String,
+        /// What the system says.
+        cause: String,
+    },
     /// Equations that are given as text cannot be understood.
     #[error(transparent)]
     Model(Box<ModelError>),
@@ -177,6 +185,15 @@ pub enum RunError {
 }
 
 impl SceneError {
+    /// Whether it names the file that it is about: one of equations, in place of the scene's.
+    pub fn names_file(&self) -> bool {
+        match self {
+            SceneError::File { .. } => true,
+            SceneError::Model(error) => !error.file.is_empty(),
+            _ => false,
+        }
+    }
+
     pub(super) fn of_run(run: &str, cause: impl Into<RunError>) -> Self {
         SceneError::Run { run: run.into(), cause: Box::new(cause.into()) }
     }

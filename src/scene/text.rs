@@ -77,7 +77,7 @@ pub(super) fn stated(
         }
     };
     if kind != name_of(&stated.model) {
-        let rule = format!("the file holds `{}`", name_of(&stated.model));
+        let rule = format!("its file holds `{}`", name_of(&stated.model));
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
@@ -91,11 +91,11 @@ pub(super) fn of_file(
     given: &[String],
 ) -> Result<Stated, SceneError> {
     let path = scene.folder.join(file);
-    let bytes = std::fs::read(&path).map_err(|cause| {
-        SceneError::value(FILE, file, format!("`{}` cannot be read: {cause}", path.display()))
-    })?;
+    let name = path.display().to_string();
+    let bytes = std::fs::read(&path)
+        .map_err(|cause| SceneError::File { path: name.clone(), cause: cause.to_string() })?;
     // Files of XPPAUT's may be older than UTF-8.
-    let source = Source::new(file, String::from_utf8_lossy(&bytes));
+    let source = Source::new(name, String::from_utf8_lossy(&bytes));
     if is_ode(&path) {
         let read = ode::read(&source)?;
         let mut stated = Stated::new(read.statement.clone(), &source, given)?;
@@ -244,7 +244,7 @@ impl Problem {
     /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
     ///
     /// # Errors
-    /// [`SceneError::Value`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
+    /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let name = path.file_name().unwrap_or_default().to_string_lossy();

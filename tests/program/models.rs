@@ -172,3 +172,32 @@ fn mistakes_are_shown_in_their_line() {
     let message = fails(path, &["trace", "lorenz.ron", "--along", "sgima=0..1"]);
     assert!(message.contains("did you mean `sigma`?"), "{message}");
 }
+
+/// What is wrong with a file of equations is said of the file, once; what is wrong with a scene, of the scene.
+#[test]
+fn errors_name_the_file_that_is_meant() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::create_dir(path.join("models")).unwrap();
+    let model =
+        "\u{feff}Equations(\n    states: [(\"x\", \"a - y\")],\n    parameters: [(\"a\", 1)],\n)";
+    std::fs::write(path.join("models/decay.ron"), model).unwrap();
+    let scene = "Scene(title: \"t\", model: \"models/decay.ron\", runs: [(name: \"r\", along: [(name: \"a\", low: 0)])])";
+    std::fs::write(path.join("scene.ron"), scene).unwrap();
+    for arguments in
+        [&["trace", "scene.ron"][..], &["trace", "models/decay.ron", "--along", "a=0..1"]]
+    {
+        let message = fails(path, arguments);
+        assert!(
+            message.starts_with("error: models/decay.ron, line 2, column 25: unknown name `y`"),
+            "{message}"
+        );
+        assert!(!message.contains("scene.ron"), "{message}");
+    }
+    std::fs::write(path.join("models/decay.ron"), model.replace("a - y", "a - x")).unwrap();
+    let message = fails(path, &["trace", "scene.ron", "--set", "b=2"]);
+    assert!(message.starts_with("error: scene.ron: unknown parameter or setting `b`"), "{message}");
+    std::fs::write(path.join("scene.ron"), scene.replace("decay", "none")).unwrap();
+    let message = fails(path, &["trace", "scene.ron"]);
+    assert!(message.starts_with("error: models/none.ron cannot be read: "), "{message}");
+}
