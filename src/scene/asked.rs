@@ -7,7 +7,7 @@ use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
 use crate::core::continuation::{Kind, Settings};
 use crate::core::field::Forcing;
-use crate::core::hybrid::{HybridFlow, HybridSettings};
+use crate::core::hybrid::{HybridEquations, HybridFlow, HybridSettings};
 use crate::core::names::position;
 use crate::output::Plot;
 use crate::problems::text::ode::Options;
@@ -222,15 +222,30 @@ impl Scene {
             return Ok(simulated(asked.settle.unwrap_or(Simulated::default().transient)));
         }
         self.problem.set("solution", "equilibrium")?;
-        if asked.settle.is_none() && self.is_near(&guess()) {
-            return Ok(guess());
-        }
-        let settle = asked.settle.unwrap_or(SETTLE);
+        let Some(settle) = asked.settle else {
+            return match self.refused(&guess())? {
+                None => Ok(guess()),
+                // What was wrong there explains what may go wrong behind it.
+                Some(near) => self.settled(asked, SETTLE, &*motion).map_err(|cause| {
+                    SceneError::NoStart { near: Box::new(near), cause: Box::new(cause) }
+                }),
+            };
+        };
+        self.settled(asked, settle, &*motion)
+    }
+
+    /// The equilibrium on which motion settles, or else the orbit.
+    fn settled(
+        &mut self,
+        asked: &Asked,
+        settle: f64,
+        motion: &dyn HybridEquations,
+    ) -> Result<Start, SceneError> {
         let p = self.values()?;
         let began = Simulated { state: asked.state.clone(), ..Simulated::default() };
         let mut state = at_rest(&motion.modes()[0], &began.from(&self.problem.initial(&p)).state)?;
         let failed = |cause| SceneError::of_run("the start", cause);
-        let mut flow = HybridFlow::new(&*motion, HybridSettings::default()).map_err(failed)?;
+        let mut flow = HybridFlow::new(motion, HybridSettings::default()).map_err(failed)?;
         flow.advance(&mut state, settle, &p, &mut ()).map_err(failed)?;
         let mut rates = vec![0.0; state.x.len()];
         motion.field(0, state.time, &state.x, &p, &mut rates);
@@ -240,15 +255,23 @@ impl Scene {
             return Ok(Start::Guess(names.into_iter().zip(state.x).collect()));
         }
         self.problem.set("solution", "orbit")?;
-        Ok(simulated(settle))
+        let state = asked.state.clone();
+        Ok(Start::Simulated(Simulated { state, transient: settle, ..Simulated::default() }))
     }
 
-    /// Whether a branch can start from a guess.
-    fn is_near(&self, start: &Start) -> bool {
+    /// Why no branch starts from a guess, if none does.
+    ///
+    /// # Errors
+    /// [`SceneError`] for what no other start can mend.
+    fn refused(&self, start: &Start) -> Result<Option<SceneError>, SceneError> {
         let mut trial = self.clone();
         trial.settings.max_points = 1;
-        let [run, ..] = &mut trial.runs[..] else { return false };
+        let Some(run) = trial.runs.first_mut() else { return Ok(None) };
         (run.start, run.direction) = (start.clone(), Way::Forward);
-        traced(&trial, None, &mut ()).error.is_none()
+        match traced(&trial, None, &mut ()).error {
+            Some(cause) if cause.is_of_start() => Ok(Some(cause)),
+            Some(cause) => Err(cause),
+            None => Ok(None),
+        }
     }
 }

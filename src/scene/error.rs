@@ -158,6 +158,14 @@ pub enum SceneError {
         /// Why that run ended.
         ends: String,
     },
+    /// Neither a state nor where motion settles from there is a start.
+    #[error("motion does not settle from the given state: {cause}; no branch starts there: {near}")]
+    NoStart {
+        /// Why no branch starts there.
+        near: Box<SceneError>,
+        /// Why motion does not settle.
+        cause: Box<SceneError>,
+    },
     /// A run failed.
     #[error("run `{run}`: {cause}")]
     Run {
@@ -190,6 +198,18 @@ impl SceneError {
         match self {
             SceneError::File { .. } => true,
             SceneError::Model(error) => !error.file.is_empty(),
+            _ => false,
+        }
+    }
+
+    /// Whether another start may mend it: no solution is there, or it is out of range.
+    pub(super) fn is_of_start(&self) -> bool {
+        use TraceError::{OutOfRange, Start};
+        match self {
+            SceneError::Model(_) => true,
+            SceneError::Run { cause, .. } => {
+                matches!(**cause, RunError::Trace(Start { .. } | OutOfRange { .. }))
+            }
             _ => false,
         }
     }

@@ -201,3 +201,16 @@ fn errors_name_the_file_that_is_meant() {
     let message = fails(path, &["trace", "scene.ron"]);
     assert!(message.starts_with("error: models/none.ron cannot be read: "), "{message}");
 }
+
+/// Where neither a state nor the motion from there is a start, both reasons are given.
+#[test]
+fn why_no_branch_starts() {
+    let folder = folder();
+    let path = folder.path();
+    let model = "Equations(states: [(\"x\", \"a + x^2 + 1/(x - 1)^2\")], parameters: [(\"a\", 1)])";
+    std::fs::write(path.join("runaway.ron"), model).unwrap();
+    let message = fails(path, &["trace", "runaway.ron", "--along", "a=1..2", "--start", "x=1"]);
+    assert!(message.contains("no branch starts there: "), "{message}");
+    assert!(message.contains("a division by zero at the start"), "{message}");
+    assert!(message.contains("motion does not settle from the given state: "), "{message}");
+}
