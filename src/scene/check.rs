@@ -4,6 +4,7 @@ use super::error::SceneError;
 use super::local::Local;
 use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::bifurcation::catalogue::of_curves;
 use crate::core::hybrid::check_measures;
 use crate::core::measure::Measure;
 use crate::core::names::{UnknownName, position};
@@ -113,6 +114,7 @@ impl Scene {
         for (name, value) in run.marks.iter().chain(&run.grazings).chain(&run.hold_level) {
             finite(&place(&format!("mark of `{name}`")), *value)?;
         }
+        check_held(run)?;
         if let Start::Simulated(simulated) = &run.start {
             check_simulated(simulated, &place, earlier)?;
         } else if run.along.is_empty() {
@@ -243,6 +245,16 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(),
         }
         None => Ok(()),
     }
+}
+
+/// Refuses to hold points of which there are no curves in two parameters.
+fn check_held(run: &Run) -> Result<(), SceneError> {
+    let held = of_curves();
+    let Some(kind) = run.hold.filter(|kind| !held.contains(kind)) else { return Ok(()) };
+    let held: Vec<&str> = held.iter().map(|kind| kind.letters()).collect();
+    let rule = format!("must be a kind that is followed in two parameters: {}", held.join(", "));
+    let found = format!("{kind} ({})", kind.meaning());
+    Err(SceneError::invalid(format!("run `{}`, hold", run.name), found, rule))
 }
 
 /// Refuses what belongs to points of a local map in a run without one.

@@ -202,6 +202,22 @@ fn errors_name_the_file_that_is_meant() {
     assert!(message.starts_with("error: models/none.ron cannot be read: "), "{message}");
 }
 
+/// What cannot be is refused before the work: kinds of points without curves, pictures of columns that there are not.
+#[test]
+fn what_cannot_be_is_refused_before_the_work() {
+    let folder = folder();
+    let path = folder.path();
+    for kind in ["EP", "MX", "UZ", "ND", "RG", "CP", "BT"] {
+        let along = ["--along", "rho=0..30", "--along", "sigma=5..15", "--hold", kind];
+        let message = fails(path, &[&["trace", "lorenz.ron"][..], &along].concat());
+        let rule = "must be a kind that is followed in two parameters: BP, LP, HB, PD, TR, G";
+        assert!(
+            message.contains(&format!("hold is {kind} (")) && message.contains(rule),
+            "{message}"
+        );
+    }
+}
+
 /// Where neither a state nor the motion from there is a start, both reasons are given.
 #[test]
 fn why_no_branch_starts() {

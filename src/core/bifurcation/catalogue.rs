@@ -191,6 +191,14 @@ pub(crate) fn row(kind: Kind) -> Option<&'static Bifurcation> {
     CATALOGUE.iter().find(|row| row.kind == kind)
 }
 
+/// The kinds of special points that are followed along curves in two parameters.
+pub(crate) fn of_curves() -> Vec<Kind> {
+    let alone = |it: &Sighting| it.held.is_empty() && matches!(it.beyond, Beyond::Further);
+    let rows =
+        CATALOGUE.iter().filter(|row| row.defined_by.is_some() && row.seen.iter().any(alone));
+    rows.map(|row| row.kind).chain([Kind::G]).collect()
+}
+
 impl Bifurcation {
     /// Why such points of a system's solutions cannot be held along a curve on which others are held; `None` if they can.
     pub fn why_not_held(&self, dynamics: Dynamics, others: &[Kind]) -> Option<String> {
