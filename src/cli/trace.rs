@@ -140,6 +140,7 @@ impl Trace {
         if !scene.runs.iter().any(|run| run.shown) {
             return Err(CommandError::NoRun { scene: name });
         }
+        scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
         let start = self.point()?;
         let document = self.scene.out.join(format!("{name}.ron"));
         self.refuse_inputs(&document)?;

@@ -42,6 +42,7 @@ pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub use format::FORMAT;
 pub use number::significant;
+pub(crate) use panels::check_columns;
 pub use panels::figures;
 #[cfg(feature = "cli")]
 pub(crate) use report::entries;

@@ -71,6 +71,20 @@ pub fn figures(
     Ok(figures)
 }
 
+/// Refuses a diagram, and panels, in columns that the branches of a document do not have. They need no points yet: what is
+/// wrong is known before the work.
+pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
+    let mut plain = document.clone();
+    // Special points are not there yet.
+    plain.plot.deviations.clear();
+    let documents = [("", &plain)];
+    diagram(&documents, None, None)?;
+    for (x, y) in &document.plot.panels {
+        panel(&documents, x, y)?;
+    }
+    Ok(())
+}
+
 /// The branches of documents and what sweeps have found in one figure. Where there are sweeps, a column need not be
 /// one of all.
 fn together(

@@ -6,7 +6,7 @@ use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{CycleSearchError, HybridError};
 use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
-use crate::output::{Chosen, TableDifference};
+use crate::output::{Chosen, FigureError, TableDifference};
 use crate::problems::text::ModelError;
 use ron::error::{Position, SpannedError};
 use std::error::Error;
@@ -140,6 +140,9 @@ pub enum SceneError {
         /// The finest one, and its estimated error.
         chosen: Box<Chosen>,
     },
+    /// A picture that cannot be drawn, whatever is traced.
+    #[error("the plot: {0}")]
+    Figure(#[from] FigureError),
     /// A run starts from a point that an earlier run did not find.
     #[error(
         "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"

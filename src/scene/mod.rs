@@ -18,6 +18,7 @@ mod asked;
 mod builtin;
 mod catalogue;
 mod check;
+mod columns;
 mod discretisation;
 mod error;
 mod execute;

@@ -216,6 +216,12 @@ fn what_cannot_be_is_refused_before_the_work() {
             "{message}"
         );
     }
+    let scene = "Scene(title: \"t\", model: \"lorenz.ron\", plot: (x: \"rho\", y: \"max_y\", panels: [(\"rho\", \"max_zz\")]),
+        runs: [(name: \"r\", along: [(name: \"rho\", low: 0, high: 2)])])";
+    std::fs::write(path.join("scene.ron"), scene).unwrap();
+    let message = fails(path, &["trace", "scene.ron"]);
+    assert!(message.contains("unknown column `max_zz`; did you mean `max_z`?"), "{message}");
+    assert!(!path.join("out").exists());
 }
 
 /// Where neither a state nor the motion from there is a start, both reasons are given.

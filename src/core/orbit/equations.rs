@@ -21,7 +21,7 @@ use std::sync::Arc;
 const SURE: f64 = 1e-4;
 
 /// Names of the monitors that are positive on admissible orbits.
-const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
+pub(crate) const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
 
 impl IntoEquations for HybridOrbit {
     fn into_equations(self) -> Arc<dyn Equations> {
