@@ -59,7 +59,7 @@ pub enum CommandError {
     /// A work-precision diagram or robustness map could not be saved.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// Ctrl-C.
+    /// Ctrl-C or SIGTERM.
     #[error("interrupted; what was done until then is kept")]
     Interrupted,
     /// The standard output cannot be written to.

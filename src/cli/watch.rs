@@ -1,19 +1,31 @@
-//! Watching a trace: lines of special points, a progress bar on a terminal, Ctrl-C.
+//! Watching a trace: lines of special points, a progress bar on a terminal, Ctrl-C and SIGTERM.
 
 use super::error::CommandError;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::Screen;
 use crate::scene::{Run, SceneObserver};
 use indicatif::{ProgressBar, ProgressStyle};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag::{register, register_conditional_shutdown};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
-/// Set by Ctrl-C; looked at after every point. A second Ctrl-C ends the program at once.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// Set by Ctrl-C, and by SIGTERM, which schedulers send before they kill; looked at after every point or run. A second one ends
+/// the program at once. SIGHUP is left to the shell, lest `nohup` were in vain.
+static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
+    let flag: Arc<AtomicBool> = Arc::default();
+    for signal in [SIGINT, SIGTERM] {
+        // Without a handler a signal ends the program: partial results are lost, nothing worse.
+        let _ = register_conditional_shutdown(signal, 130, Arc::clone(&flag))
+            .and_then(|_| register(signal, Arc::clone(&flag)));
+    }
+    flag
+});
 
-/// Whether Ctrl-C was pressed.
+/// Whether Ctrl-C was pressed, or the program was asked to end.
 pub fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)
 }
@@ -44,12 +56,7 @@ pub struct Watch<'a, W: Write> {
 impl<'a, W: Write> Watch<'a, W> {
     /// Prints to `out`; shows a progress bar if the error stream is a terminal.
     pub fn new(out: &'a mut W) -> Self {
-        // Without a handler Ctrl-C ends the program: partial results are lost, nothing worse.
-        let _ = ctrlc::set_handler(|| {
-            if INTERRUPTED.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        });
+        LazyLock::force(&INTERRUPTED);
         Watch { out, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
