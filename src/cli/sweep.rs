@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::trace::{SceneAt, picture};
 use super::watch::{Watch, interrupted};
-use crate::core::sweep::{Found, Part};
+use crate::core::sweep::{Division, Found, Part};
 use crate::output::{Document, FileError, SweepTable, Sweeps, merge};
 use crate::scene::{Catalogue, Scene, SweepWatch, execute, sweep};
 use clap::Args;
@@ -67,6 +67,9 @@ impl Sweep {
             Some(Part { number, of, .. }) => format!("{name}.part-{number}-of-{of}.npz"),
         });
         let known = if path.exists() && !self.afresh { Some(Sweeps::load(&path)?) } else { None };
+        if let Some(part) = self.part {
+            divided(&scene, part, out)?;
+        }
         let document = self.trace(&name, &scene, out)?;
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
         let every = Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX);
@@ -123,6 +126,27 @@ impl Merge {
         let svg = picture(None, std::slice::from_ref(&whole), &path)?;
         Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
     }
+}
+
+/// Says if strands do not divide evenly into parts, and how many do.
+fn divided(scene: &Scene, part: Part, out: &mut impl Write) -> Result<(), CommandError> {
+    let division = scene.division(part.of);
+    if division.is_even() {
+        return Ok(());
+    }
+    let Division { parts, strands, runs, largest } = division;
+    let even = division.even();
+    writeln!(
+        out,
+        "{strands} strands do not divide evenly into {parts} parts: the largest has {largest} of {runs} runs, an even one would have {even}"
+    )?;
+    if let Some((strands, largest)) = scene.better_strands(part.of) {
+        writeln!(
+            out,
+            "`--set strands={strands}`, for all parts, makes the largest {largest}; each strand begins at the start, so results may differ"
+        )?;
+    }
+    Ok(())
 }
 
 /// A line for each sweep.

@@ -7,6 +7,7 @@ use super::statement::{Grid, Scene, Sweep};
 use crate::core::attractor::AttractorSearch;
 use crate::core::continuation::{SettingError, Settings};
 use crate::core::names::UnknownName;
+use crate::core::sweep::Order;
 use crate::problems::text::number;
 use ron::ser::PrettyConfig;
 
@@ -34,7 +35,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
 
 /// The settings of a sweep by name.
 fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
-    let Sweep { search, flow_error, over, .. } = sweep;
+    let Sweep { search, flow_error, over, order, strands, .. } = sweep;
     let mut slots = slots!(search => AttractorSearch {
         transient: Plain,
         recorded_periods: Plain,
@@ -44,6 +45,9 @@ fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
     slots.push(("flow_error", Box::new(Plain(flow_error))));
     if let [Grid { count, .. }, ..] = &mut over[..] {
         slots.push(("count", Box::new(Plain(count))));
+    }
+    if *order != Order::Anew {
+        slots.push(("strands", Box::new(Plain(strands))));
     }
     slots
 }

@@ -1,6 +1,7 @@
 //! Doing the runs.
 
-use super::plan::{Order, Part, Plan, PlanError};
+use super::part::Part;
+use super::plan::{Order, Plan, PlanError};
 use crate::core::attractor::{Attractor, StroboscopicError, StroboscopicMap};
 use crate::core::hybrid::{HybridState, Member};
 use rayon::prelude::*;
@@ -66,14 +67,11 @@ pub fn execute(
     visit: &mut Visit,
 ) -> Result<(), PlanError> {
     plan.check()?;
-    let Part { number, of, .. } = part;
-    if number == 0 || number > of {
-        return Err(PlanError::Part { number, of });
-    }
+    part.check()?;
     let all = plan.strand_list();
     // Decided by the plan alone: what a run finds must not depend on which part of it is done where.
     let abreast = plan.crisis.is_none() && all.len() >= LEAST_ABREAST;
-    let mine = all.into_iter().enumerate().filter(|(k, _)| k % of == number - 1);
+    let mine = all.into_iter().enumerate().filter(|(k, _)| k % part.of == part.number - 1);
     let unfinished = |strand: &Vec<usize>| strand.iter().any(|run| done(*run).is_none());
     let strands: Vec<Vec<usize>> =
         mine.map(|(_, strand)| strand).filter(|strand| unfinished(strand)).collect();

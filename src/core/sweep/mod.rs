@@ -9,7 +9,9 @@
 //! whether or not the sweep was interrupted and resumed, and whether it was done at once or in [`Part`]s.
 
 mod execute;
+mod part;
 mod plan;
 
 pub use execute::{Found, Make, Visit, execute};
-pub use plan::{Axis, Order, Part, Plan, PlanError, Quantity};
+pub use part::{Division, Part};
+pub use plan::{Axis, MOST_RUNS, Order, Plan, PlanError, Quantity};

@@ -2,12 +2,11 @@
 
 use crate::core::attractor::{AttractorSearch, CrisisSearch};
 use crate::core::hybrid::HybridState;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
 /// The most runs of one sweep: all that is found is kept in memory and written again and again.
-const MOST_RUNS: usize = 4_000_000;
+pub const MOST_RUNS: usize = 4_000_000;
 /// The longest transient, and the most periods over which an exponent is averaged.
 const MOST_PERIODS: usize = 1_000_000_000;
 /// The most periods that are recorded of one run.
@@ -60,29 +59,19 @@ pub enum Order {
     Down,
 }
 
-/// What one process does of a sweep: part `number` (from 1 on) of `of` parts, on so many threads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Its number, from 1 on.
-    pub number: usize,
-    /// How many parts there are.
-    pub of: usize,
-    /// How many threads work; by default as many as rayon has, which are as many as there are cores.
-    pub threads: Option<NonZeroUsize>,
-}
+impl Order {
+    /// How many runs a strand has, but for a shorter last one, where so many points are divided.
+    fn strand_length(self, points: usize, strands: usize) -> usize {
+        match self {
+            Order::Anew => 1,
+            Order::Up | Order::Down => points.div_ceil(strands.max(1)).max(1),
+        }
+    }
 
-impl Part {
-    /// The whole.
-    pub const WHOLE: Part = Part { number: 1, of: 1, threads: None };
-
-    /// Threads of its own, if it says how many, and no more than there are strands.
-    pub(super) fn pool(self, strands: usize) -> Result<Option<ThreadPool>, PlanError> {
-        let pool = |threads: NonZeroUsize| {
-            let threads = threads.min(NonZeroUsize::new(strands).unwrap_or(NonZeroUsize::MIN));
-            let built = ThreadPoolBuilder::new().num_threads(threads.get()).build();
-            built.map_err(|cause| PlanError::Threads { threads, cause: cause.to_string() })
-        };
-        self.threads.map(pool).transpose()
+    /// The numbers of runs of the strands in which so many points are divided, in order.
+    pub fn strand_lengths(self, points: usize, strands: usize) -> impl Iterator<Item = usize> {
+        let length = self.strand_length(points, strands);
+        (0..points).step_by(length).map(move |first| length.min(points - first))
     }
 }
 
@@ -238,11 +227,8 @@ impl Plan {
 
     /// The runs that follow each other.
     pub fn strand_list(&self) -> Vec<Vec<usize>> {
-        if self.order == Order::Anew {
-            return (0..self.runs()).map(|run| vec![run]).collect();
-        }
         let points = self.points();
-        let length = points.div_ceil(self.strands.max(1)).max(1);
+        let length = self.order.strand_length(points, self.strands);
         let of_start = |start: usize| {
             let mut runs: Vec<usize> = (start * points..(start + 1) * points).collect();
             if self.order == Order::Down {

@@ -1,0 +1,111 @@
+//! How strands are dealt to parts, and how evenly.
+
+use super::plan::PlanError;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::num::NonZeroUsize;
+
+/// What one process does of a sweep: part `number` (from 1 on) of `of` parts, on so many threads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its number, from 1 on.
+    pub number: usize,
+    /// How many parts there are.
+    pub of: usize,
+    /// How many threads work; by default as many as rayon has, which are as many as there are cores.
+    pub threads: Option<NonZeroUsize>,
+}
+
+impl Part {
+    /// The whole.
+    pub const WHOLE: Part = Part { number: 1, of: 1, threads: None };
+
+    /// Whether there is such a part.
+    pub(super) fn check(self) -> Result<(), PlanError> {
+        let Part { number, of, .. } = self;
+        match number == 0 || number > of {
+            true => Err(PlanError::Part { number, of }),
+            false => Ok(()),
+        }
+    }
+
+    /// The part in a sweep that comes after others with so many strands in all. Strands are dealt to parts in turn, and the turn
+    /// goes on from sweep to sweep: otherwise sweeps of few strands would all fall to the first parts.
+    ///
+    /// ```
+    /// use tangency::core::sweep::Part;
+    /// let part = |number| Part { number, of: 4, threads: None };
+    /// // Two strands went to parts 1 and 2: parts 3 and 4 are the next.
+    /// assert_eq!(part(3).after(2)?, part(1));
+    /// assert_eq!(part(1).after(2)?, part(3));
+    /// # Ok::<(), tangency::core::sweep::PlanError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`PlanError::Part`] if there is no such part.
+    pub fn after(self, strands: usize) -> Result<Part, PlanError> {
+        self.check()?;
+        let (place, shift) = (self.number - 1, strands % self.of);
+        let place = if place >= shift { place - shift } else { self.of - (shift - place) };
+        Ok(Part { number: place + 1, ..self })
+    }
+
+    /// Threads of its own, if it says how many, and no more than there are strands.
+    pub(super) fn pool(self, strands: usize) -> Result<Option<ThreadPool>, PlanError> {
+        let pool = |threads: NonZeroUsize| {
+            let threads = threads.min(NonZeroUsize::new(strands).unwrap_or(NonZeroUsize::MIN));
+            let built = ThreadPoolBuilder::new().num_threads(threads.get()).build();
+            built.map_err(|cause| PlanError::Threads { threads, cause: cause.to_string() })
+        };
+        self.threads.map(pool).transpose()
+    }
+}
+
+/// How evenly strands divide into parts, to which they are dealt in turn.
+///
+/// ```
+/// use tangency::core::sweep::Division;
+/// // Single runs always divide evenly, whatever the number of parts.
+/// let runs = Division::new(vec![1; 100], 7);
+/// assert!(runs.is_even() && runs.largest == 15);
+/// // Four strands leave four of eight parts without work.
+/// let strands = Division::new(vec![25; 4], 8);
+/// assert!(!strands.is_even() && strands.largest == 25 && strands.even() == 13);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Division {
+    /// The number of parts.
+    pub parts: usize,
+    /// The number of strands.
+    pub strands: usize,
+    /// The number of runs.
+    pub runs: usize,
+    /// The number of runs in the largest part.
+    pub largest: usize,
+}
+
+impl Division {
+    /// Deals strands, given by their numbers of runs, to so many parts.
+    pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
+        let parts = parts.max(1);
+        let (mut sizes, mut count) = (Vec::new(), 0);
+        for length in strands {
+            match sizes.get_mut(count % parts) {
+                Some(size) => *size += length,
+                None => sizes.push(length),
+            }
+            count += 1;
+        }
+        let largest = sizes.iter().copied().max().unwrap_or(0);
+        Division { parts, strands: count, runs: sizes.iter().sum(), largest }
+    }
+
+    /// The number of runs in the largest part if single runs were dealt.
+    pub fn even(&self) -> usize {
+        self.runs.div_ceil(self.parts)
+    }
+
+    /// Whether the largest part has at most a tenth more runs than an even one.
+    pub fn is_even(&self) -> bool {
+        self.largest <= self.even() + self.even() / 10
+    }
+}
