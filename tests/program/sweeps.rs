@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::num::NonZeroUsize;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 use tangency::core::continuation::Kind;
 use tangency::core::field::Forcing;
@@ -77,37 +77,130 @@ fn a_sweep_has_the_same_bytes_however_it_was_done() {
     assert!(failure(&output).contains("in none of the parts"), "{output:?}");
 }
 
-/// A sweep that is killed leaves a file with whole runs, and goes on from there to the same bytes.
-#[test]
-fn a_killed_sweep_is_resumed() {
-    let folder = folder();
-    // Long enough to be killed between its first save and its end.
+/// Long enough to be ended between its first save and its end.
+fn long_folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
     let long = SCENE.replace("transient: 40", "transient: 1500");
     std::fs::write(folder.path().join("chaos.ron"), long).unwrap();
-    let arguments = ["sweep", "chaos.ron", "--save-every", "0.01"];
+    folder
+}
+
+const LONG: [&str; 4] = ["sweep", "chaos.ron", "--save-every", "0.01"];
+
+/// A sweep into the folder `early` that `end` ends after its first save.
+fn ended_early(folder: &Path, end: impl FnOnce(&mut Child)) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_tangency"))
-        .current_dir(folder.path())
-        .args(arguments)
-        .args(["--out", "killed"])
+        .current_dir(folder)
+        .args(LONG)
+        .args(["--out", "early"])
         .stdout(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let saved = folder.path().join("killed/chaos.npz");
+    let saved = folder.join("early/chaos.npz");
     let mut waited = 0;
     while !saved.exists() && waited < 6000 {
         std::thread::sleep(Duration::from_millis(10));
         waited += 1;
     }
-    child.kill().unwrap();
-    child.wait().unwrap();
+    end(&mut child);
+    let output = child.wait_with_output().unwrap();
     let begun = Sweeps::load(&saved).unwrap();
     let done: usize = begun.sweeps.iter().map(|sweep| sweep.rows.len()).sum();
     assert!(done > 0 && done < 40, "{done} runs are done");
-    for out in ["killed", "whole"] {
-        let output = tangency(folder.path(), &[&arguments[..], &["--out", out]].concat());
+    output
+}
+
+/// The same command does the rest, to the bytes of a sweep that was not ended.
+fn is_resumed(folder: &Path) {
+    for out in ["early", "whole"] {
+        let output = tangency(folder, &[&LONG[..], &["--out", out]].concat());
         assert!(output.status.success(), "{output:?}");
     }
-    assert!(bytes(folder.path(), "killed/chaos.npz") == bytes(folder.path(), "whole/chaos.npz"));
+    assert!(bytes(folder, "early/chaos.npz") == bytes(folder, "whole/chaos.npz"));
+}
+
+/// A sweep that is killed leaves a file with whole runs.
+#[test]
+fn a_killed_sweep_is_resumed() {
+    let folder = long_folder();
+    ended_early(folder.path(), |child| child.kill().unwrap());
+    is_resumed(folder.path());
+}
+
+/// Schedulers send SIGTERM before they kill: the program saves what is done, and says so.
+#[cfg(unix)]
+#[test]
+fn a_terminated_sweep_is_saved_and_resumed() {
+    let folder = long_folder();
+    let output = ended_early(folder.path(), |child| {
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+    });
+    assert!(failure(&output).contains("what was done until then is kept"), "{output:?}");
+    is_resumed(folder.path());
+}
+
+/// Independent runs divide evenly into any number of parts; strands go on being dealt from sweep to sweep, and where there are
+/// too few of them, `--part` says so and how many would do.
+#[test]
+fn parts_are_even_or_say_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let over = "over: [(name: \"amplitude\", low: 1, high: 2, count: 8)]";
+    let search = "search: (transient: 2, recorded_periods: 1, lyapunov_periods: 0)";
+    let write = |name: &str, sweeps: &[(&str, &str)]| {
+        let one =
+            |(name, order): &(&str, &str)| format!("(name: \"{name}\", {order}{over}, {search})");
+        let sweeps: Vec<String> = sweeps.iter().map(one).collect();
+        let scene = format!(
+            "Scene(title: \"t\", problem: ImpactOscillator(), sweeps: [{}])",
+            sweeps.join(", ")
+        );
+        std::fs::write(folder.path().join(format!("{name}.ron")), scene).unwrap();
+    };
+    write("grids", &[("one", ""), ("two", "")]);
+    write("chains", &[("up", "order: up, strands: 2, "), ("down", "order: down, strands: 2, ")]);
+    let part = |scene: &str, number: usize, of: usize, more: &[&str]| {
+        let (file, part) = (format!("{scene}.ron"), format!("{number}/{of}"));
+        let output = tangency(folder.path(), &[&["sweep", &file, "--part", &part], more].concat());
+        assert!(output.status.success(), "{output:?}");
+        let saved = folder.path().join(format!("out/{scene}.part-{number}-of-{of}.npz"));
+        let runs = Sweeps::load(saved).unwrap().sweeps.iter().map(|sweep| sweep.rows.len()).sum();
+        (runs, String::from_utf8(output.stdout).unwrap())
+    };
+    let parts = |scene: &str, of: usize, more: &[&str]| -> Vec<usize> {
+        (1..=of).map(|number| part(scene, number, of, more).0).collect()
+    };
+    // 16 runs in 3, 5 and 20 parts: sizes differ by one at most.
+    for of in [3, 5, 20] {
+        let (sizes, (_, said)) = (parts("grids", of, &["--afresh"]), part("grids", 1, of, &[]));
+        let [least, most] = [sizes.iter().min(), sizes.iter().max()].map(|size| *size.unwrap());
+        assert!(sizes.iter().sum::<usize>() == 16 && most - least <= 1, "{of}: {sizes:?}");
+        assert!(!said.contains("strands"), "{said}");
+    }
+    // Two sweeps of two strands are four: a part for each.
+    assert_eq!(parts("chains", 4, &[]), [4; 4]);
+    assert!(!part("chains", 1, 4, &[]).1.contains("strands"));
+    // Eight parts need more of them. Half of the parts have nothing to do …
+    let (_, said) = part("chains", 8, 8, &[]);
+    assert!(
+        said.contains("4 strands do not divide evenly into 8 parts: the largest has 4 of 16 runs"),
+        "{said}"
+    );
+    assert!(said.contains("`--set strands=4`, for all parts, makes the largest 2;"), "{said}");
+    assert_eq!(parts("chains", 8, &[]), [4, 4, 4, 4, 0, 0, 0, 0]);
+    let files: Vec<String> =
+        (1..=8).map(|number| format!("out/chains.part-{number}-of-8.npz")).collect();
+    let merge: Vec<&str> =
+        ["merge", "--out", "merged"].into_iter().chain(files.iter().map(|file| &**file)).collect();
+    let output = tangency(folder.path(), &merge);
+    assert!(output.status.success(), "{output:?}");
+    // … unless they do as the program says.
+    assert_eq!(parts("chains", 8, &["--set", "strands=4", "--afresh"]), [2; 8]);
+    assert!(!part("chains", 1, 8, &["--set", "strands=4"]).1.contains("divide"));
+    // Where no run follows another there is nothing to set.
+    let output = tangency(folder.path(), &["sweep", "grids.ron", "--set", "strands=4"]);
+    assert!(failure(&output).contains("`strands`"), "{output:?}");
 }
 
 /// What is in the file: columns of one length, names, and numbers that say what happened.
