@@ -1,4 +1,4 @@
-//! The README says what is so: its code is the files' code, its output is the program's.
+//! The README says what is so: its code is the files' code, its output is the program's. So do the scripts for clusters.
 
 use std::path::Path;
 use std::process::Command;
@@ -11,8 +11,8 @@ struct Block {
     text: String,
 }
 
-fn blocks() -> Vec<Block> {
-    let mut parts = README.split("```");
+fn blocks(page: &str) -> Vec<Block> {
+    let mut parts = page.split("```");
     parts.next();
     let mut blocks = Vec::new();
     while let (Some(block), Some(_)) = (parts.next(), parts.next()) {
@@ -22,27 +22,39 @@ fn blocks() -> Vec<Block> {
     blocks
 }
 
-fn shows(language: &str, text: &str) -> bool {
-    blocks().iter().any(|block| block.language == language && block.text == text)
+fn shows(page: &str, language: &str, text: &str) -> bool {
+    blocks(page).iter().any(|block| block.language == language && block.text == text)
 }
 
 #[test]
 fn the_example_is_the_file_and_short() {
     let example = include_str!("../../examples/parallel_plate.rs");
-    assert!(shows("rust", example), "the README shows another examples/parallel_plate.rs");
+    assert!(shows(README, "rust", example), "the README shows another examples/parallel_plate.rs");
     assert!(example.lines().count() <= 40);
 }
 
 #[test]
 fn the_scene_is_the_file() {
-    assert!(shows("ron", include_str!("../../examples/narrow-plate.ron")));
-    assert!(shows("ron", include_str!("../../examples/lorenz.ron")));
+    assert!(shows(README, "ron", include_str!("../../examples/narrow-plate.ron")));
+    assert!(shows(README, "ron", include_str!("../../examples/lorenz.ron")));
 }
 
 #[test]
 fn the_regression_test_is_the_file() {
     let (_, test) = include_str!("../regression.rs").split_once('\n').unwrap();
-    assert!(shows("rust", test), "the README shows another tests/regression.rs");
+    assert!(shows(README, "rust", test), "the README shows another tests/regression.rs");
+}
+
+#[test]
+fn scripts_for_clusters_are_the_files() {
+    let page = include_str!("../../docs/sweeps.md");
+    for (language, script) in [
+        ("sh", include_str!("../../docs/sweeps/slurm.sh")),
+        ("sh", include_str!("../../docs/sweeps/parallel.sh")),
+        ("yaml", include_str!("../../docs/sweeps/kubernetes.yaml")),
+    ] {
+        assert!(shows(page, language, script), "docs/sweeps.md shows another\n{script}");
+    }
 }
 
 /// Every command that runs the program, in order, in a folder of its own, against the output shown
@@ -55,7 +67,7 @@ fn commands_give_the_output_shown() {
     for file in ["examples/narrow-plate.ron", "examples/lorenz.ron"] {
         std::fs::copy(root.join(file), folder.path().join(file)).unwrap();
     }
-    let blocks = blocks();
+    let blocks = blocks(README);
     let mut compared = 0;
     for (index, block) in blocks.iter().enumerate() {
         let run = "cargo run --release -- ";
