@@ -3,7 +3,7 @@
 use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ZeroSettings,
 };
-use super::error::{SceneError, position_behind, syntax};
+use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem};
 use super::slot::options;
@@ -15,8 +15,8 @@ use crate::core::hybrid::HybridSystem;
 use crate::core::names;
 use crate::core::orbit::DiscreteMap;
 use crate::core::zero::ZeroProblem;
-use crate::problems::text::{KINDS, without_mark};
-use ron::error::Position;
+use crate::problems::text::{Fault, KINDS, Source, misread, without_mark};
+use ron::error::SpannedError;
 use ron::value::RawValue;
 use std::path::Path;
 use std::sync::Arc;
@@ -170,7 +170,7 @@ impl Catalogue {
     /// Reads a scene.
     ///
     /// # Errors
-    /// [`SceneError::Syntax`] with the place, [`SceneError::UnknownName`] for problems that are not in the catalogue,
+    /// [`SceneError::Model`] with the place, [`SceneError::UnknownName`] for problems that are not in the catalogue,
     /// [`SceneError::Invalid`] for what a scene must not hold: numbers that are not finite, names given
     /// twice or unknown, runs that start nowhere.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
@@ -183,9 +183,8 @@ impl Catalogue {
     /// As [`parse`](Self::parse); [`SceneError::File`] for files that cannot be read.
     pub fn parse_in(&self, folder: &Path, text: &str) -> Result<Scene, SceneError> {
         let text = without_mark(text);
-        let read: Scene<Option<&RawValue>> = options()
-            .from_str(text)
-            .map_err(|error| syntax(error, Position { line: 1, col: 1 }))?;
+        let read: Scene<Option<&RawValue>> =
+            options().from_str(text).map_err(|error| no_scene(text, error))?;
         let given: Vec<String> = read.parameters.iter().map(|(name, _)| name.clone()).collect();
         let within = SceneText { text, folder };
         let problem = match (&read.problem, &read.model) {
@@ -217,11 +216,9 @@ impl Catalogue {
         let end = stated.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(stated.len());
         let (name, settings) = stated.split_at(end);
         let at = settings.as_ptr() as usize - text.as_ptr() as usize;
-        let begin = position_behind(&text[..at]);
         if name.is_empty() {
-            let Position { line, col: column } = begin;
-            let reason = "expected the name of a problem".into();
-            return Err(SceneError::Syntax { line, column, reason });
+            let reason = "expected the name of a problem, as `Plate()`".into();
+            return Err(Source::new("", text).fault_at(at..at, Fault::Form { reason }).into());
         }
         let known = self.problems.iter().map(Problem::name);
         if let (Some(kind), false) = (kind_of(name), known.clone().any(|known| known == name)) {
@@ -229,6 +226,15 @@ impl Catalogue {
         }
         let known = known.chain(KINDS.iter().map(|(kind, _)| *kind));
         let problem = &self.problems[names::position("problem", name, known)?];
-        problem.read(settings).map_err(|error| syntax(error, begin))
+        problem.read(settings).map_err(|error| misread(&Source::new("", text), at, error).into())
     }
+}
+
+/// The error of a text that is not written as scenes are.
+fn no_scene(text: &str, error: SpannedError) -> SceneError {
+    let mut error = misread(&Source::new("", text), 0, error);
+    if let (Fault::Form { reason }, false) = (&mut error.fault, text.contains("Scene(")) {
+        *reason += "; a scene begins with `Scene(title: …, problem: …`";
+    }
+    error.into()
 }

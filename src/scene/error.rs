@@ -8,7 +8,6 @@ use crate::core::names::UnknownName;
 use crate::core::sweep::PlanError;
 use crate::output::{Chosen, FigureError, TableDifference};
 use crate::problems::text::ModelError;
-use ron::error::{Position, SpannedError};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -65,16 +64,6 @@ pub enum SceneError {
         /// The run's value.
         value: String,
     },
-    /// A scene that is not RON, or not a scene.
-    #[error("{line}:{column}: {reason}; a scene begins with `Scene(title: …, problem: …`")]
-    Syntax {
-        /// The line, from 1.
-        line: usize,
-        /// The column, from 1.
-        column: usize,
-        /// What the reader expected.
-        reason: String,
-    },
     /// A file of equations cannot be read.
     #[error("{path} cannot be read: {cause}")]
     File {
@@ -83,7 +72,7 @@ pub enum SceneError {
         /// What the system says.
         cause: String,
     },
-    /// Equations that are given as text cannot be understood.
+    /// A scene is not written as scenes are, or its equations cannot be understood.
     #[error(transparent)]
     Model(Box<ModelError>),
     /// Something that a scene must not hold.
@@ -232,22 +221,4 @@ impl SceneError {
     ) -> Self {
         SceneError::Invalid { place: place.into(), found: found.into(), rule: rule.into() }
     }
-}
-
-/// The place behind a text.
-pub(super) fn position_behind(before: &str) -> Position {
-    let last = before.rsplit('\n').next().unwrap_or_default();
-    Position { line: 1 + before.matches('\n').count(), col: 1 + last.chars().count() }
-}
-
-/// An error in a part of a text that begins there.
-pub(super) fn syntax_in(text: &str, error: SpannedError, at: usize) -> SceneError {
-    syntax(error, position_behind(&text[..at]))
-}
-
-/// An error in a text that begins at a place.
-pub(super) fn syntax(error: SpannedError, begin: Position) -> SceneError {
-    let Position { line, col } = error.span.start;
-    let column = if line == 1 { begin.col + col - 1 } else { col };
-    SceneError::Syntax { line: begin.line + line - 1, column, reason: error.code.to_string() }
 }

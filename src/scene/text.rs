@@ -4,14 +4,14 @@ use super::discretisation::{
     BoundarySettings, FieldSettings, HybridOrbitSettings, MapSettings, ProblemSettings,
     ZeroSettings,
 };
-use super::error::{SceneError, syntax_in};
+use super::error::SceneError;
 use super::kinds::{Boundary, Hybrid};
 use super::problem::{Configured, Model, Problem, Stated};
 use super::slot::options;
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::names::UnknownName;
 use crate::problems::text::ode;
-use crate::problems::text::{self, KINDS, Source, Statement, blanked, skip_comments};
+use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, skip_comments};
 use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -41,7 +41,7 @@ pub(super) fn stated(
     given: &[String],
 ) -> Result<Problem, SceneError> {
     let source = Source::new("", scene.text);
-    let all = fields_of(part).map_err(|error| syntax_in(scene.text, error, at))?;
+    let all = fields_of(part).map_err(|error| misread(&source, at, error))?;
     let known = settings_of(kind);
     let of = |keep: &dyn Fn(&str) -> bool| -> Vec<Range<usize>> {
         all.iter().filter(|field| keep(&field.name)).map(|field| field.part.clone()).collect()
@@ -81,7 +81,7 @@ pub(super) fn stated(
         let found = kind.to_string();
         return Err(SceneError::invalid("the kind of the problem", found, rule));
     }
-    problem(stated, &settings).map_err(|error| syntax_in(scene.text, error, at))
+    problem(stated, &settings).map_err(|error| misread(&source, at, error).into())
 }
 
 /// The model of a file, and its statement.
@@ -123,7 +123,8 @@ pub(super) fn with_default_settings(
     file: &str,
     given: &[String],
 ) -> Result<Problem, SceneError> {
-    problem(of_file(scene, file, given)?, "()").map_err(|error| syntax_in("", error, 0))
+    problem(of_file(scene, file, given)?, "()")
+        .map_err(|error| misread(&Source::new("", ""), 0, error).into())
 }
 
 /// The kind of a model's equations.

@@ -291,7 +291,7 @@ fn a_trace_that_cannot_begin_says_why() {
     for (arguments, said) in [
         (vec!["trace", "plate-clampt"], vec!["`plate-clampt`", "did you mean `plate-clamped`?"]),
         (vec!["trace", "nowhere.ron"], vec!["cannot read nowhere.ron"]),
-        (vec!["trace", "foreign.ron"], vec!["foreign.ron", "1:", "a scene begins with"]),
+        (vec!["trace", "foreign.ron"], vec!["foreign.ron", "line 1,", "a scene begins with"]),
         (set("gap_ration=2"), vec!["`gap_ration`", "did you mean `gap_ratio`?"]),
         (set("aspect=-1"), vec!["aspect", "-1", "must be positive"]),
         (set("nu=0.7"), vec!["nu", "7", "between −1 and ½"]),

@@ -96,7 +96,9 @@ fn tables_must_be_those_of_the_scene() {
         ("the events", |all| all.sweeps[0].events.clear()),
         ("the columns of runs", |all| {
             all.sweeps[0].run_columns.pop();
-            all.sweeps[0].rows.values_mut().for_each(|row| drop(row.values.pop()));
+            all.sweeps[0].rows.values_mut().for_each(|row| {
+                let _ = row.values.pop();
+            });
         }),
         ("the columns of points", |all| {
             all.sweeps[0].point_columns.pop();

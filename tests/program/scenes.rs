@@ -231,14 +231,14 @@ fn numbers_that_are_not_finite_are_refused_with_their_place() {
 fn foreign_texts_and_wrong_types_are_refused_with_their_place() {
     for foreign in ["", "hello", "{\"title\": 3}", "(modes: 3)", "[1, 2]", "Figure(x: 1)"] {
         let said = refusal(foreign);
-        assert!(said.starts_with("1:"), "{foreign}: {said}");
+        assert!(said.starts_with("line 1, column "), "{foreign}: {said}");
         assert!(said.contains("a scene begins with"), "{said}");
     }
     for (from, to, said) in [
-        ("\"t\"", "3", "2:"),
-        ("1.0", "\"one\"", "4:"),
-        ("1.0", "[1]", "4:"),
-        ("\"SSSS\"", "4", "3:"),
+        ("\"t\"", "3", "line 2, column 12: expected a text in quotes"),
+        ("1.0", "\"one\"", "line 4,"),
+        ("1.0", "[1]", "line 4,"),
+        ("\"SSSS\"", "4", "line 3,"),
         ("Plate(", "Beam(", "`Beam`"),
         ("supports:", "suports:", "`suports`"),
         ("\"gap_ratio\"", "\"gap_ration\"", "did you mean `gap_ratio`"),
@@ -305,7 +305,7 @@ proptest! {
         let closing = text.rfind(')').unwrap();
         let cut = (0..=(part * closing as f64) as usize).rev().find(|i| text.is_char_boundary(*i));
         let error = Scene::parse(&text[..cut.unwrap()]).unwrap_err();
-        prop_assert!(matches!(error, SceneError::Syntax { .. }), "{error}");
+        prop_assert!(matches!(error, SceneError::Model(_)), "{error}");
     }
 
     /// No text makes the reader panic.

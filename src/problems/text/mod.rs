@@ -24,6 +24,7 @@ mod events;
 mod hybrid;
 mod layout;
 mod map;
+mod misread;
 pub mod ode;
 mod operation;
 mod residual;
@@ -39,13 +40,13 @@ pub use basis::number;
 pub use boundary::Conditions;
 pub use hybrid::Hybrid;
 pub use map::Iteration;
+pub(crate) use misread::misread;
 pub use residual::Zero;
 pub use smooth::Field;
 pub use source::{Fault, ModelError, Phrase, Place, Source};
 pub(crate) use source::{blanked, without_mark};
 
 use basis::Basis;
-use ron::error::SpannedError;
 use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 use statement::{Boundary, Equations, HybridEquations, Map, Residual};
@@ -132,7 +133,7 @@ impl Statement {
         let (kind, part) = statement_in(&source.text);
         let header = &source.text[..source.text.len() - part.len() - kind.len()];
         let attributes = options().from_str::<()>(&format!("{header}()"));
-        attributes.map_err(|error| form(source, header, error))?;
+        attributes.map_err(|error| misread(source, source.at(header), error))?;
         Statement::read(source, kind, part)
     }
 
@@ -159,7 +160,7 @@ impl Statement {
 
 /// Reads a part of a source as RON.
 fn read<S: DeserializeOwned>(source: &Source, part: &str) -> Result<S, ModelError> {
-    options().from_str(part).map_err(|error| form(source, part, error))
+    options().from_str(part).map_err(|error| misread(source, source.at(part), error))
 }
 
 /// How RON is read: as in scenes.
@@ -167,16 +168,6 @@ fn options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
-}
-
-/// The error of a part of a source that is not RON of the form.
-fn form(source: &Source, part: &str, error: SpannedError) -> ModelError {
-    let ron::error::Position { line, col } = error.span.start;
-    let before: usize = part.split_inclusive('\n').take(line - 1).map(str::len).sum();
-    let within = part[before..].char_indices().nth(col.saturating_sub(1));
-    let at = before + within.map_or(0, |(at, _)| at);
-    let phrase = source.phrase(part);
-    source.fault(&phrase, at..at, Fault::Form { reason: error.code.to_string() })
 }
 
 impl Model {

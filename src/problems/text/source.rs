@@ -79,6 +79,19 @@ impl Source {
         self.fault(phrase, 0..phrase.text.len(), fault)
     }
 
+    /// Where a part of the text begins, which is known to be one by where it is in memory.
+    pub(super) fn at(&self, part: &str) -> usize {
+        let begins = |text: &str| (part.as_ptr() as usize).checked_sub(text.as_ptr() as usize);
+        let within = |at: &usize| at + part.len() <= self.text.len();
+        let texts = [&self.masked, &self.text];
+        texts.into_iter().filter_map(|text| begins(text)).find(within).unwrap_or(0)
+    }
+
+    /// An error at a part of the text.
+    pub fn fault_at(&self, part: Range<usize>, fault: Fault) -> ModelError {
+        ModelError { file: self.name.clone(), place: Box::new(self.place(part)), fault }
+    }
+
     /// The line of an offset, from 1.
     fn line(&self, offset: usize) -> usize {
         1 + self.text[..offset].matches('\n').count()
