@@ -74,7 +74,7 @@
 //! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command line. How the
 //! core is put together, with pictures, is described in `docs/core.md`; periodic orbits and boundary-value problems in
 //! `docs/orbits.md`; impacts in `docs/hybrid.md` and `docs/grazing.md`; what motions settle on in
-//! `docs/sweeps.md`; equations as text in `docs/models.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
+//! `docs/sweeps.md`; equations as text in `docs/models.md`; what is done with files in `docs/files.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -44,6 +44,12 @@ pub enum CommandError {
     /// Two things that cannot be asked for together.
     #[error("--start FILE:LABEL goes on from one special point, and cannot be with {0}")]
     NotTogether(&'static str),
+    /// What has no effect on a table.
+    #[error(
+        "a table (.csv) has all points of the branches of documents, and cannot be with {0}; leave that out, or draw a \
+         picture (.svg)"
+    )]
+    Table(&'static str),
     /// Nothing to sweep.
     #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
     NoSweep { scene: String },
@@ -59,7 +65,7 @@ pub enum CommandError {
     /// A work-precision diagram or robustness map could not be saved.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// Ctrl-C or SIGTERM.
+    /// Ctrl-C, or another signal that asks for the end.
     #[error("interrupted; what was done until then is kept")]
     Interrupted,
     /// The standard output cannot be written to.

@@ -1,8 +1,8 @@
 //! `tangency import MODEL.ode`: a model of XPPAUT's as a file of equations.
 
 use super::error::CommandError;
-use super::plot::same_file;
-use crate::output::write_atomically;
+use super::results::Results;
+use crate::output::{printable, write_atomically};
 use crate::scene::Problem;
 use clap::Args;
 use std::io::Write;
@@ -25,13 +25,11 @@ impl Import {
         let problem = Problem::from_file(&self.model, &[])
             .map_err(|cause| CommandError::Scene { place, cause: Box::new(cause) })?;
         for note in problem.notes() {
-            writeln!(std::io::stderr(), "warning: {note}")?;
+            writeln!(std::io::stderr(), "warning: {}", printable(note))?;
         }
         let text = format!("{}\n", problem.equations());
         let Some(path) = &self.out else { return Ok(out.write_all(text.as_bytes())?) };
-        if same_file(&self.model, path) {
-            return Err(CommandError::OutputIsInput { path: path.clone() });
-        }
+        let _claimed = Results::claim_file(path, &[&self.model])?;
         write_atomically(path, text)?;
         Ok(writeln!(out, "{}", path.display())?)
     }

@@ -1,7 +1,7 @@
 //! `tangency scenes` and `tangency points FILE`: the scenes that have a name, and special points as a table.
 
 use super::error::CommandError;
-use crate::output::{Document, csv};
+use crate::output::{Document, SizeLimit, csv};
 use crate::scene::Catalogue;
 use clap::Args;
 use std::io::Write;
@@ -32,8 +32,8 @@ pub struct Points {
 
 impl Points {
     /// Writes the table.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        let document = Document::load(&self.file)?;
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+        let document = Document::load_within(limit, &self.file)?;
         Ok(out.write_all(csv(&document.branches).as_bytes())?)
     }
 }

@@ -6,10 +6,13 @@ mod import;
 mod list;
 mod plot;
 mod report;
+mod results;
+mod signals;
 mod sweep;
 mod trace;
 mod watch;
 
+use crate::output::{SizeLimit, printable};
 use crate::scene::Catalogue;
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -21,6 +24,10 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// The largest file that is read, in MB; archives may unpack to four times as many
+    #[arg(long, global = true, value_name = "MB", default_value_t = 256,
+        value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    max_size: u64,
 }
 
 #[derive(Debug, Subcommand)]
@@ -51,24 +58,25 @@ enum Command {
 /// ```
 pub fn run(catalogue: Catalogue) -> ExitCode {
     let arguments = Arguments::parse();
+    let limit = SizeLimit::megabytes(arguments.max_size);
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
         Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::WorkPrecision(diagrams) => diagrams.run(&mut out),
         Command::Robustness(maps) => maps.run(&mut out),
-        Command::Trace(trace) => trace.run(&catalogue, &mut out),
-        Command::Scene(scene) => scene.run(&catalogue, &mut out),
+        Command::Trace(trace) => trace.run(&catalogue, limit, &mut out),
+        Command::Scene(scene) => scene.run(&catalogue, limit, &mut out),
         Command::Import(import) => import.run(&mut out),
-        Command::Points(points) => points.run(&mut out),
-        Command::Plot(plot) => plot.run(&mut out),
-        Command::Sweep(sweep) => sweep.run(&catalogue, &mut out),
-        Command::Merge(merge) => merge.run(&mut out),
+        Command::Points(points) => points.run(limit, &mut out),
+        Command::Plot(plot) => plot.run(limit, &mut out),
+        Command::Sweep(sweep) => sweep.run(&catalogue, limit, &mut out),
+        Command::Merge(merge) => merge.run(&catalogue, limit, &mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Nothing can be done where even the error stream is closed.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            let _ = writeln!(std::io::stderr(), "error: {}", printable(&error.to_string()));
             ExitCode::FAILURE
         }
     }

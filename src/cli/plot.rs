@@ -1,12 +1,13 @@
-//! `tangency plot FILE…`: the diagram of one or several documents.
+//! `tangency plot FILE…`: the diagram of one or several documents, or their branches as a table.
 
 use super::error::CommandError;
-use crate::output::{Document, Sweeps, draw, figures, write_atomically};
+use super::results::Results;
+use crate::output::{Document, Format, SizeLimit, Sweeps, draw, figures, table, write_atomically};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Draw the branches of one or several documents as SVG
+/// Draw the branches of one or several documents as SVG, or list all their points as CSV
 #[derive(Debug, Args)]
 pub struct Plot {
     /// The documents (.ron), and sweeps (.npz)
@@ -21,46 +22,66 @@ pub struct Plot {
     /// The special points whose profiles are drawn, such as 2,5 or orbits/2 [default: those of interest]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL", value_delimiter = ',')]
     points: Vec<String>,
-    /// Where the diagram goes [default: beside the first document, with the ending .svg]
+    /// Where it goes: .svg, .png (in builds with the feature `png`), or .csv for all points of the branches
+    /// [default: beside the first document, with the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 impl Plot {
     /// Draws the diagram and says where it is.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        let target = self.target()?;
+    pub fn run(&self, limit: SizeLimit, out: &mut impl Write) -> Result<(), CommandError> {
+        let beside = || self.files.first().map(|file| file.with_extension("svg"));
+        // Clap refuses an empty list.
+        let target = self.out.clone().or_else(beside).unwrap_or_default();
+        let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
+        let format = Format::of(&target)?;
+        let _claimed = Results::claim_file(&target, &inputs)?;
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
-        let mut documents =
-            files.iter().map(Document::load).collect::<Result<Vec<Document>, _>>()?;
-        let sweeps = archives.iter().map(Sweeps::load).collect::<Result<Vec<Sweeps>, _>>()?;
+        let documents = files.iter().map(|file| Document::load_within(limit, file));
+        let mut documents = documents.collect::<Result<Vec<Document>, _>>()?;
+        let sweeps = archives.iter().map(|file| Sweeps::load_within(limit, file));
+        let sweeps = sweeps.collect::<Result<Vec<Sweeps>, _>>()?;
         if let (Some(first), false) = (documents.first_mut(), self.points.is_empty()) {
             first.plot.points = self.points.clone();
         }
         let names: Vec<String> = files.iter().map(|file| stem(file)).collect();
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
-        let figures = figures(&named, &sweeps, self.x.as_deref(), self.y.as_deref())?;
-        write_atomically(&target, &draw(&figures)?)?;
+        let svg = || -> Result<String, CommandError> {
+            let figures = figures(&named, &sweeps, self.x.as_deref(), self.y.as_deref())?;
+            Ok(draw(&figures)?)
+        };
+        let content = match format {
+            Format::Svg => svg()?.into_bytes(),
+            #[cfg(feature = "png")]
+            Format::Png => crate::output::png(&svg()?)?,
+            Format::Csv => self.table(&named, &sweeps)?.into_bytes(),
+        };
+        write_atomically(&target, content)?;
         Ok(writeln!(out, "{}", target.display())?)
     }
 
-    fn target(&self) -> Result<PathBuf, CommandError> {
-        // Clap refuses an empty list.
-        let beside = self.files.first().map(|file| file.with_extension("svg"));
-        let target = self.out.clone().or(beside).unwrap_or_default();
-        match self.files.iter().any(|file| same_file(file, &target)) {
-            true => Err(CommandError::OutputIsInput { path: target }),
-            false => Ok(target),
+    /// All points of the branches. Nothing that chooses what a figure shows has an effect on it.
+    fn table(
+        &self,
+        documents: &[(&str, &Document)],
+        sweeps: &[Sweeps],
+    ) -> Result<String, CommandError> {
+        let chosen = [
+            ("--x", self.x.is_some()),
+            ("--y", self.y.is_some()),
+            ("--points", !self.points.is_empty()),
+        ];
+        if let Some((option, _)) = chosen.into_iter().find(|(_, given)| *given) {
+            return Err(CommandError::Table(option));
         }
+        if !sweeps.is_empty() {
+            return Err(CommandError::Table("sweeps (.npz)"));
+        }
+        Ok(table(documents))
     }
-}
-
-/// Whether two paths lead to one file, also by way of links.
-pub(super) fn same_file(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| path.canonicalize().ok();
-    a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
 
 fn stem(file: &Path) -> String {

@@ -1,8 +1,9 @@
 //! `tangency work-precision NAME` and `tangency robustness NAME`: reports, listed, chosen by name, saved, and put into pages.
 
 use super::error::CommandError;
+use super::results::Results;
 use crate::core::names::UnknownName;
-use crate::output::{Entry, FileError, Report, write_atomically};
+use crate::output::{Entry, Report, SizeLimit, read_text, write_atomically};
 use crate::robustness::{MAPS, map};
 use crate::work_precision::{DIAGRAMS, Effort, measure};
 use clap::Args;
@@ -78,12 +79,15 @@ impl Wanted {
             return Err(CommandError::UnknownReport { name, command });
         }
         for entry in chosen() {
+            let file = format!("{command}-{}", entry.name);
+            let page = self.page.as_deref();
+            let endings = ["ron", "md", "svg"];
+            let _claimed = Results::claim(&self.out, &file, &endings, page.as_slice())?;
             let report = make(entry)?;
             report.save(&self.out)?;
             writeln!(out, "{}", report.summary())?;
             if let Some(path) = &self.page {
-                let page =
-                    std::fs::read_to_string(path).map_err(|cause| FileError::read(path, cause))?;
+                let page = read_text(path, SizeLimit::default())?;
                 write_atomically(path, report.put_into(&page))?;
             }
             writeln!(out, "{}", self.out.join(format!("{}.svg", report.name())).display())?;

@@ -1,10 +1,12 @@
 //! `tangency sweep SCENE`, `tangency merge FILE…`: brute force, saved as it goes on.
 
 use super::error::CommandError;
-use super::trace::{SceneAt, picture};
-use super::watch::{Watch, interrupted};
+use super::results::Results;
+use super::signals::interrupted;
+use super::trace::SceneAt;
+use super::watch::Watch;
 use crate::core::sweep::{Division, Found, Part};
-use crate::output::{Document, FileError, SweepTable, Sweeps, merge};
+use crate::output::{Document, FileError, SizeLimit, SweepTable, Sweeps, merge, printable};
 use crate::scene::{Catalogue, Scene, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
@@ -27,9 +29,9 @@ pub struct Sweep {
     /// How many threads work [default: as many as there are cores]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// After how many seconds what is done is saved
-    #[arg(long, value_name = "SECONDS", default_value_t = 5.0)]
-    save_every: f64,
+    /// After how many seconds what is done is saved: from 0 to 1e6
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
+    save_every: Duration,
     /// Forget the runs that are done
     #[arg(long)]
     afresh: bool,
@@ -55,76 +57,136 @@ fn share(text: &str) -> Result<Part, String> {
     part.ok_or_else(|| format!("`{text}` is not of the form K/N, for example 2/8"))
 }
 
+/// The longest time after which what is done is saved, in seconds.
+const LONGEST: f64 = 1e6;
+
+/// A number of seconds, in its range.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number = text.trim().parse().ok().filter(|seconds| (0.0..=LONGEST).contains(seconds));
+    number
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| format!("a number of seconds is from 0 to {LONGEST:e}, for example 5"))
+}
+
 impl Sweep {
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or Ctrl-C.
-    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read(catalogue, None)?;
+    pub fn run(
+        &self,
+        catalogue: &Catalogue,
+        limit: SizeLimit,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
+        let (name, scene) = self.scene.read(catalogue, None, limit)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: name });
         }
-        let path = self.scene.out.join(match self.part {
-            None => format!("{name}.npz"),
-            Some(Part { number, of, .. }) => format!("{name}.part-{number}-of-{of}.npz"),
-        });
-        let known = if path.exists() && !self.afresh { Some(Sweeps::load(&path)?) } else { None };
+        let (result, endings) = match self.part {
+            None => (name.clone(), &["ron", "npz", "svg"][..]),
+            Some(Part { number, of, .. }) => {
+                (format!("{name}.part-{number}-of-{of}"), &["npz"][..])
+            }
+        };
+        let inputs = [Path::new(&self.scene.scene)];
+        let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
+        let path = results.path("npz");
+        let known = path.exists() && !self.afresh;
+        let known = known.then(|| Sweeps::load_within(limit, &path)).transpose()?;
         if let Some(part) = self.part {
             divided(&scene, part, out)?;
         }
-        let document = self.trace(&name, &scene, out)?;
+        let traced = self.part.is_none().then_some(&scene);
+        let document = trace(traced, &self.scene.scene, out)?;
+        let kept = Kept { results: &results, document, drawn: self.part.is_none() };
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
-        let every = Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX);
-        let (bar, saved) = (super::watch::bar(), Instant::now());
-        let mut keeper = Keeper { path: &path, bar, saved, every, pause: every, failure: None };
+        let (every, bar) = (self.save_every, super::watch::bar());
+        let mut keeper =
+            Keeper { kept, bar, saved: Instant::now(), every, pause: every, failure: None };
         let swept = sweep(&scene, &name, part, known, &mut keeper);
         keeper.bar.finish_and_clear();
         let sweeps = swept.map_err(|cause| self.scene.at_fault(cause))?;
-        sweeps.save(&path)?;
-        report(&sweeps, out)?;
-        writeln!(out, "{}", path.display())?;
-        if self.part.is_none() {
-            let document = document.as_ref().map(|document| (&*name, document));
-            let svg = picture(document, std::slice::from_ref(&sweeps), &path)?;
-            writeln!(out, "{}", svg.display())?;
-        }
+        let kept = keeper.kept.end(&sweeps, out);
         keeper.failure.map_or(Ok(()), Err)?;
-        if interrupted() { Err(CommandError::Interrupted) } else { Ok(()) }
-    }
-
-    /// Traces the scene's branches, if it has some: they are drawn with the sweeps.
-    fn trace(
-        &self,
-        name: &str,
-        scene: &Scene,
-        out: &mut impl Write,
-    ) -> Result<Option<Document>, CommandError> {
-        let mut watch = Watch::new(out);
-        if scene.runs.is_empty() || self.part.is_some() {
-            watch.finish()?;
-            return Ok(None);
-        }
-        let outcome = execute(scene, None, &mut watch);
-        watch.finish()?;
-        let document = Some(outcome.document).filter(|document| !document.branches.is_empty());
-        if let Some(document) = &document {
-            document.save(self.scene.out.join(format!("{name}.ron")))?;
-        }
-        match outcome.error {
-            Some(cause) => Err(self.scene.at_fault(cause)),
-            None => Ok(document),
+        match kept {
+            // There may be too little to draw as yet.
+            Ok(()) | Err(CommandError::Figure(_)) if interrupted() => {
+                Err(CommandError::Interrupted)
+            }
+            kept => kept,
         }
     }
 }
 
+/// Traces a scene's branches, if it has some: they are drawn with the sweeps.
+fn trace(
+    scene: Option<&Scene>,
+    place: &str,
+    out: &mut impl Write,
+) -> Result<Option<Document>, CommandError> {
+    let mut watch = Watch::new(out);
+    let Some(scene) = scene.filter(|scene| !scene.runs.is_empty()) else {
+        watch.finish()?;
+        return Ok(None);
+    };
+    let outcome = execute(scene, None, &mut watch);
+    watch.finish()?;
+    match outcome.error {
+        Some(cause) => Err(CommandError::Scene { place: place.into(), cause: Box::new(cause) }),
+        None => Ok(Some(outcome.document).filter(|document| !document.branches.is_empty())),
+    }
+}
+
 impl Merge {
-    /// Puts the parts together, saves and draws the whole.
-    pub fn run(&self, out: &mut impl Write) -> Result<(), CommandError> {
-        let parts = self.files.iter().map(Sweeps::load).collect::<Result<Vec<_>, FileError>>()?;
-        let whole = merge(parts)?;
-        let path = self.out.join(format!("{}.npz", whole.name));
-        whole.save(&path)?;
-        report(&whole, out)?;
-        let svg = picture(None, std::slice::from_ref(&whole), &path)?;
-        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
+    /// Puts the parts together, traces the branches of their scene, saves and draws the whole.
+    pub fn run(
+        &self,
+        catalogue: &Catalogue,
+        limit: SizeLimit,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
+        let parts = self.files.iter().map(|file| Sweeps::load_within(limit, file));
+        let whole = merge(parts.collect::<Result<Vec<_>, FileError>>()?)?;
+        let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
+        let results = Results::claim(&self.out, &whole.name, &["ron", "npz", "svg"], &inputs)?;
+        let place = format!("the scene of {}", self.files[0].display());
+        let scene = catalogue.parse_alone(&whole.scene);
+        let scene = scene.map_err(|cause| CommandError::Scene {
+            place: place.clone(),
+            cause: Box::new(cause),
+        })?;
+        // The runs of all parts are not lost with branches that cannot be traced.
+        let (document, failure) = match trace(Some(&scene), &place, out) {
+            Ok(document) => (document, None),
+            Err(failure) => (None, Some(failure)),
+        };
+        if interrupted() {
+            return Err(CommandError::Interrupted);
+        }
+        Kept { results: &results, document, drawn: true }.end(&whole, out)?;
+        failure.map_or(Ok(()), Err)
+    }
+}
+
+/// What a sweep keeps: its archive, and the branches and the picture that belong to it.
+struct Kept<'a> {
+    results: &'a Results,
+    document: Option<Document>,
+    /// Whether there is a picture: not of a part.
+    drawn: bool,
+}
+
+impl Kept<'_> {
+    fn save(&self, sweeps: &Sweeps) -> Result<Vec<PathBuf>, CommandError> {
+        match self.drawn {
+            true => self.results.save(self.document.as_ref(), Some(sweeps)),
+            false => self.results.save_alone(sweeps),
+        }
+    }
+
+    /// Saves, and says what was done and where it is.
+    fn end(&self, sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
+        let files = self.save(sweeps)?;
+        report(sweeps, out)?;
+        Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
     }
 }
 
@@ -155,7 +217,10 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
         let failed = rows.values().filter(|row| row.failure.is_some()).count();
         write!(out, "{name}: {} of {total} runs", rows.len())?;
         match rows.iter().find_map(|(run, row)| Some((run, row.failure.as_ref()?))) {
-            Some((run, why)) => writeln!(out, "; {failed} failed, the first, run {run}: {why}")?,
+            Some((run, why)) => {
+                let why = printable(why);
+                writeln!(out, "; {failed} failed, the first, run {run}: {why}")?;
+            }
             None => writeln!(out)?,
         }
     }
@@ -164,7 +229,7 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
 
 /// Saves what is done from time to time, and shows how much that is.
 struct Keeper<'a> {
-    path: &'a Path,
+    kept: Kept<'a>,
     bar: ProgressBar,
     saved: Instant,
     /// How long to wait at least until it is saved again …
@@ -193,9 +258,13 @@ impl SweepWatch for Keeper<'_> {
         self.bar.set_message(format!("{done} of {total} runs"));
         if self.saved.elapsed() >= self.pause {
             let begin = Instant::now();
-            if let Err(error) = known.save(self.path) {
-                self.failure = Some(error.into());
-                return ControlFlow::Break(());
+            match self.kept.save(known) {
+                // There may be too little to draw as yet.
+                Ok(_) | Err(CommandError::Figure(_)) => {}
+                Err(error) => {
+                    self.failure = Some(error);
+                    return ControlFlow::Break(());
+                }
             }
             self.pause = self.every.max(20 * begin.elapsed());
             self.saved = Instant::now();

@@ -2,12 +2,12 @@
 
 use super::asked::{Asking, Switch, value};
 use super::error::CommandError;
-use super::plot::same_file;
+use super::results::Results;
 use super::watch::Watch;
 use crate::core::continuation::Branch;
 use crate::core::flow::{Work, work};
 use crate::core::names::UnknownName;
-use crate::output::{Document, FileError, Sweeps, draw, figures, write_atomically};
+use crate::output::{Document, FileError, SizeLimit, printable, read};
 use crate::scene::{Asked, Catalogue, Problem, Scene, SceneError, StartPoint, execute, explore};
 use clap::Args;
 use std::io::Write;
@@ -60,8 +60,9 @@ impl SceneAt {
         &self,
         catalogue: &Catalogue,
         asked: Option<&Asked>,
+        limit: SizeLimit,
     ) -> Result<(String, Scene), CommandError> {
-        let (name, text) = self.text(catalogue)?;
+        let (name, text) = self.text(catalogue, limit)?;
         let path = Path::new(&self.scene);
         let scene = match (asked, Problem::is_file_of_equations(path, &text)) {
             (Some(asked), true) => {
@@ -70,7 +71,6 @@ impl SceneAt {
             }
             _ => self.changed(catalogue, path, &text, asked),
         };
-        self.refuse_folder()?;
         Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
     }
 
@@ -95,7 +95,11 @@ impl SceneAt {
     }
 
     /// The name of the scene and its text: one of the catalogue, or a file.
-    fn text(&self, catalogue: &Catalogue) -> Result<(String, String), CommandError> {
+    fn text(
+        &self,
+        catalogue: &Catalogue,
+        limit: SizeLimit,
+    ) -> Result<(String, String), CommandError> {
         if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
             return Ok((scene.name.clone(), scene.text.clone()));
         }
@@ -106,7 +110,7 @@ impl SceneAt {
             let unknown = UnknownName::new("scene", &self.scene, names);
             return Err(CommandError::UnknownScene(unknown));
         }
-        let bytes = std::fs::read(path).map_err(|cause| FileError::read(path, cause))?;
+        let bytes = read(path, limit)?;
         // Files of XPPAUT's may be older than UTF-8.
         let text = match Problem::is_file_of_equations(path, "") {
             true => String::from_utf8_lossy(&bytes).into_owned(),
@@ -116,36 +120,28 @@ impl SceneAt {
         };
         Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), text))
     }
-
-    /// A folder that cannot be is better known before the work than after it.
-    fn refuse_folder(&self) -> Result<(), CommandError> {
-        match self.out.ancestors().find(|path| path.exists()) {
-            Some(path) if !path.is_dir() => Err(FileError::Write {
-                path: self.out.clone(),
-                source: std::io::ErrorKind::NotADirectory.into(),
-            }
-            .into()),
-            _ => Ok(()),
-        }
-    }
 }
 
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
-    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+    pub fn run(
+        &self,
+        catalogue: &Catalogue,
+        limit: SizeLimit,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
         if let (Some(Begin::At(_)), Some(_)) = (&self.start, &self.asking.switch) {
             return Err(CommandError::NotTogether("--switch"));
         }
-        let (name, scene) = self.read(catalogue)?;
+        let (name, scene) = self.read(catalogue, limit)?;
         if !scene.runs.iter().any(|run| run.shown) {
             return Err(CommandError::NoRun { scene: name });
         }
         scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
-        let start = self.point()?;
-        let document = self.scene.out.join(format!("{name}.ron"));
-        self.refuse_inputs(&document)?;
+        let start = self.point(limit)?;
+        let results = Results::claim(&self.scene.out, &name, &["ron", "svg"], &self.inputs())?;
         for warning in scene.warnings() {
-            writeln!(std::io::stderr(), "warning: {warning}")?;
+            writeln!(std::io::stderr(), "warning: {}", printable(&warning))?;
         }
         let mut watch = Watch::new(out);
         let outcome = match (&self.asking.switch, &start) {
@@ -155,7 +151,7 @@ impl Trace {
         let watched = watch.finish();
         let saved = match outcome.document.branches.is_empty() {
             true => Ok(()),
-            false => self.save(&name, &outcome.document, &document, out),
+            false => save(&results, &outcome.document, out),
         };
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
@@ -165,68 +161,64 @@ impl Trace {
     }
 
     /// The name of the results, and the scene.
-    fn read(&self, catalogue: &Catalogue) -> Result<(String, Scene), CommandError> {
+    fn read(
+        &self,
+        catalogue: &Catalogue,
+        limit: SizeLimit,
+    ) -> Result<(String, Scene), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
             _ => &[],
         };
-        self.scene.read(catalogue, Some(&self.asking.asked(state)))
+        self.scene.read(catalogue, Some(&self.asking.asked(state)), limit)
     }
 
     /// The special point to start from.
-    fn point(&self) -> Result<Option<StartPoint>, CommandError> {
+    fn point(&self, limit: SizeLimit) -> Result<Option<StartPoint>, CommandError> {
         match &self.start {
-            Some(Begin::At(start)) => start.point().map(Some),
+            Some(Begin::At(start)) => start.point(limit).map(Some),
             _ => Ok(None),
         }
     }
 
-    fn save(
-        &self,
-        name: &str,
-        document: &Document,
-        path: &Path,
-        out: &mut impl Write,
-    ) -> Result<(), CommandError> {
-        document.save(path)?;
-        let svg = picture(Some((name, document)), &[], path)?;
-        for Branch { name, points, ends: [start, end], .. } in &document.branches {
-            writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
-        }
-        if let Some(chosen) = &document.chosen {
-            writeln!(out, "{chosen}")?;
-        }
-        let Work { evaluations, time } = work();
-        if evaluations > 0 {
-            writeln!(out, "flows: {evaluations} evaluations of the field, a time of {time:.1}")?;
-        }
-        Ok(writeln!(out, "{}\n{}", path.display(), svg.display())?)
-    }
-
     /// The results must not replace the scene's file or the document that is started from.
-    fn refuse_inputs(&self, document: &Path) -> Result<(), CommandError> {
+    fn inputs(&self) -> Vec<&Path> {
         let start = match &self.start {
             Some(Begin::At(start)) => Some(start.file.as_path()),
             _ => None,
         };
-        for input in [Some(Path::new(&self.scene.scene)), start].into_iter().flatten() {
-            for output in [document.to_path_buf(), document.with_extension("svg")] {
-                if same_file(input, &output) {
-                    return Err(CommandError::OutputIsInput { path: output });
-                }
-            }
-        }
-        Ok(())
+        [Some(Path::new(&self.scene.scene)), start].into_iter().flatten().collect()
     }
+}
+
+/// Saves and draws what was traced, and says how each branch ended.
+fn save(results: &Results, document: &Document, out: &mut impl Write) -> Result<(), CommandError> {
+    let files = results.save(Some(document), None)?;
+    for Branch { name, points, ends: [start, end], .. } in &document.branches {
+        writeln!(out, "{name}: {} points; ends: {start}; {end}", points.len())?;
+    }
+    if let Some(chosen) = &document.chosen {
+        writeln!(out, "{chosen}")?;
+    }
+    let Work { evaluations, time } = work();
+    if evaluations > 0 {
+        writeln!(out, "flows: {evaluations} evaluations of the field, a time of {time:.1}")?;
+    }
+    Ok(files.iter().try_for_each(|path| writeln!(out, "{}", path.display()))?)
 }
 
 impl Written {
     /// Writes the scene; with `--switch`, after tracing it.
-    pub fn run(&self, catalogue: &Catalogue, out: &mut impl Write) -> Result<(), CommandError> {
+    pub fn run(
+        &self,
+        catalogue: &Catalogue,
+        limit: SizeLimit,
+        out: &mut impl Write,
+    ) -> Result<(), CommandError> {
         if let Some(Begin::At(_)) = &self.trace.start {
             return Err(CommandError::NotTogether("`tangency scene`"));
         }
-        let (_, scene) = self.trace.read(catalogue)?;
+        let (_, scene) = self.trace.read(catalogue, limit)?;
         let scene = match self.trace.asking.switch {
             Some(Switch::All) => explore(&scene, self.trace.asking.depth, &mut ()).0,
             None => scene,
@@ -235,20 +227,9 @@ impl Written {
     }
 }
 
-/// Draws what documents and sweeps say about their own drawing, beside their file.
-pub(super) fn picture(
-    document: Option<(&str, &Document)>,
-    sweeps: &[Sweeps],
-    path: &Path,
-) -> Result<PathBuf, CommandError> {
-    let svg = path.with_extension("svg");
-    write_atomically(&svg, draw(&figures(document.as_slice(), sweeps, None, None)?)?)?;
-    Ok(svg)
-}
-
 impl Start {
-    fn point(&self) -> Result<StartPoint, CommandError> {
-        let document = Document::load(&self.file)?;
+    fn point(&self, limit: SizeLimit) -> Result<StartPoint, CommandError> {
+        let document = Document::load_within(limit, &self.file)?;
         let (branch, special) = document
             .special_point(self.branch.as_deref(), self.label)
             .map_err(|cause| CommandError::Start { file: self.file.clone(), cause })?;

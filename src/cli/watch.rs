@@ -1,34 +1,14 @@
-//! Watching a trace: lines of special points, a progress bar on a terminal, Ctrl-C and SIGTERM.
+//! Watching a trace: lines of special points, a progress bar on a terminal, signals.
 
 use super::error::CommandError;
+use super::signals::{self, interrupted};
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::Screen;
 use crate::scene::{Run, SceneObserver};
 use indicatif::{ProgressBar, ProgressStyle};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag::{register, register_conditional_shutdown};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, LazyLock};
 use std::time::Duration;
-
-/// Set by Ctrl-C, and by SIGTERM, which schedulers send before they kill; looked at after every point or run. A second one ends
-/// the program at once. SIGHUP is left to the shell, lest `nohup` were in vain.
-static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
-    let flag: Arc<AtomicBool> = Arc::default();
-    for signal in [SIGINT, SIGTERM] {
-        // Without a handler a signal ends the program: partial results are lost, nothing worse.
-        let _ = register_conditional_shutdown(signal, 130, Arc::clone(&flag))
-            .and_then(|_| register(signal, Arc::clone(&flag)));
-    }
-    flag
-});
-
-/// Whether Ctrl-C was pressed, or the program was asked to end.
-pub fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::SeqCst)
-}
 
 /// A progress bar, if the error stream is a terminal.
 pub fn bar() -> ProgressBar {
@@ -56,11 +36,11 @@ pub struct Watch<'a, W: Write> {
 impl<'a, W: Write> Watch<'a, W> {
     /// Prints to `out`; shows a progress bar if the error stream is a terminal.
     pub fn new(out: &'a mut W) -> Self {
-        LazyLock::force(&INTERRUPTED);
+        signals::handle();
         Watch { out, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
-    /// Ends the watch: whether Ctrl-C was pressed.
+    /// Ends the watch: whether a signal asked for the end.
     ///
     /// # Errors
     /// [`CommandError::Output`] if the standard output could not be written to.

@@ -3,20 +3,26 @@
 use super::document::Document;
 use super::error::{FormatError, Invalid};
 use super::format::FORMAT;
+use super::words::text;
 use crate::core::continuation::{Branch, End, SpecialPoint};
 use std::collections::HashSet;
 
 /// A part of a document that is as it must be, or what is not.
 type Checked = Result<(), Invalid>;
 
-/// Checks a document's tag, that its names are unique, its lists as long as their names, and its
-/// numbers finite.
+/// Checks a document's tag, that its names are unique and hold no control characters, its lists as long as their
+/// names, and its numbers finite.
 pub(super) fn document(document: &Document) -> Result<(), FormatError> {
     if document.format != FORMAT {
         return Err(FormatError::Version { found: document.format.clone() });
     }
+    text("the title", &document.title)?;
     let settings = document.settings.iter().map(|(name, _)| name);
+    settings.clone().try_for_each(|name| text("the name of a setting", name))?;
     unique("the name of a setting", settings)?;
+    for (column, label) in &document.plot.labels {
+        text(&format!("plot, the label of `{column}`"), label)?;
+    }
     for (branch, column, shift) in &document.plot.shifts {
         finite(&format!("plot, shift of `{column}` of `{branch}`"), *shift)?;
     }
@@ -26,7 +32,11 @@ pub(super) fn document(document: &Document) -> Result<(), FormatError> {
 }
 
 fn branch(branch: &Branch) -> Checked {
+    text("the name of a branch", &branch.name)?;
     let place = format!("branch `{}`", branch.name);
+    branch.columns().try_for_each(|name| text(&format!("{place}: a column"), name))?;
+    let groups = branch.unknowns.iter().map(|group| &group.name);
+    groups.into_iter().try_for_each(|name| text(&format!("{place}: an unknown"), name))?;
     unique(&format!("{place}: a column"), branch.columns())?;
     unique(&format!("{place}: a label"), branch.special.iter().map(|point| point.label))?;
     for name in &branch.released {
@@ -59,6 +69,8 @@ fn branch(branch: &Branch) -> Checked {
 
 fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint) -> Checked {
     require(point.label > 0, place, point.label, || "must be counted from 1".into())?;
+    text(&format!("{place}, event"), &point.event)?;
+    point.numbers.iter().try_for_each(|(name, _)| text(&format!("{place}, a number"), name))?;
     let last = branch.points.len().saturating_sub(1);
     require(point.after <= last, &format!("{place}: after"), point.after, || {
         format!("must be at most {last}, the last point")
@@ -74,6 +86,7 @@ fn special(place: &str, branch: &Branch, dimension: usize, point: &SpecialPoint)
     all_finite(&format!("{place}, tangent, component"), &point.tangent)?;
     all_finite(&format!("{place}, mesh, point"), &point.mesh)?;
     point.profiles.iter().try_for_each(|profile| {
+        text(&format!("{place}, a profile"), &profile.name)?;
         let place = format!("{place}, profile `{}`, number", profile.name);
         all_finite(&place, profile.points.as_flattened())
     })

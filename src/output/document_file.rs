@@ -3,8 +3,8 @@
 use super::check;
 use super::document::Document;
 use super::error::{FileError, FormatError};
+use super::files::{SizeLimit, read_text, write_atomically};
 use super::format::FORMAT;
-use super::write::write_atomically;
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use std::path::Path;
@@ -59,7 +59,8 @@ impl Document {
     /// Loads a document.
     ///
     /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it is no document.
+    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it is no document,
+    /// [`FileError::TooLarge`] beyond [`SizeLimit::default`].
     ///
     /// ```
     /// use tangency::output::{Document, example_branch};
@@ -71,8 +72,16 @@ impl Document {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        Document::load_within(SizeLimit::default(), path)
+    }
+
+    /// Loads a document of a limited size.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load); [`FileError::TooLarge`].
+    pub fn load_within(limit: SizeLimit, path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| FileError::read(path, source))?;
+        let text = read_text(path, limit)?;
         Document::parse(&text).map_err(|source| FileError::format(path, source))
     }
 }

@@ -1,6 +1,7 @@
 //! What can go wrong on the way out and back in.
 
 use super::format::FORMAT;
+use super::words::quoted;
 use crate::core::continuation::Kind;
 use crate::core::names::UnknownName;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,64 @@ pub enum FileError {
         /// What is wrong with it.
         source: FormatError,
     },
+    /// What is to be replaced is no regular file.
+    #[error(
+        "{} is {kind}, and only regular files, and symbolic links to them, are replaced; name another place with --out",
+        path.display()
+    )]
+    Special {
+        /// The path.
+        path: PathBuf,
+        /// What is there.
+        kind: &'static str,
+    },
+    /// The file is larger than what is read.
+    #[error(
+        "{} is larger than {} MB, the most that is read; if it is what you mean, raise the limit with --max-size",
+        path.display(), limit / 1_000_000
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// How many bytes are read at most.
+        limit: u64,
+    },
+    /// Nobody writes to what is to be read.
+    #[error("{} is {kind}, and for 5 s nothing has come from it; name a file", path.display())]
+    Silent {
+        /// The path.
+        path: PathBuf,
+        /// What is there.
+        kind: &'static str,
+    },
+    /// Another run writes the same result.
+    #[error(
+        "another run{} is writing {}: wait until it ends, end it, or name another folder with --out",
+        process.map_or(String::new(), |id| format!(", process {id},")), path.display()
+    )]
+    Locked {
+        /// The result, without endings.
+        path: PathBuf,
+        /// The id of the process, if it is known.
+        process: Option<u32>,
+    },
+    /// The ending of a file says nothing about its format.
+    #[error(
+        "{} has an ending that is no format of pictures; known: {}",
+        path.display(), known.join(", ")
+    )]
+    Ending {
+        /// The file.
+        path: PathBuf,
+        /// The endings that are known.
+        known: &'static [&'static str],
+    },
+    /// The name of a file cannot be that of a result.
+    #[error("the name of the file {} holds control characters; rename it", quoted(&path.to_string_lossy()))]
+    Name {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl FileError {
@@ -40,7 +99,7 @@ impl FileError {
         FileError::Read { path: path.into(), source }
     }
 
-    pub(super) fn format(path: &Path, source: FormatError) -> Self {
+    pub(crate) fn format(path: &Path, source: FormatError) -> Self {
         FileError::Format { path: path.into(), source }
     }
 }
@@ -103,8 +162,17 @@ pub enum FormatError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The document cannot be put into words.
-    #[error("the document cannot be written as RON: {0}")]
+    /// An archive unpacks to more than what is read.
+    #[error(
+        "the archive unpacks to more than {} MB, the most that is read; if it is what you mean, raise the limit with \
+         --max-size", limit / 1_000_000
+    )]
+    Unpacked {
+        /// How many bytes are unpacked at most.
+        limit: u64,
+    },
+    /// The document, or the archive, cannot be put into words.
+    #[error("it cannot be written: {0}")]
     Unwritable(String),
 }
 
@@ -211,6 +279,12 @@ pub enum FigureError {
         /// The figure.
         title: String,
     },
+    /// The system has no fonts for the texts of a PNG.
+    #[cfg(feature = "png")]
+    #[error(
+        "the system has no fonts, which a PNG needs; install one, such as DejaVu, or draw an SVG"
+    )]
+    NoFont,
     /// The drawing library failed.
     #[error("drawing failed: {0}")]
     Drawing(String),

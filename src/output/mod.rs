@@ -21,9 +21,12 @@ mod document_file;
 mod error;
 mod example;
 mod figure;
+mod files;
 mod format;
 mod number;
 mod panels;
+#[cfg(feature = "png")]
+mod png;
 mod profiles;
 mod report;
 mod robustness;
@@ -31,8 +34,8 @@ mod svg;
 mod sweeps;
 mod table;
 mod tile;
+mod words;
 mod work_precision;
-mod write;
 
 pub use chosen::Chosen;
 pub use diagram::diagram;
@@ -40,19 +43,27 @@ pub use document::{Against, Deviation, Document, Enlargement, Plot};
 pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};
-pub use format::FORMAT;
+pub(crate) use files::read;
+#[cfg(feature = "cli")]
+pub(crate) use files::{Lock, read_text, target};
+pub use files::{SizeLimit, write_atomically, write_together};
+pub use format::{FORMAT, Format};
 pub use number::significant;
 pub(crate) use panels::check_columns;
 pub use panels::figures;
+#[cfg(feature = "png")]
+pub use png::png;
 #[cfg(feature = "cli")]
 pub(crate) use report::entries;
 pub use report::{Entry, Report, ReportError};
 pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tried};
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
-pub use table::{Screen, csv};
+pub use table::{Screen, csv, table};
 pub use tile::{Hue, Tile};
+#[cfg(feature = "cli")]
+pub(crate) use words::printable;
+pub(crate) use words::{entry, text};
 pub use work_precision::{
     Circumstances, Clock, Drawn, Line, Measured, Measurement, WORK_PRECISION, WorkPrecision,
 };
-pub use write::write_atomically;

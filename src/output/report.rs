@@ -3,7 +3,7 @@
 
 use super::error::{FigureError, FileError};
 use super::figure::Figure;
-use super::write::write_atomically;
+use super::files::write_together;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -63,15 +63,17 @@ pub trait Report: Serialize + DeserializeOwned {
         ron::from_str(text)
     }
 
-    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder.
+    /// Writes `NAME.ron`, `NAME.md` and `NAME.svg` into a folder, together.
     ///
     /// # Errors
     /// [`ReportError`] if a file cannot be written, or there is nothing to draw.
     fn save(&self, folder: &Path) -> Result<(), ReportError> {
         let at = |ending: &str| folder.join(format!("{}.{ending}", self.name()));
-        write_atomically(at("ron"), self.to_ron()?)?;
-        write_atomically(at("md"), self.to_markdown())?;
-        Ok(write_atomically(at("svg"), super::draw(&self.figures())?)?)
+        let mut files = vec![(at("ron"), self.to_ron()?), (at("md"), self.to_markdown())];
+        // Results are not lost with a figure that cannot be drawn.
+        let drawn = super::draw(&self.figures()).map(|svg| files.push((at("svg"), svg)));
+        write_together(&files)?;
+        Ok(drawn?)
     }
 }
 

@@ -1,5 +1,6 @@
-//! Tables of special points: as comma-separated values, and as lines on a screen.
+//! Tables: special points and whole branches as comma-separated values, special points as lines on a screen.
 
+use super::document::Document;
 use super::number::significant;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::names::distinct;
@@ -45,6 +46,52 @@ pub fn csv(branches: &[Branch]) -> String {
             cells.push(count(point.unstable));
             cells.push(point.converged.to_string());
             cells.push(point.multiplicity.to_string());
+            table.push_str(&cells.join(","));
+            table.push('\n');
+        }
+    }
+    table
+}
+
+/// All points of the branches of some documents as comma-separated values: `branch`, `point`, counted from 0, every
+/// parameter and monitor by name, `unstable`, and `admissible`. Of several documents, each branch has the name of its
+/// document before its own. Numbers have 15 significant digits; a cell is empty where a branch lacks the column.
+///
+/// ```
+/// use tangency::output::{Document, example_branch, table};
+/// let document = Document::new("Pull-in", vec![example_branch()]);
+/// let table = table(&[("plate", &document)]);
+/// let lines: Vec<&str> = table.lines().collect();
+/// assert_eq!(lines[0], "branch,point,load,aspect_ratio,deflection,unstable,admissible");
+/// assert_eq!(lines[1], "plate,0,0,1.2,0,0,true");
+/// ```
+pub fn table<'a>(documents: &[(&str, &'a Document)]) -> String {
+    let name = |document: &str, branch: &Branch| match documents.len() {
+        1 => branch.name.clone(),
+        _ => format!("{document}: {}", branch.name),
+    };
+    let branches = |(stem, document): &(&str, &'a Document)| {
+        document.branches.iter().map(|branch| (name(stem, branch), branch)).collect::<Vec<_>>()
+    };
+    let all: Vec<(String, &Branch)> = documents.iter().flat_map(branches).collect();
+    let columns =
+        |of: fn(&Branch) -> &Vec<String>| distinct(all.iter().flat_map(|(_, branch)| of(branch)));
+    let (parameters, monitors) = (columns(|b| &b.parameters), columns(|b| &b.monitors));
+    let names = parameters.iter().chain(&monitors).map(|name| quoted(name));
+    let names = ["branch", "point"].map(String::from).into_iter().chain(names);
+    let header: Vec<String> = names.chain(["unstable", "admissible"].map(String::from)).collect();
+    let mut table = header.join(",") + "\n";
+    for (name, branch) in &all {
+        for (index, point) in branch.points.iter().enumerate() {
+            let mut cells = vec![quoted(name), index.to_string()];
+            let lists = [
+                (&parameters, &branch.parameters, &point.parameters),
+                (&monitors, &branch.monitors, &point.monitors),
+            ];
+            for (columns, names, values) in lists {
+                cells.extend(columns.iter().map(|column| cell(column, names, values)));
+            }
+            cells.extend([count(point.unstable), point.admissible.to_string()]);
             table.push_str(&cells.join(","));
             table.push('\n');
         }

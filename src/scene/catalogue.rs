@@ -182,6 +182,18 @@ impl Catalogue {
     /// # Errors
     /// As [`parse`](Self::parse); [`SceneError::File`] for files that cannot be read.
     pub fn parse_in(&self, folder: &Path, text: &str) -> Result<Scene, SceneError> {
+        self.parse_within(Some(folder), text)
+    }
+
+    /// Reads a scene that names no files: one from an archive, which may be a stranger's.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); [`SceneError::Value`] for the name of a file.
+    pub fn parse_alone(&self, text: &str) -> Result<Scene, SceneError> {
+        self.parse_within(None, text)
+    }
+
+    fn parse_within(&self, folder: Option<&Path>, text: &str) -> Result<Scene, SceneError> {
         let text = without_mark(text);
         let read: Scene<Option<&RawValue>> =
             options().from_str(text).map_err(|error| no_scene(text, error))?;

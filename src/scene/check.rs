@@ -16,6 +16,7 @@ const FLOW_ERRORS: RangeInclusive<f64> = 1e-15..=1e-3;
 
 impl Scene {
     pub(super) fn check(&self) -> Result<(), SceneError> {
+        self.check_words()?;
         if self.runs.is_empty() && self.sweeps.is_empty() {
             let rule = "a scene must hold one run, or one sweep, or more";
             return Err(SceneError::invalid("the list of runs", "empty", rule));

@@ -36,6 +36,7 @@ mod statement;
 mod sweep;
 mod text;
 mod trace;
+mod words;
 
 pub use asked::Asked;
 pub use builtin::{BUILT_IN, BuiltIn};

@@ -85,7 +85,16 @@ impl Scene {
     pub fn to_ron(&self) -> String {
         let pretty = PrettyConfig::new().struct_names(true).depth_limit(3);
         // Scenes are plain lists, numbers and names: they can always be written.
-        let text = options().to_string_pretty(self, pretty).unwrap_or_default();
+        self.readable(options().to_string_pretty(self, pretty).unwrap_or_default())
+    }
+
+    /// The scene on one line, with all that was set: what results are known by.
+    pub fn in_words(&self) -> String {
+        self.readable(options().to_string(self).unwrap_or_default())
+    }
+
+    /// A text of the scene, its problem as scenes state it.
+    fn readable(&self, text: String) -> String {
         let (name, written) = (self.problem.name(), self.problem.written());
         text.replacen(&format!("{name}({written})"), &format!("{name}{written}"), 1)
     }

@@ -82,11 +82,6 @@ impl Scene {
         Division::new(self.sweeps.iter().flat_map(|sweep| sweep.strand_lengths(strands)), parts)
     }
 
-    /// The scene in words, with all that was set: what results are known by.
-    pub fn in_words(&self) -> String {
-        ron::to_string(self).unwrap_or_default()
-    }
-
     pub(super) fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
         let parameters = self.problem.parameter_names();
         let axis = |&Grid { ref name, low, high, count }: &Grid| {

@@ -10,6 +10,7 @@ use super::problem::{Configured, Model, Problem, Stated};
 use super::slot::options;
 use crate::core::bvp::{BoundaryProblem, IntoEquations};
 use crate::core::names::UnknownName;
+use crate::output::{FileError, SizeLimit, read};
 use crate::problems::text::ode;
 use crate::problems::text::{self, KINDS, Source, Statement, blanked, misread, skip_comments};
 use ron::error::SpannedError;
@@ -18,11 +19,11 @@ use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::ops::Range;
 use std::path::Path;
 
-/// The text of a scene, and the folder that files are named from.
+/// The text of a scene, and the folder that files are named from; without one, it can name none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneText<'a> {
     pub text: &'a str,
-    pub folder: &'a Path,
+    pub folder: Option<&'a Path>,
 }
 
 /// The kind of equations that a name stands for, with the names of what they state.
@@ -90,10 +91,18 @@ pub(super) fn of_file(
     file: &str,
     given: &[String],
 ) -> Result<Stated, SceneError> {
-    let path = scene.folder.join(file);
+    let folder = scene.folder.ok_or_else(|| {
+        SceneError::value(FILE, file, "an archive states its equations, and names no files")
+    })?;
+    let path = folder.join(file);
     let name = path.display().to_string();
-    let bytes = std::fs::read(&path)
-        .map_err(|cause| SceneError::File { path: name.clone(), cause: cause.to_string() })?;
+    let bytes = read(&path, SizeLimit::default()).map_err(|cause| SceneError::File {
+        path: name.clone(),
+        cause: match cause {
+            FileError::Read { source, .. } => source.to_string(),
+            other => other.to_string(),
+        },
+    })?;
     // Files of XPPAUT's may be older than UTF-8.
     let source = Source::new(name, String::from_utf8_lossy(&bytes));
     if is_ode(&path) {
@@ -249,7 +258,7 @@ impl Problem {
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        with_default_settings(SceneText { text: "", folder }, &name, given)
+        with_default_settings(SceneText { text: "", folder: Some(folder) }, &name, given)
     }
 
     /// Whether a file with this text states equations, and is no scene.

@@ -2,6 +2,7 @@
 
 mod command_line;
 mod fidelity;
+mod files;
 mod itineraries;
 mod limits;
 mod models;

@@ -162,8 +162,14 @@ impl Canvas<'_> {
             _ => [at[0], at[1] - shift],
         };
         let style = font.pos(Pos::new(side, VPos::Top));
-        self.area.draw(&Text::new(text.to_owned(), fine(at), style)).map_err(failed)
+        self.area.draw(&Text::new(well_formed(text), fine(at), style)).map_err(failed)
     }
+}
+
+/// A text without the letters that XML does not have.
+fn well_formed(text: &str) -> String {
+    let foreign = |letter: char| letter.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&letter);
+    text.replace(foreign, "\u{fffd}")
 }
 
 /// The width of a text in pixels: an estimate, since the font is the reader's.

@@ -10,19 +10,28 @@
 //!     SWEEP/points/COLUMN.npy     one number for each point, run after run
 //! ```
 //!
+//! Names in it hold no `..` and begin with no `/`, so that an archive that is unpacked stays in its folder.
+//!
 //! In Python `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
 
 use super::check::check_failures;
 use super::table::{Row, SWEEPS, SweepTable, Sweeps};
-use crate::output::error::{FileError, FormatError};
-use crate::output::write_atomically;
+use crate::output::error::{FileError, FormatError, Invalid};
+use crate::output::files::{SizeLimit, read as read_file, write_atomically};
+use crate::output::words::{component, entry, text};
 use npyz::{NpyFile, WriterBuilder};
+use std::fmt::Display;
 use std::io::{Cursor, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
-type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
+/// An archive that is read, and how much it may still unpack to.
+struct Archive<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    limit: u64,
+    left: u64,
+}
 
 impl Sweeps {
     /// Saves all that is done, whole or not at all.
@@ -31,23 +40,38 @@ impl Sweeps {
     /// [`FileError::Write`] if the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
         let path = path.as_ref();
-        let bytes = self.to_bytes().map_err(FormatError::Unwritable);
-        write_atomically(path, bytes.map_err(|source| FileError::format(path, source))?)
+        write_atomically(path, self.to_bytes().map_err(|source| FileError::format(path, source))?)
     }
 
     /// Loads what is done.
     ///
     /// # Errors
-    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it holds no sweeps.
+    /// [`FileError::Read`] if the file cannot be read, [`FileError::Format`] if it holds no sweeps,
+    /// [`FileError::TooLarge`] beyond [`SizeLimit::default`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        Sweeps::load_within(SizeLimit::default(), path)
+    }
+
+    /// Loads what is done, of a limited size.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_within(limit: SizeLimit, path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
-        Sweeps::from_bytes(&bytes)
-            .map_err(|reason| FileError::format(path, FormatError::Archive { reason }))
+        let bytes = read_file(path, limit)?;
+        Sweeps::from_bytes(&bytes, limit).map_err(|source| FileError::format(path, source))
     }
 
     /// The file's content: the same bytes for the same sweeps.
-    pub(super) fn to_bytes(&self) -> Result<Vec<u8>, String> {
+    ///
+    /// # Errors
+    /// [`FormatError`] if it could not be read back: a name that is none of an entry, or a name twice.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
+        check(self)?;
+        self.packed().map_err(FormatError::Unwritable)
+    }
+
+    fn packed(&self) -> Result<Vec<u8>, String> {
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         let about = ron::to_string(self).map_err(|error| error.to_string())?;
         write(&mut zip, "about", about.as_bytes().iter().copied())?;
@@ -66,18 +90,42 @@ impl Sweeps {
         Ok(zip.finish().map_err(|error| error.to_string())?.into_inner())
     }
 
-    fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
-        let text =
-            String::from_utf8(read(&mut zip, "about")?).map_err(|error| error.to_string())?;
-        let mut all: Sweeps = ron::from_str(&text).map_err(|error| error.to_string())?;
+    fn from_bytes(bytes: &[u8], limit: SizeLimit) -> Result<Self, FormatError> {
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
+        let limit = limit.unpacked;
+        let mut archive = Archive { zip, limit, left: limit };
+        let text = String::from_utf8(archive.read("about")?).map_err(damaged)?;
+        let mut all: Sweeps = ron::from_str(&text).map_err(damaged)?;
         if all.format != SWEEPS {
             let found = all.format;
-            return Err(format!("its format is `{found}`, but this program reads `{SWEEPS}`"));
+            return Err(damaged(format!(
+                "its format is `{found}`, but this program reads `{SWEEPS}`"
+            )));
         }
-        all.sweeps.iter_mut().try_for_each(|sweep| fill(sweep, &mut zip))?;
+        check(&all)?;
+        all.sweeps.iter_mut().try_for_each(|sweep| fill(sweep, &mut archive))?;
         Ok(all)
     }
+}
+
+fn damaged(reason: impl ToString) -> FormatError {
+    FormatError::Archive { reason: reason.to_string() }
+}
+
+/// Checks all names: those of sweeps and columns are names of entries, and that of the scene is one of a file.
+fn check(all: &Sweeps) -> Result<(), Invalid> {
+    component("the scene's name", &all.name)?;
+    text("the title", &all.title)?;
+    for sweep in &all.sweeps {
+        entry("the name of a sweep", &sweep.name)?;
+        let place = format!("sweep `{}`, a column", sweep.name);
+        let columns = sweep.run_columns.iter().chain(&sweep.point_columns);
+        columns.chain(&sweep.axes).chain(&sweep.events).try_for_each(|name| entry(&place, name))?;
+    }
+    for (column, label) in &all.plot.labels {
+        text(&format!("plot, the label of `{column}`"), label)?;
+    }
+    Ok(())
 }
 
 /// Writes an array as an entry.
@@ -100,51 +148,58 @@ fn write<T: npyz::AutoSerialize>(
     zip.write_all(&bytes).map_err(|error| error.to_string())
 }
 
-/// Reads an entry.
-fn read<T: npyz::Deserialize>(zip: &mut Archive, name: &str) -> Result<Vec<T>, String> {
-    let mut bytes = Vec::new();
-    let mut entry = zip.by_name(&format!("{name}.npy")).map_err(|e| format!("`{name}`: {e}"))?;
-    entry.read_to_end(&mut bytes).map_err(|error| format!("`{name}`: {error}"))?;
-    let array = NpyFile::new(&bytes[..]).map_err(|error| format!("`{name}`: {error}"))?;
-    array.into_vec().map_err(|error| format!("`{name}`: {error}"))
-}
+impl Archive<'_> {
+    /// Reads an entry.
+    fn read<T: npyz::Deserialize>(&mut self, name: &str) -> Result<Vec<T>, FormatError> {
+        let failed = |error: &dyn Display| damaged(format!("`{name}`: {error}"));
+        let mut bytes = Vec::new();
+        let entry = self.zip.by_name(&format!("{name}.npy")).map_err(|error| failed(&error))?;
+        // What an entry says about its size need not be so.
+        let more = self.left.saturating_add(1);
+        entry.take(more).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
+        let left = self.left.checked_sub(bytes.len() as u64);
+        self.left = left.ok_or(FormatError::Unpacked { limit: self.limit })?;
+        let array = NpyFile::new(&bytes[..]).map_err(|error| failed(&error))?;
+        array.into_vec().map_err(|error| failed(&error))
+    }
 
-/// The columns of one sweep, all of one length.
-fn columns(
-    zip: &mut Archive,
-    sweep: &str,
-    table: &str,
-    names: &[String],
-) -> Result<Vec<Vec<f64>>, String> {
-    let column = |name: &String| read::<f64>(zip, &format!("{sweep}/{table}/{name}"));
-    let columns = names.iter().map(column).collect::<Result<Vec<_>, _>>()?;
-    match columns.iter().all(|column| column.len() == columns[0].len()) {
-        true => Ok(columns),
-        false => Err(format!("the columns of `{sweep}/{table}` differ in length")),
+    /// The columns of one sweep, all of one length.
+    fn columns(
+        &mut self,
+        sweep: &str,
+        table: &str,
+        names: &[String],
+    ) -> Result<Vec<Vec<f64>>, FormatError> {
+        let column = |name: &String| self.read::<f64>(&format!("{sweep}/{table}/{name}"));
+        let columns = names.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+        match columns.iter().all(|column| column.len() == columns[0].len()) {
+            true => Ok(columns),
+            false => Err(damaged(format!("the columns of `{sweep}/{table}` differ in length"))),
+        }
     }
 }
 
 /// Reads the rows of a sweep.
-fn fill(sweep: &mut SweepTable, zip: &mut Archive) -> Result<(), String> {
-    sweep.check_columns()?;
+fn fill(sweep: &mut SweepTable, archive: &mut Archive) -> Result<(), FormatError> {
+    sweep.check_columns().map_err(damaged)?;
     let name = &sweep.name;
-    let runs = columns(zip, name, "runs", &sweep.run_columns)?;
-    let points = columns(zip, name, "points", &sweep.point_columns)?;
+    let runs = archive.columns(name, "runs", &sweep.run_columns)?;
+    let points = archive.columns(name, "points", &sweep.point_columns)?;
     let of =
         |columns: &[Vec<f64>], k: usize| -> Vec<f64> { columns.iter().map(|c| c[k]).collect() };
     let mut failures = std::mem::take(&mut sweep.rows);
     for k in 0..runs.first().map_or(0, Vec::len) {
         let values = of(&runs, k);
-        let run = sweep.run_number(values[0])?;
+        let run = sweep.run_number(values[0]).map_err(damaged)?;
         let failure = failures.remove(&run).and_then(|row| row.failure);
-        sweep.take_row(run, Row { values, points: Vec::new(), failure })?;
+        sweep.take_row(run, Row { values, points: Vec::new(), failure }).map_err(damaged)?;
     }
-    check_failures(&sweep.name, &failures)?;
+    check_failures(&sweep.name, &failures).map_err(damaged)?;
     for k in 0..points.first().map_or(0, Vec::len) {
         let point = of(&points, k);
-        let run = sweep.run_number(point[0])?;
+        let run = sweep.run_number(point[0]).map_err(damaged)?;
         let run = sweep.rows.get_mut(&run);
-        run.ok_or_else(|| format!("a point of run {} that is not there", point[0]))?
+        run.ok_or_else(|| damaged(format!("a point of run {} that is not there", point[0])))?
             .points
             .extend(point);
     }

@@ -64,7 +64,7 @@ pub fn merge(parts: Vec<Sweeps>) -> Result<Sweeps, MergeError> {
     let mut whole = parts.next().ok_or(MergeError::Nothing)?;
     for (index, part) in parts.enumerate() {
         let number = index + 2;
-        if part.scene != whole.scene {
+        if (&part.name, &part.scene) != (&whole.name, &whole.scene) {
             return Err(MergeError::Different { number });
         }
         part.check_tables(&whole).map_err(|cause| MergeError::Tables { number, cause })?;

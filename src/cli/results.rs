@@ -1,0 +1,149 @@
+//! The files that a command writes: checked and locked before the work, saved together after it.
+
+use super::error::CommandError;
+use crate::output::{Document, FileError, Lock, Sweeps, draw, figures, target, write_together};
+use std::path::{Path, PathBuf};
+
+/// The files of one result, `FOLDER/NAME.ENDING`, which no other run writes as long as this lives.
+pub struct Results {
+    folder: PathBuf,
+    name: String,
+    // The lock is removed before the folders that hold nothing else.
+    _lock: Lock,
+    _made: Folders,
+}
+
+impl Results {
+    /// Claims the files with these endings: what cannot be written is better known before the work than after it.
+    ///
+    /// # Errors
+    /// [`CommandError::OutputIsInput`] for a file that is read; [`FileError`] for one that cannot be replaced, a folder that
+    /// cannot be made, or a result that another run is writing.
+    pub fn claim(
+        folder: &Path,
+        name: &str,
+        endings: &[&str],
+        inputs: &[&Path],
+    ) -> Result<Self, CommandError> {
+        let paths: Vec<PathBuf> = endings.iter().map(|ending| file(folder, name, ending)).collect();
+        Results::claim_all(folder, name, &paths, inputs)
+    }
+
+    /// Claims one file.
+    pub fn claim_file(path: &Path, inputs: &[&Path]) -> Result<Self, CommandError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        Results::claim_all(folder, &name, &[path], inputs)
+    }
+
+    fn claim_all(
+        folder: &Path,
+        name: &str,
+        paths: &[impl AsRef<Path>],
+        inputs: &[&Path],
+    ) -> Result<Self, CommandError> {
+        let here = Path::new(".");
+        let folder = if folder.as_os_str().is_empty() { here } else { folder };
+        if name.contains(char::is_control) {
+            return Err(FileError::Name { path: name.into() }.into());
+        }
+        let mut paths = paths.iter().map(AsRef::as_ref);
+        let read = |path: &&Path| inputs.iter().any(|input| same_file(input, path));
+        if let Some(path) = paths.clone().find(read) {
+            return Err(CommandError::OutputIsInput { path: path.into() });
+        }
+        let made = Folders::make(folder)?;
+        paths.try_for_each(|path| target(path).map(|_| ()))?;
+        let lock = Lock::take(folder, name)?;
+        Ok(Results { folder: folder.into(), name: name.into(), _lock: lock, _made: made })
+    }
+
+    /// The file with an ending.
+    pub fn path(&self, ending: &str) -> PathBuf {
+        file(&self.folder, &self.name, ending)
+    }
+
+    /// Saves branches and sweeps together with their picture, and says where. A picture that cannot be drawn keeps
+    /// nothing else from being saved; an earlier one, which shows something else, is removed.
+    pub fn save(
+        &self,
+        document: Option<&Document>,
+        sweeps: Option<&Sweeps>,
+    ) -> Result<Vec<PathBuf>, CommandError> {
+        let named = document.map(|document| (&*self.name, document));
+        let svg = figures(named.as_slice(), sweeps.map_or(&[], std::slice::from_ref), None, None)
+            .and_then(|figures| draw(&figures));
+        let mut files = self.data(document, sweeps)?;
+        let picture = self.path("svg");
+        match svg {
+            Ok(svg) => {
+                files.push((picture, svg.into_bytes()));
+                write_together(&files)?;
+                Ok(files.into_iter().map(|(path, _)| path).collect())
+            }
+            Err(error) => {
+                write_together(&files)?;
+                let _ = std::fs::remove_file(picture);
+                Err(error.into())
+            }
+        }
+    }
+
+    /// Saves sweeps without a picture.
+    pub fn save_alone(&self, sweeps: &Sweeps) -> Result<Vec<PathBuf>, CommandError> {
+        let files = self.data(None, Some(sweeps))?;
+        write_together(&files)?;
+        Ok(files.into_iter().map(|(path, _)| path).collect())
+    }
+
+    fn data(
+        &self,
+        document: Option<&Document>,
+        sweeps: Option<&Sweeps>,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>, CommandError> {
+        let [ron, npz] = ["ron", "npz"].map(|ending| self.path(ending));
+        let unwritable = |path: &Path| {
+            let path = path.to_path_buf();
+            move |source| FileError::Format { path, source }
+        };
+        let mut files = Vec::new();
+        if let Some(document) = document {
+            let text = document.to_ron().map_err(unwritable(&ron))?;
+            files.push((ron, text.into_bytes()));
+        }
+        if let Some(sweeps) = sweeps {
+            let bytes = sweeps.to_bytes().map_err(unwritable(&npz))?;
+            files.push((npz, bytes));
+        }
+        Ok(files)
+    }
+}
+
+fn file(folder: &Path, name: &str, ending: &str) -> PathBuf {
+    folder.join(format!("{name}.{ending}"))
+}
+
+/// Whether two paths lead to one file, also by way of links.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    a == b || real(a).is_some_and(|a| Some(a) == real(b))
+}
+
+/// Folders that were made for results; those that stay empty are removed.
+struct Folders(Vec<PathBuf>);
+
+impl Folders {
+    fn make(folder: &Path) -> Result<Self, FileError> {
+        let missing = folder.ancestors().take_while(|folder| !folder.exists());
+        let missing = missing.map(PathBuf::from).collect();
+        std::fs::create_dir_all(folder)
+            .map_err(|source| FileError::Write { path: folder.into(), source })?;
+        Ok(Folders(missing))
+    }
+}
+
+impl Drop for Folders {
+    fn drop(&mut self) {
+        self.0.iter().all(|folder| std::fs::remove_dir(folder).is_ok());
+    }
+}

@@ -1,0 +1,41 @@
+//! Signals that ask a command to end: what is done until then is kept.
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag::{register, register_conditional_shutdown};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
+
+/// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP; looked at after every point and run. A
+/// second signal ends the program at once.
+static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
+    let flag: Arc<AtomicBool> = Arc::default();
+    #[cfg(unix)]
+    let hangup = Some(signal_hook::consts::SIGHUP).filter(|signal| !is_ignored(*signal));
+    #[cfg(not(unix))]
+    let hangup = None;
+    for signal in [SIGINT, SIGTERM].into_iter().chain(hangup) {
+        // Without a handler a signal ends the program: partial results are lost, nothing worse.
+        let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(&flag))
+            .and_then(|_| register(signal, Arc::clone(&flag)));
+    }
+    flag
+});
+
+/// Whether a signal asked for the end.
+pub fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// Handles signals from now on.
+pub fn handle() {
+    LazyLock::force(&INTERRUPTED);
+}
+
+/// Whether a signal is ignored, as SIGHUP is under `nohup`: a run that is to outlive its terminal does.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}

@@ -1,0 +1,16 @@
+//! Files: what may be read, and how results are written.
+
+mod leftovers;
+#[cfg(feature = "cli")]
+mod lock;
+mod read;
+mod target;
+mod write;
+
+#[cfg(feature = "cli")]
+pub(crate) use lock::Lock;
+pub use read::SizeLimit;
+pub(crate) use read::{read, read_text};
+#[cfg(feature = "cli")]
+pub(crate) use target::target;
+pub use write::{write_atomically, write_together};

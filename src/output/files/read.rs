@@ -1,0 +1,78 @@
+//! Reading files, up to a size.
+
+use super::target::kind;
+use crate::output::error::FileError;
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+/// How large files may be that are read: what is larger is refused before it fills the memory.
+///
+/// ```
+/// use tangency::output::SizeLimit;
+/// assert_eq!(SizeLimit::default(), SizeLimit::megabytes(256));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SizeLimit {
+    /// A file, in bytes.
+    pub file: u64,
+    /// What an archive unpacks to, in bytes.
+    pub unpacked: u64,
+}
+
+impl SizeLimit {
+    /// Files of so many megabytes, and archives that unpack to four times as many.
+    pub const fn megabytes(count: u64) -> Self {
+        let file = count.saturating_mul(1_000_000);
+        SizeLimit { file, unpacked: file.saturating_mul(4) }
+    }
+}
+
+impl Default for SizeLimit {
+    /// 256 MB, and about 1 GB unpacked.
+    fn default() -> Self {
+        SizeLimit::megabytes(256)
+    }
+}
+
+/// How long a FIFO waits for somebody who writes to it.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Reads a file.
+pub(crate) fn read(path: &Path, limit: SizeLimit) -> Result<Vec<u8>, FileError> {
+    let failed = |source| FileError::read(path, source);
+    let too_large = || FileError::TooLarge { path: path.into(), limit: limit.file };
+    let there = path.metadata().map_err(failed)?;
+    if there.is_file() && there.len() > limit.file {
+        return Err(too_large());
+    }
+    let file = if there.is_file() { File::open(path) } else { open_patiently(path) };
+    let mut bytes = Vec::new();
+    // A device has no length, and a file may grow.
+    let more = limit.file.saturating_add(1);
+    let length = file.and_then(|file| file.take(more).read_to_end(&mut bytes)).map_err(
+        |cause| match cause.kind() {
+            ErrorKind::TimedOut => {
+                FileError::Silent { path: path.into(), kind: kind(there.file_type()) }
+            }
+            _ => failed(cause),
+        },
+    )?;
+    if length as u64 > limit.file { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// Reads a file of text.
+pub(crate) fn read_text(path: &Path, limit: SizeLimit) -> Result<String, FileError> {
+    String::from_utf8(read(path, limit)?)
+        .map_err(|cause| FileError::read(path, Error::new(ErrorKind::InvalidData, cause)))
+}
+
+/// Opens what is no regular file: opening a FIFO waits for a writer, who may never come.
+fn open_patiently(path: &Path) -> std::io::Result<File> {
+    let (sender, receiver) = channel();
+    let path = PathBuf::from(path);
+    std::thread::spawn(move || sender.send(File::open(path)));
+    receiver.recv_timeout(PATIENCE).unwrap_or(Err(ErrorKind::TimedOut.into()))
+}

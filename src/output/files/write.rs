@@ -1,0 +1,116 @@
+//! The one way to write files: whole or not at all, and those of one result together.
+
+use super::leftovers::{self, ENDING, temporary};
+use super::target::target;
+use crate::output::error::FileError;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Writes a file whole or not at all: [`write_together`] with one file.
+///
+/// # Errors
+/// As [`write_together`].
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("new folder").join("a.txt");
+/// tangency::output::write_atomically(&path, "content")?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "content");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_atomically(
+    path: impl AsRef<Path>,
+    content: impl AsRef<[u8]>,
+) -> Result<(), FileError> {
+    write_together(&[(path, content)])
+}
+
+/// Writes the files of one result, each whole or not at all. All are written as temporary files of the same folders, then
+/// all are renamed, one right after the other: after a failure or a kill all are as they were, unless it comes between two
+/// renames. Folders are made if they are missing. Symbolic links to regular files are followed. Temporary files of
+/// earlier writers that were killed are removed.
+///
+/// # Errors
+/// [`FileError::Write`] with the path, if a folder cannot be made or written to; [`FileError::Special`] for a device or
+/// anything else that is no regular file.
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let [data, picture] = ["a.ron", "a.svg"].map(|name| folder.path().join(name));
+/// tangency::output::write_together(&[(&data, "()"), (&picture, "<svg/>")])?;
+/// assert_eq!(std::fs::read_to_string(&picture)?, "<svg/>");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_together<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Result<(), FileError> {
+    let written = files.iter().map(|(path, content)| Written::new(path.as_ref(), content.as_ref()));
+    let written = written.collect::<Result<Vec<_>, _>>()?;
+    written.into_iter().try_for_each(Written::rename)
+}
+
+/// A file that is complete, and does not have its name yet. Dropped, it is removed.
+struct Written<'a> {
+    path: &'a Path,
+    target: PathBuf,
+    file: NamedTempFile,
+}
+
+impl<'a> Written<'a> {
+    fn new(path: &'a Path, content: &[u8]) -> Result<Self, FileError> {
+        let failed = |source| FileError::Write { path: path.into(), source };
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        std::fs::create_dir_all(parent.unwrap_or(Path::new("."))).map_err(failed)?;
+        let target = target(path)?;
+        let write = || {
+            let mut file = create(&target)?;
+            file.write_all(content)?;
+            file.as_file().sync_all()?;
+            Ok(file)
+        };
+        let file = write().map_err(failed)?;
+        Ok(Written { path, target, file })
+    }
+
+    fn rename(self) -> Result<(), FileError> {
+        let Written { path, target, file } = self;
+        let renamed = file.persist(target);
+        renamed
+            .map(|_| ())
+            .map_err(|error| FileError::Write { path: path.into(), source: error.error })
+    }
+}
+
+/// How many times one process writes a file at the same time.
+const MOST: usize = 100;
+
+/// A new temporary file for a target, locked.
+fn create(target: &Path) -> std::io::Result<NamedTempFile> {
+    let Some(name) = target.file_name() else {
+        return Err(std::io::Error::new(ErrorKind::InvalidInput, "the path names no file"));
+    };
+    let name = name.to_string_lossy();
+    let folder = target.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    leftovers::remove(folder, &name);
+    for serial in 0..MOST {
+        let prefix = temporary(&name, serial);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).rand_bytes(0).suffix(ENDING);
+        // Temporary files are private by default; a document should be as readable as any new file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        match builder.tempfile_in(folder) {
+            Ok(file) => {
+                // Where there are no locks, no temporary file is ever taken for one without a writer.
+                let _ = file.as_file().lock();
+                // Before it was locked, another writer may have removed it.
+                if leftovers::is_at(file.as_file(), file.path()) {
+                    return Ok(file);
+                }
+            }
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(std::io::Error::new(ErrorKind::ResourceBusy, "it is being written many times at once"))
+}

@@ -1,0 +1,27 @@
+//! What the names and texts of a scene may hold.
+
+use super::error::SceneError;
+use super::statement::Scene;
+use crate::output::{Invalid, entry, text};
+
+impl Scene {
+    /// Refuses control characters, and names of sweeps that cannot be those of entries in an archive.
+    pub(super) fn check_words(&self) -> Result<(), SceneError> {
+        self.words().map_err(|Invalid { place, found, rule }| SceneError::Invalid {
+            place,
+            found,
+            rule,
+        })
+    }
+
+    fn words(&self) -> Result<(), Invalid> {
+        text("the title", &self.title)?;
+        self.runs.iter().try_for_each(|run| text("the name of a run", &run.name))?;
+        self.sweeps.iter().try_for_each(|sweep| entry("the name of a sweep", &sweep.name))?;
+        let labels = self.plot.labels.iter();
+        labels.into_iter().try_for_each(|(column, label)| {
+            text("plot, the column of a label", column)?;
+            text(&format!("plot, the label of `{column}`"), label)
+        })
+    }
+}
