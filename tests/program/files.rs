@@ -479,7 +479,7 @@ fn damaged_archives_are_refused() {
     succeeds(at, &["sweep", "up.ron"]);
     let fewer = |about: &str| about.replace("total:6", "total:3");
     forged(at, "out/up.npz", "total.npz", &fewer);
-    refused(at, &["merge", "total.npz", "--out", "m"], &["a run 3 of `up`, which has 3 runs"]);
+    refused(at, &["merge", "total.npz", "--out", "m"], &["total.npz: ", "its numbers are 0 to 2"]);
     let text = |about: &str| about.replace("tangency-sweeps/", "tangency-swepps/");
     forged(at, "out/up.npz", "format.npz", &text);
     refused(at, &["plot", "format.npz"], &["its format is `tangency-swepps/1`"]);
