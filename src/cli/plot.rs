@@ -35,8 +35,8 @@ impl Plot {
         // Clap refuses an empty list.
         let target = self.out.clone().or_else(beside).unwrap_or_default();
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
-        let format = Format::of(&target)?;
         let _claimed = Results::claim_file(&target, &inputs)?;
+        let format = Format::of(&target)?;
         let (archives, files): (Vec<_>, Vec<_>) =
             self.files.iter().partition(|file| file.extension().is_some_and(|e| e == "npz"));
         let documents = files.iter().map(|file| Document::load_within(limit, file));

@@ -52,7 +52,10 @@ impl Results {
         if let Some(path) = paths.clone().find(read) {
             return Err(CommandError::OutputIsInput { path: path.into() });
         }
-        let made = Folders::make(folder)?;
+        let made = Folders::make(folder).map_err(|source| {
+            let path = paths.clone().next().unwrap_or(folder).into();
+            FileError::Write { path, source }
+        })?;
         paths.try_for_each(|path| target(path).map(|_| ()))?;
         let lock = Lock::take(folder, name)?;
         Ok(Results { folder: folder.into(), name: name.into(), _lock: lock, _made: made })
@@ -133,11 +136,10 @@ fn same_file(a: &Path, b: &Path) -> bool {
 struct Folders(Vec<PathBuf>);
 
 impl Folders {
-    fn make(folder: &Path) -> Result<Self, FileError> {
+    fn make(folder: &Path) -> std::io::Result<Self> {
         let missing = folder.ancestors().take_while(|folder| !folder.exists());
         let missing = missing.map(PathBuf::from).collect();
-        std::fs::create_dir_all(folder)
-            .map_err(|source| FileError::Write { path: folder.into(), source })?;
+        std::fs::create_dir_all(folder)?;
         Ok(Folders(missing))
     }
 }

@@ -44,10 +44,12 @@ proptest! {
         texts in prop::collection::vec(any_text(), 4),
     ) {
         let mut document = document();
-        document.title = texts[0].clone();
-        document.settings = vec![(texts[1].clone(), texts[2].clone())];
+        // Names and titles hold no control characters; anything else may.
+        let [title, setting, name] = [0, 1, 3].map(|k| texts[k].replace(char::is_control, ""));
+        document.title = title;
+        document.settings = vec![(setting, texts[2].clone())];
         let branch = &mut document.branches[0];
-        branch.name = texts[3].clone();
+        branch.name = name;
         branch.condition = unstable.map(|_| Kind::LP);
         branch.ends[1] = End::StepTooSmall { step: values[0], cause: texts[2].clone() };
         for (point, v) in branch.points.iter_mut().zip(values.chunks(3)) {
