@@ -5,7 +5,7 @@ use super::results::Results;
 use super::signals::interrupted;
 use super::trace::SceneAt;
 use super::watch::Watch;
-use crate::core::sweep::{Division, Found, Part};
+use crate::core::sweep::{Division, Found, Part, Work};
 use crate::output::{Document, FileError, SizeLimit, SweepTable, Sweeps, merge, printable};
 use crate::scene::{Catalogue, Scene, SweepWatch, execute, sweep};
 use clap::Args;
@@ -98,9 +98,9 @@ impl Sweep {
         let document = trace(traced, &self.scene.scene, out)?;
         let kept = Kept { results: &results, document, drawn: self.part.is_none() };
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
-        let (every, bar) = (self.save_every, super::watch::bar());
+        let (every, bar, saved) = (self.save_every, super::watch::bar(), Instant::now());
         let mut keeper =
-            Keeper { kept, bar, saved: Instant::now(), every, pause: every, failure: None };
+            Keeper { sweep: String::new(), kept, bar, saved, every, pause: every, failure: None };
         let swept = sweep(&scene, &name, part, known, &mut keeper);
         keeper.bar.finish_and_clear();
         let sweeps = swept.map_err(|cause| self.scene.at_fault(cause))?;
@@ -227,8 +227,15 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// Work is announced that may take this long.
+const LONG: Duration = Duration::from_secs(60);
+/// The minutes of a year.
+const YEAR: u64 = 365 * 24 * 60;
+
 /// Saves what is done from time to time, and shows how much that is.
 struct Keeper<'a> {
+    /// The sweep that is done now.
+    sweep: String,
     kept: Kept<'a>,
     bar: ProgressBar,
     saved: Instant,
@@ -241,10 +248,29 @@ struct Keeper<'a> {
 
 impl SweepWatch for Keeper<'_> {
     fn begin(&mut self, sweep: &SweepTable) {
+        self.sweep = sweep.name.clone();
         self.bar.set_length(sweep.total as u64);
         self.bar.set_position(sweep.rows.len() as u64);
         let SweepTable { name, rows, total, .. } = sweep;
         self.bar.set_message(format!("{} of {total} runs of {name}", rows.len()));
+    }
+
+    fn work(&mut self, work: &Work) {
+        let &Work { runs, periods, threads, time } = work;
+        if time < LONG {
+            return;
+        }
+        let time = match time.as_secs() / 60 {
+            0..YEAR => humantime::format_duration(Duration::from_secs(time.as_secs() / 60 * 60))
+                .to_string(),
+            _ => "more than a year".into(),
+        };
+        let sweep = &self.sweep;
+        self.bar.suspend(|| {
+            eprintln!(
+                "`{sweep}`: {runs} runs of up to {periods} periods may take up to {time} on {threads} threads; Ctrl-C keeps what is done, and the same command goes on"
+            );
+        });
     }
 
     fn goes_on(&self) -> fn() -> bool {

@@ -83,6 +83,10 @@ impl<W: Write> Observer for Watch<'_, W> {
 }
 
 impl<W: Write> SceneObserver for Watch<'_, W> {
+    fn goes_on(&self) -> fn() -> bool {
+        || !interrupted()
+    }
+
     fn run(&mut self, run: &Run, _number: usize, _of: usize) {
         self.shown = run.shown;
     }

@@ -4,7 +4,9 @@ use super::error::SceneError;
 use super::local::Local;
 use super::simulate::Simulated;
 use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::attractor::StroboscopicError;
 use crate::core::bifurcation::catalogue::of_curves;
+use crate::core::field::Forcing;
 use crate::core::hybrid::check_measures;
 use crate::core::measure::Measure;
 use crate::core::names::{UnknownName, position};
@@ -13,6 +15,9 @@ use std::ops::RangeInclusive;
 
 /// The tolerances that the flow of a sweep may have.
 const FLOW_ERRORS: RangeInclusive<f64> = 1e-15..=1e-3;
+
+/// How long simulations may be.
+const TIMES: RangeInclusive<f64> = 0.0..=1e6;
 
 impl Scene {
     pub(super) fn check(&self) -> Result<(), SceneError> {
@@ -85,6 +90,9 @@ impl Scene {
         }
         let Some(local) = &sweep.local else {
             let motion = self.problem.model().motion()?;
+            if motion.forcing() == Forcing::None {
+                return Err(StroboscopicError::NoPeriod.into());
+            }
             self.with(&sweep.set)?.plan(sweep, &motion.modes()[0])?;
             let known = motion.measures().into_iter();
             let known: Vec<String> =
@@ -195,9 +203,8 @@ fn check_simulated(
         finite(&place(&format!("start of `{name}`")), *value)?;
     }
     let times = [("transient", simulated.transient), ("duration", simulated.duration)];
-    let bad = |time: &f64| !(time.is_finite() && *time >= 0.0);
-    if let Some((what, time)) = times.into_iter().find(|(_, time)| bad(time)) {
-        let rule = "must be a finite number, and not less than 0";
+    if let Some((what, time)) = times.into_iter().find(|(_, time)| !TIMES.contains(time)) {
+        let rule = "must be from 0 to 1000000";
         return Err(SceneError::invalid(place(what), time.to_string(), rule));
     }
     let after = simulated.after.as_ref().map(|after| named(earlier, after)).transpose();

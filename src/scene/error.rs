@@ -132,6 +132,12 @@ pub enum SceneError {
     /// A picture that cannot be drawn, whatever is traced.
     #[error("the plot: {0}")]
     Figure(#[from] FigureError),
+    /// Ctrl-C.
+    #[error("the simulation `{run}` was given up before its end; those before it are kept")]
+    GivenUp {
+        /// The run.
+        run: String,
+    },
     /// A run starts from a point that an earlier run did not find.
     #[error(
         "the run `{run}` starts from point {nth} of kind {kind} of `{from}`, which has {found} of that kind ({ends})"

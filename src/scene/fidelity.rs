@@ -32,7 +32,11 @@ impl Observer for Unseen<'_> {
     }
 }
 
-impl SceneObserver for Unseen<'_> {}
+impl SceneObserver for Unseen<'_> {
+    fn goes_on(&self) -> fn() -> bool {
+        self.0.goes_on()
+    }
+}
 
 /// An estimated error, and where it is.
 #[derive(Clone, Debug, PartialEq)]

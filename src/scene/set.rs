@@ -126,7 +126,12 @@ impl Scene {
         if !assign(changed.own_slots(), name, value)? {
             changed.assign(name, value)?;
         }
-        changed.check()?;
+        // The runs of a scene that is being made are checked when they are there.
+        if changed.runs.is_empty() && changed.sweeps.is_empty() {
+            changed.check_accuracy()?;
+        } else {
+            changed.check()?;
+        }
         *self = changed;
         Ok(())
     }

@@ -7,13 +7,14 @@ use super::slot::values;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 use crate::core::hybrid::{
-    CycleSearch, CycleSearchError, History, HybridEquations, HybridError, HybridFlow,
-    HybridSettings, HybridState, Mode, Piece,
+    CycleSearch, CycleSearchError, Event, History, HybridEquations, HybridError, HybridFlow,
+    HybridObserver, HybridSettings, HybridState, Mode, Piece,
 };
 use crate::core::names::{distinct, position};
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::Profile;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A simulation of a vector field, or of a hybrid system from its first mode. Times are in periods of the forcing, or in units of
@@ -54,6 +55,19 @@ const EVENTS: &str = "events";
 /// Samples of a step in a history.
 const SAMPLES: usize = 8;
 
+/// Motion is followed while something holds.
+struct While(fn() -> bool);
+
+impl HybridObserver<f64> for While {
+    fn ends(&self) -> bool {
+        !(self.0)()
+    }
+
+    fn event(&mut self, _event: &Event<f64>) -> ControlFlow<()> {
+        if (self.0)() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+}
+
 /// Follows a system through a transient, and then for as long as the history is to last: the history as a branch of one
 /// point, and the state in which it ends.
 pub(super) fn simulate(
@@ -61,7 +75,7 @@ pub(super) fn simulate(
     name: &str,
     simulated: &Simulated,
     p: &[f64],
-    start: Option<HybridState<f64>>,
+    (start, goes_on): (Option<HybridState<f64>>, fn() -> bool),
 ) -> Result<(Branch, HybridState<f64>), SceneError> {
     let failed = |cause: HybridError| SceneError::of_run(name, cause);
     let mut state = match start {
@@ -70,7 +84,10 @@ pub(super) fn simulate(
     };
     let unit = system.period(p);
     let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
-    flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
+    flow.advance(&mut state, simulated.transient * unit, p, &mut While(goes_on)).map_err(failed)?;
+    if !goes_on() {
+        return Err(SceneError::GivenUp { run: name.into() });
+    }
     // Long times have fewer digits, and a period more or less means nothing.
     state.time %= unit;
     let begin = state.time;

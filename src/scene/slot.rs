@@ -135,7 +135,30 @@ fn form<T: for<'a> Deserialize<'a>>() -> Option<String> {
         ("\"\"", "a text in quotes"),
     ];
     let of_form = forms.into_iter().find(|(value, _)| reads(value).is_ok());
-    of_form.map(|(_, form)| form.into())
+    of_form.map(|(_, form)| form.into()).or_else(structure::<T>)
+}
+
+/// A structure with all of its fields: the reader says which are missing.
+fn structure<T: for<'a> Deserialize<'a>>() -> Option<String> {
+    let mut fields: Vec<String> = Vec::new();
+    loop {
+        let text = format!("({})", fields.join(", "));
+        let missing = match options().from_str::<T>(&text).map_err(|error| error.code) {
+            Ok(_) if fields.is_empty() => return None,
+            Ok(_) => return Some(format!("of the form of `{text}`")),
+            Err(RonError::MissingStructField { field, .. }) => field,
+            Err(_) => return None,
+        };
+        let fits = |value: &&str| {
+            let field = fields.iter().cloned().chain([format!("{missing}: {value}")]);
+            let text = format!("({})", field.collect::<Vec<_>>().join(", "));
+            let read = options().from_str::<T>(&text).map_err(|error| error.code);
+            read.is_ok()
+                || matches!(read, Err(RonError::MissingStructField { field, .. }) if field != missing)
+        };
+        let value = ["1", "(1, 1)", "true", "[]", "\"\""].into_iter().find(fits)?;
+        fields.push(format!("{missing}: {value}"));
+    }
 }
 
 pub(super) fn written<T: Serialize>(value: &T) -> String {

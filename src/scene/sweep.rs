@@ -11,10 +11,11 @@ use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::{
-    self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity,
+    self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity, Work,
 };
 use crate::output::{SWEEPS, SweepTable, Sweeps};
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -22,6 +23,9 @@ use std::sync::Arc;
 pub trait SweepWatch {
     /// A sweep begins, of which so many runs are done.
     fn begin(&mut self, _sweep: &SweepTable) {}
+
+    /// What the sweep that begins may take.
+    fn work(&mut self, _work: &Work) {}
 
     /// What is asked between any two periods of every run: where it is false, runs that are not done are given up.
     fn goes_on(&self) -> fn() -> bool {
@@ -193,9 +197,6 @@ impl<'a> Prepared<'a> {
         let motion = seen.problem.model().motion()?;
         let map = sweep.local.as_ref().map(|local| map_of(scene, &seen, &sweep.name, local));
         let map = map.transpose()?;
-        if map.is_none() && motion.forcing() == Forcing::None {
-            return Err(StroboscopicError::NoPeriod.into());
-        }
         let layout = strobed(sweep, &seen, &*motion, map.as_ref())?.layout().clone();
         let plan = seen.plan(sweep, &layout.modes[0])?;
         Ok(Prepared { sweep, seen, motion, map, layout, plan })
@@ -222,6 +223,14 @@ impl<'a> Prepared<'a> {
         let end = |run: &usize| Some((*run, table.end(*run, plan.starts[0].time, modes)?));
         let ends: BTreeMap<usize, _> = table.rows.keys().filter_map(end).collect();
         let make: &Make = &|| strobed(sweep, seen, &**motion, map.as_ref());
+        let runs = (plan.runs() / part.of).saturating_sub(table.rows.len());
+        let threads = part.threads.map_or_else(rayon::current_num_threads, NonZeroUsize::get);
+        let work = make()
+            .ok()
+            .and_then(|mut map| plan.work(&seen.values().ok()?, &mut *map, runs, threads));
+        if let Some(work) = work {
+            watch.work(&work);
+        }
         let mut outcome = ControlFlow::Continue(());
         let done = |run: usize| ends.get(&run).cloned();
         let goes_on = watch.goes_on();

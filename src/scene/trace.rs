@@ -16,6 +16,11 @@ use std::ops::ControlFlow;
 
 /// Sees the runs of a scene.
 pub trait SceneObserver: Observer {
+    /// What is asked between any two steps of a simulation: where it is false, the simulation is given up.
+    fn goes_on(&self) -> fn() -> bool {
+        || true
+    }
+
     /// A run begins.
     fn run(&mut self, _run: &Run, _number: usize, _of: usize) {}
 }
@@ -78,7 +83,9 @@ impl Tracing {
         let alike: Vec<&Branch> =
             self.done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
         let mut branch = match (&run.start, run.along.is_empty()) {
-            (Start::Simulated(simulated), true) => history(scene, run, simulated, &mut self.last),
+            (Start::Simulated(simulated), true) => {
+                history(scene, run, simulated, (&mut self.last, observer.goes_on()))
+            }
             _ => {
                 let mut joined = Joined { done: &alike, observer };
                 trace(scene, run, start, &self.done, &mut joined)
@@ -112,7 +119,7 @@ fn history(
     scene: &Scene,
     run: &Run,
     simulated: &Simulated,
-    last: &mut LastStates,
+    (last, goes_on): (&mut LastStates, fn() -> bool),
 ) -> Result<Branch, SceneError> {
     let seen = scene.with(&run.set)?;
     seen.check_begin(run, None)?;
@@ -120,7 +127,8 @@ fn history(
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
     let simulated = simulated.from(&seen.problem.initial(&seen.values()?));
-    let (branch, end) = simulate(&*motion, &run.name, &simulated, &seen.values()?, start)?;
+    let (branch, end) =
+        simulate(&*motion, &run.name, &simulated, &seen.values()?, (start, goes_on))?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }

@@ -20,7 +20,7 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
 }
 
 const SCENE: &str = r#"Scene(title: "t", problem: ImpactOscillator(), parameters: [("frequency", 2.2)],
-    runs: [Run(name: "r", start: Simulated(), along: [(name: "amplitude", low: 0.1, high: 0.2)])],
+    runs: [Run(name: "r", start: Simulated(), along: [(name: "amplitude", low: 0.01, high: 0.2)])],
     sweeps: [(name: "up", over: [(name: "amplitude", low: 1, high: 5, count: 3)],
         search: (transient: 20, recorded_periods: 10, lyapunov_periods: 0))])"#;
 
@@ -80,7 +80,13 @@ fn values_are_refused_with_what_may_be_written() {
     assert!(with("max_step=fast").contains("it must be a number"));
     let scene = |text: &str| Scene::parse(text).unwrap().set("orders", "3").unwrap_err();
     let plate = "Scene(title: \"t\", problem: Plate(), runs: [Run(name: \"r\", along: [(name: \"load\", low: 0, high: 1)])])";
-    assert!(scene(plate).to_string().contains("it must be of the form of `("), "{}", scene(plate));
+    assert!(
+        scene(plate)
+            .to_string()
+            .contains("it must be of the form of `(transverse: (1, 1), in_plane: (1, 1))`"),
+        "{}",
+        scene(plate)
+    );
 }
 
 /// Archives whose tables are not those of the scene are neither continued nor merged.
@@ -157,4 +163,47 @@ fn scenes_of_many_runs_are_read() {
     let text =
         format!("Scene(title: \"t\", problem: ImpactOscillator(), runs: [{}])", runs.join(","));
     assert_eq!(Scene::parse(&text).unwrap().runs.len(), 10_000);
+}
+
+/// Work of more than a minute is said before it begins, and ends inside a run when a signal asks for it.
+#[test]
+#[cfg(unix)]
+fn long_work_is_announced_and_can_be_ended() {
+    use std::io::Read;
+    let folder = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tangency"))
+        .current_dir(folder.path())
+        .args(["sweep", "a.ron", "--set", "transient=1000000000"])
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stderr = child.stderr.take().unwrap();
+    let mut said = vec![0; 20];
+    stderr.read_exact(&mut said).unwrap();
+    let ended = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(ended.success());
+    let mut rest = String::new();
+    stderr.read_to_string(&mut rest).unwrap();
+    let said = String::from_utf8(said).unwrap() + &rest;
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{said}");
+    assert!(said.contains("`up`: 3 runs of up to 1000000010 periods may take up to "), "{said}");
+    assert!(said.contains("interrupted"), "{said}");
+}
+
+/// Values without a physical meaning are refused by the problems.
+#[test]
+fn values_without_a_meaning_are_refused() {
+    let folder = folder();
+    for (scene, value, said) in [
+        ("plate-clamped", "gap_ratio=-1", "gap_ratio = -1"),
+        ("mita-type-1", "restitution=-0.5", "restitution = -5.0"),
+        ("mita-type-1", "damping=-1", "damping = -1"),
+        ("mita-type-1", "static_friction=-1", "static_friction = -1"),
+    ] {
+        let output = tangency(folder.path(), &["trace", scene, "--set", value]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains(said) && message.contains("it must be 0 or more"), "{message}");
+    }
 }

@@ -235,7 +235,7 @@ fn foreign_texts_and_wrong_types_are_refused_with_their_place() {
         assert!(said.contains("a scene begins with"), "{said}");
     }
     for (from, to, said) in [
-        ("\"t\"", "3", "line 2, column 12: expected a text in quotes"),
+        ("\"t\"", "3", "line 2, column 10: expected a text in quotes"),
         ("1.0", "\"one\"", "line 4,"),
         ("1.0", "[1]", "line 4,"),
         ("\"SSSS\"", "4", "line 3,"),

@@ -11,7 +11,9 @@
 mod execute;
 mod part;
 mod plan;
+mod work;
 
 pub use execute::{Found, Make, Visit, execute};
 pub use part::{Division, Part};
 pub use plan::{Axis, MOST_RUNS, Order, Plan, PlanError, Quantity};
+pub use work::Work;

@@ -354,6 +354,15 @@ impl HybridSystem for Actuator {
             let remedy = "the stoppers are between the middle, 0, and the electrode, 1";
             return Err(OutOfDomain::new("clearance", clearance, remedy));
         }
+        let ratios = [
+            ("restitution", parameters.restitution()),
+            ("damping", *parameters.block()[2]),
+            ("static_friction", parameters.static_friction()),
+            ("dynamic_friction", parameters.dynamic_friction()),
+        ];
+        if let Some((name, value)) = ratios.into_iter().find(|(_, value)| *value < 0.0) {
+            return Err(OutOfDomain::new(name, value, "it must be 0 or more"));
+        }
         if frame_mass <= 0.0 {
             return Err(OutOfDomain::new("frame_mass", frame_mass, "a mass must be more than 0"));
         }

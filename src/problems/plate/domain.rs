@@ -4,7 +4,7 @@ use super::parameters::{Parameters, Units};
 use crate::core::zero::{Failure, OutOfDomain};
 
 /// The parameters of the equations, unless one is not finite, a quantity of a device is not positive,
-/// `α ≤ 0`, or `ν` is not between −1 and ½.
+/// `α ≤ 0`, `d/h < 0`, or `ν` is not between −1 and ½.
 pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, OutOfDomain> {
     for (name, value) in units.names().iter().zip(p) {
         let positive = matches!(
@@ -23,10 +23,19 @@ pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, Out
         let remedy = "the ratio of the sides must be positive and finite";
         return Err(OutOfDomain::new("aspect", plate.aspect, remedy));
     }
+    not_negative("gap_ratio", plate.gap_ratio)?;
     if !(plate.nu > -1.0 && plate.nu < 0.5) {
         return Err(OutOfDomain::new("nu", plate.nu, "Poisson's ratio must be between −1 and ½"));
     }
     Ok(plate)
+}
+
+/// Refuses a ratio below 0, or that is not finite.
+pub(super) fn not_negative(name: &str, ratio: f64) -> Result<(), OutOfDomain> {
+    match ratio >= 0.0 && ratio.is_finite() {
+        true => Ok(()),
+        false => Err(OutOfDomain::new(name, ratio, "it must be 0 or more, and finite")),
+    }
 }
 
 /// Refuses a largest deflection (over the gap) of `limit` or more, and one that is not a number.

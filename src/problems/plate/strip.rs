@@ -203,7 +203,8 @@ impl ZeroProblem for Strip {
         monitors::fill(Units::Dimensionless, p, deflections, frequencies, values);
     }
 
-    fn domain(&self, z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
+    fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        domain::not_negative("gap_ratio", p[1])?;
         domain::clear(self.largest(z).1, 1.0)
     }
 

@@ -14,6 +14,7 @@ pub(crate) fn misread(source: &Source, at: usize, error: SpannedError) -> ModelE
     let [begin, end] =
         [error.span.start, error.span.end].map(|place| at + offset(&text[at..], place));
     // What is missing is seen behind the last thing that is there.
+    let begin = begin + (text[begin..].len() - text[begin..].trim_start_matches(' ').len());
     let begin = begin.min(text.trim_end().len());
     source.fault_at(begin..end.max(begin), Fault::Form { reason: reason(&error.code) })
 }
