@@ -5,7 +5,6 @@ use super::simulate::at_rest;
 use super::statement::{Grid, Scene, Sweep};
 use super::trace::map_of;
 use crate::core::attractor::{Layout, PeriodMap, StroboscopicError, StroboscopicMap};
-use crate::core::field::Forcing;
 use crate::core::flow;
 use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
