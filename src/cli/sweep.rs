@@ -91,6 +91,9 @@ impl Sweep {
         let path = results.path("npz");
         let known = path.exists() && !self.afresh;
         let known = known.then(|| Sweeps::load_within(limit, &path)).transpose()?;
+        if let Some(known) = &known {
+            scene.check_known(known).map_err(|cause| self.scene.at_fault(cause))?;
+        }
         if let Some(part) = self.part {
             divided(&scene, part, out)?;
         }

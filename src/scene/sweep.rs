@@ -85,6 +85,14 @@ impl Scene {
         Division::new(self.sweeps.iter().flat_map(|sweep| sweep.strand_lengths(strands)), parts)
     }
 
+    /// Refuses runs that another scene has done.
+    ///
+    /// # Errors
+    /// [`SceneError::OtherScene`].
+    pub fn check_known(&self, known: &Sweeps) -> Result<(), SceneError> {
+        if known.scene == self.in_words() { Ok(()) } else { Err(SceneError::OtherScene) }
+    }
+
     pub(super) fn plan(&self, sweep: &Sweep, mode: &Mode) -> Result<Plan, SceneError> {
         let parameters = self.problem.parameter_names();
         let axis = |&Grid { ref name, low, high, count }: &Grid| {
@@ -144,11 +152,11 @@ pub fn sweep(
         sweeps: prepared.iter().map(Prepared::table).collect(),
     };
     let mut all = match known {
-        Some(known) if known.scene == nothing.scene => {
+        Some(known) => {
+            scene.check_known(&known)?;
             known.check_tables(&nothing).map_err(SceneError::OtherTables)?;
             known
         }
-        Some(_) => return Err(SceneError::OtherScene),
         None => nothing,
     };
     let mut before = 0;

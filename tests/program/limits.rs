@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
-use tangency::output::{Row, Sweeps, merge};
+use tangency::output::{Sweeps, merge};
 use tangency::scene::Scene;
 
 fn tangency(folder: &Path, arguments: &[&str]) -> Output {
@@ -89,6 +89,9 @@ fn values_are_refused_with_what_may_be_written() {
     );
 }
 
+/// What is changed in an archive, and what is said then.
+type Change = (&'static str, fn(&mut Sweeps));
+
 /// Archives whose tables are not those of the scene are neither continued nor merged.
 #[test]
 fn tables_must_be_those_of_the_scene() {
@@ -96,7 +99,7 @@ fn tables_must_be_those_of_the_scene() {
     let path = folder.path().join("out/a.npz");
     assert!(tangency(folder.path(), &["sweep", "a.ron"]).status.success());
     let whole = Sweeps::load(&path).unwrap();
-    let changes: [(&str, fn(&mut Sweeps)); 5] = [
+    let changes: [Change; 5] = [
         ("the sweeps of the file differ", |all| all.sweeps.clear()),
         ("the numbers of runs", |all| all.sweeps[0].total = 7),
         ("the events", |all| all.sweeps[0].events.clear()),
@@ -132,14 +135,14 @@ fn rows_must_be_of_the_runs_there_are() {
     let path = folder.path().join("out/a.npz");
     assert!(tangency(folder.path(), &["sweep", "a.ron"]).status.success());
     let whole = Sweeps::load(&path).unwrap();
-    let changes: [(&str, fn(&mut Sweeps)); 5] = [
+    let changes: [Change; 5] = [
         ("its numbers are 0 to 1", |all| all.sweeps[0].total = 2),
         ("number 0.5", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 0.5),
         ("number -1", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = -1.0),
         ("the run 2 twice", |all| all.sweeps[0].rows.get_mut(&1).unwrap().values[0] = 2.0),
         ("do not begin with `run, period, event, time`", |all| {
             all.sweeps[0].point_columns.clear();
-            all.sweeps[0].rows = [(0, Row::default()); 0].into();
+            all.sweeps[0].rows.clear();
         }),
     ];
     for (what, change) in changes {
