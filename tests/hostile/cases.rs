@@ -9,6 +9,7 @@ mod settings;
 
 use super::bases::Bases;
 use super::dice::Dice;
+use super::report::escaped;
 use std::fs::FileType;
 use std::path::{Path, PathBuf};
 
@@ -93,6 +94,7 @@ impl Case {
         // No argument holds the end of a text.
         case.arguments.iter_mut().for_each(|argument| argument.retain(|c| c != '\0'));
         case.subjects.retain(|subject| !subject.is_empty());
+        case.subjects.extend(case.subjects.clone().iter().map(|subject| escaped(subject)));
         Ok(case)
     }
 

@@ -122,9 +122,9 @@ fn cut(line: &str) -> String {
     if begin.len() < line.len() { escaped(&begin) + " …" } else { escaped(&begin) }
 }
 
-/// A text without control characters.
+/// A text with its control characters as messages write them.
 pub fn escaped(text: &str) -> String {
-    let one = |c: char| if c.is_control() { c.escape_default().collect() } else { String::from(c) };
+    let one = |c: char| if c.is_control() { c.escape_debug().collect() } else { String::from(c) };
     text.chars().map(one).collect()
 }
 

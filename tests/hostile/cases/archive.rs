@@ -26,7 +26,7 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
                 change(&mut sweeps, bases, &case.root, dice);
             }
             let path = case.root.join("work/changed.npz");
-            let saved = sweeps.save(&path).and_then(|()| Ok(std::fs::read(&path)));
+            let saved = sweeps.save(&path).map(|()| std::fs::read(&path));
             let _ = std::fs::remove_file(&path);
             // What cannot be saved is no file to be read.
             saved.unwrap_or(Ok(bases.archives[which].clone()))?

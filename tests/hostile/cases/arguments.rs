@@ -89,7 +89,6 @@ pub fn make(case: &mut Case, bases: &Bases, dice: &mut Dice) -> std::io::Result<
         let input = dice.word(INPUTS);
         prepare(case, input, bases)?;
         case.arguments(&[input]);
-        case.subjects.push(input.chars().flat_map(char::escape_debug).collect());
         case.subjects.push(input.into());
     }
     if inputs == 0 {
