@@ -83,6 +83,11 @@ pub(super) struct Tape {
     pub outputs: Vec<u32>,
 }
 
+/// A register. Vectors in it never cross lines of the cache: to read what has just been stored there would take long.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+struct Register<T>(T);
+
 /// What a tape reads.
 struct Inputs<'a, T> {
     x: &'a [T],
@@ -97,7 +102,7 @@ impl Tape {
     #[inline]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], p: &[T], results: &mut [T]) {
         let fits = |registers: usize| {
-            self.registers <= registers && registers * size_of::<T>() <= ON_STACK
+            self.registers <= registers && registers * size_of::<Register<T>>() <= ON_STACK
         };
         let inputs = Inputs { x, p };
         match () {
@@ -109,7 +114,7 @@ impl Tape {
             () if fits(128) => self.on_stack::<T, 128>(t, inputs, results),
             () if fits(1024) => self.on_stack::<T, 1024>(t, inputs, results),
             // Of many long numbers an allocation is no cost.
-            () => self.run(&mut vec![t; self.registers.max(1)], inputs, results),
+            () => self.run(&mut vec![Register(t); self.registers.max(1)], inputs, results),
         }
     }
 
@@ -123,50 +128,52 @@ impl Tape {
 
     #[inline(never)]
     fn on_stack<T: Scalar, const N: usize>(&self, t: T, inputs: Inputs<T>, results: &mut [T]) {
-        self.run(&mut [t; N], inputs, results);
+        self.run(&mut [Register(t); N], inputs, results);
     }
 
     #[inline(never)]
-    fn run<T: Scalar>(&self, r: &mut [T], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
-        r[1..=self.preloaded].copy_from_slice(&x[..self.preloaded]);
+    fn run<T: Scalar>(&self, r: &mut [Register<T>], Inputs { x, p }: Inputs<T>, results: &mut [T]) {
+        for (register, state) in r[1..=self.preloaded].iter_mut().zip(x) {
+            register.0 = *state;
+        }
         for (register, parameter) in r[1 + self.preloaded..].iter_mut().zip(&self.parameters) {
-            *register = p[*parameter as usize];
+            register.0 = p[*parameter as usize];
         }
         for &Step { code, operation, into, a, b, c, n } in &self.steps {
             let [into, a, b, c] = [into as usize, a as usize, b as usize, c as usize];
             // Every arm stores by itself: one value of all arms would be copied through memory.
             match code {
-                Code::State => r[into] = x[a],
-                Code::Parameter => r[into] = p[a],
-                Code::Number => r[into] = T::constant(n),
-                Code::Result => results[into] = r[a],
-                Code::Add => r[into] = r[a] + r[b],
-                Code::Subtract => r[into] = r[a] - r[b],
-                Code::Multiply => r[into] = r[a] * r[b],
-                Code::Divide => r[into] = r[a] / r[b],
-                Code::Shift => r[into] = r[a] + n,
-                Code::Reflect => r[into] = -r[a] + n,
-                Code::Line => r[into] = r[a] * f64::from_bits((b as u64) << 32 | c as u64) + n,
-                Code::Scale => r[into] = r[a] * n,
-                Code::Share => r[into] = r[a] / n,
-                Code::Invert => r[into] = r[a].recip() * n,
-                Code::MultiplyAdd => r[into] = r[a] * r[b] + r[c],
-                Code::MultiplyShift => r[into] = r[a] * r[b] + n,
-                Code::SubtractProduct => r[into] = r[c] - r[a] * r[b],
-                Code::ScaleAdd => r[into] = r[a] * n + r[b],
-                Code::Square => r[into] = r[a] * r[a],
-                Code::PowerInteger => r[into] = r[a].powi(n as i32),
-                Code::PowerReal => r[into] = r[a].powf(n),
+                Code::State => r[into].0 = x[a],
+                Code::Parameter => r[into].0 = p[a],
+                Code::Number => r[into].0 = T::constant(n),
+                Code::Result => results[into] = r[a].0,
+                Code::Add => r[into].0 = r[a].0 + r[b].0,
+                Code::Subtract => r[into].0 = r[a].0 - r[b].0,
+                Code::Multiply => r[into].0 = r[a].0 * r[b].0,
+                Code::Divide => r[into].0 = r[a].0 / r[b].0,
+                Code::Shift => r[into].0 = r[a].0 + n,
+                Code::Reflect => r[into].0 = -r[a].0 + n,
+                Code::Line => r[into].0 = r[a].0 * f64::from_bits((b as u64) << 32 | c as u64) + n,
+                Code::Scale => r[into].0 = r[a].0 * n,
+                Code::Share => r[into].0 = r[a].0 / n,
+                Code::Invert => r[into].0 = r[a].0.recip() * n,
+                Code::MultiplyAdd => r[into].0 = r[a].0 * r[b].0 + r[c].0,
+                Code::MultiplyShift => r[into].0 = r[a].0 * r[b].0 + n,
+                Code::SubtractProduct => r[into].0 = r[c].0 - r[a].0 * r[b].0,
+                Code::ScaleAdd => r[into].0 = r[a].0 * n + r[b].0,
+                Code::Square => r[into].0 = r[a].0 * r[a].0,
+                Code::PowerInteger => r[into].0 = r[a].0.powi(n as i32),
+                Code::PowerReal => r[into].0 = r[a].0.powf(n),
                 Code::SineCosine => {
-                    let (sine, cosine) = r[a].sin_cos();
-                    r[c] = cosine;
-                    r[into] = sine;
+                    let (sine, cosine) = r[a].0.sin_cos();
+                    r[c].0 = cosine;
+                    r[into].0 = sine;
                 }
-                Code::General => r[into] = general(operation, &r[a], &r[b], &r[c]),
+                Code::General => r[into].0 = general(operation, &r[a].0, &r[b].0, &r[c].0),
             }
         }
         for (result, register) in results.iter_mut().zip(&self.outputs) {
-            *result = r[*register as usize];
+            *result = r[*register as usize].0;
         }
     }
 
