@@ -80,6 +80,8 @@
 pub mod cli;
 pub mod core;
 #[cfg(feature = "scene")]
+mod misread;
+#[cfg(feature = "scene")]
 pub mod output;
 pub mod prelude;
 pub mod problems;

@@ -1,6 +1,7 @@
 //! What is asked of a model on the command line, or of a scene beyond what it states.
 
 use crate::core::continuation::Kind;
+use crate::misread::reason;
 use crate::problems::text::number;
 use crate::scene::{Asked, Range};
 use clap::{Args, ValueEnum};
@@ -25,8 +26,9 @@ pub struct Asking {
     #[arg(long, value_name = "WHAT")]
     pub switch: Option<Switch>,
     /// How many times what was found is followed
-    #[arg(long, value_name = "COUNT", default_value = "1", requires = "switch")]
-    pub depth: usize,
+    #[arg(long, value_name = "COUNT", default_value = "1", requires = "switch",
+        value_parser = clap::value_parser!(u8).range(1..=20))]
+    pub depth: u8,
 }
 
 /// What is followed.
@@ -67,5 +69,8 @@ pub(super) fn value(text: &str) -> Result<f64, String> {
 }
 
 fn kind(text: &str) -> Result<Kind, String> {
-    ron::from_str(&text.to_uppercase()).map_err(|error| error.code.to_string())
+    ron::from_str(&text.to_uppercase()).map_err(|error| match error.code {
+        ron::Error::NoSuchEnumVariant { .. } => reason(&error.code),
+        _ => "expected a kind of special point, as HB".into(),
+    })
 }

@@ -13,8 +13,13 @@ pub enum CommandError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The figure cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
+    #[error("{files}: {cause}")]
+    Figure {
+        /// What is drawn.
+        files: String,
+        #[source]
+        cause: FigureError,
+    },
     /// The output would replace an input.
     #[error("{} is an input and is not overwritten; name another place with --out", path.display())]
     OutputIsInput { path: PathBuf },
@@ -54,8 +59,13 @@ pub enum CommandError {
     #[error("`{scene}` has nothing to sweep: `tangency trace {scene}` does what it is made for")]
     NoSweep { scene: String },
     /// Parts that do not make a whole.
-    #[error(transparent)]
-    Merge(#[from] MergeError),
+    #[error("{files}: {cause}")]
+    Merge {
+        /// Which parts.
+        files: String,
+        #[source]
+        cause: MergeError,
+    },
     /// The name of a work-precision diagram or robustness map is unknown.
     #[error("{name}; `tangency {command}` lists all")]
     UnknownReport { name: UnknownName, command: &'static str },
@@ -73,4 +83,13 @@ pub enum CommandError {
         "the standard output cannot be written to: {0}; files that were named are complete, and the output can go to a file instead"
     )]
     Output(#[from] std::io::Error),
+}
+
+/// Files as messages name them: the first, and how many more there are.
+pub(super) fn named(files: &[PathBuf]) -> String {
+    match files {
+        [] => String::new(),
+        [one] => one.display().to_string(),
+        [first, more @ ..] => format!("{} and {} more", first.display(), more.len()),
+    }
 }

@@ -12,9 +12,11 @@ mod sweep;
 mod trace;
 mod watch;
 
+use crate::core::names::shown;
 use crate::output::{SizeLimit, printable};
 use crate::scene::Catalogue;
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -44,6 +46,26 @@ enum Command {
     Merge(sweep::Merge),
 }
 
+/// The arguments of the program, or its exit code where they cannot be understood, or ask for help.
+fn arguments() -> Result<Arguments, ExitCode> {
+    let given: Vec<OsString> = std::env::args_os().collect();
+    let lossy = given.iter().map(|argument| argument.to_string_lossy());
+    if let Some(odd) = lossy.into_iter().find(|argument| argument.contains(char::is_control)) {
+        let odd = shown(&odd);
+        let message = "holds control characters: names of files, and values, have none here";
+        let _ = writeln!(std::io::stderr(), "error: the argument `{odd}` {message}");
+        return Err(ExitCode::from(2));
+    }
+    Arguments::try_parse_from(given).map_err(|error| {
+        if error.use_stderr() {
+            let _ = write!(std::io::stderr(), "{}", printable(&error.render().to_string()));
+        } else {
+            let _ = error.print();
+        }
+        ExitCode::from(error.exit_code() as u8)
+    })
+}
+
 /// Runs the command line on the arguments of the program, with the problems and scenes of a catalogue: the `main` of a
 /// program. The exit code is 0 on success, 1 after an error, 2 for arguments that cannot be understood.
 ///
@@ -57,7 +79,10 @@ enum Command {
 /// }
 /// ```
 pub fn run(catalogue: Catalogue) -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match arguments() {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
     let limit = SizeLimit::megabytes(arguments.max_size);
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {

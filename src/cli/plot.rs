@@ -50,8 +50,11 @@ impl Plot {
         let named: Vec<(&str, &Document)> =
             names.iter().map(String::as_str).zip(&documents).collect();
         let svg = || -> Result<String, CommandError> {
-            let figures = figures(&named, &sweeps, self.x.as_deref(), self.y.as_deref())?;
-            Ok(draw(&figures)?)
+            let figures = figures(&named, &sweeps, self.x.as_deref(), self.y.as_deref());
+            figures.and_then(|figures| draw(&figures)).map_err(|cause| CommandError::Figure {
+                files: super::error::named(&self.files),
+                cause,
+            })
         };
         let content = match format {
             Format::Svg => svg()?.into_bytes(),

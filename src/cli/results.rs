@@ -84,10 +84,11 @@ impl Results {
                 write_together(&files)?;
                 Ok(files.into_iter().map(|(path, _)| path).collect())
             }
-            Err(error) => {
+            Err(cause) => {
                 write_together(&files)?;
                 let _ = std::fs::remove_file(picture);
-                Err(error.into())
+                let files = self.path("svg").display().to_string();
+                Err(CommandError::Figure { files, cause })
             }
         }
     }

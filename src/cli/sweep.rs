@@ -78,7 +78,7 @@ impl Sweep {
     ) -> Result<(), CommandError> {
         let (name, scene) = self.scene.read(catalogue, None, limit)?;
         if scene.sweeps.is_empty() {
-            return Err(CommandError::NoSweep { scene: name });
+            return Err(CommandError::NoSweep { scene: self.scene.scene.clone() });
         }
         let (result, endings) = match self.part {
             None => (name.clone(), &["ron", "npz", "svg"][..]),
@@ -111,7 +111,7 @@ impl Sweep {
         keeper.failure.map_or(Ok(()), Err)?;
         match kept {
             // There may be too little to draw as yet.
-            Ok(()) | Err(CommandError::Figure(_)) if interrupted() => {
+            Ok(()) | Err(CommandError::Figure { .. }) if interrupted() => {
                 Err(CommandError::Interrupted)
             }
             kept => kept,
@@ -147,7 +147,11 @@ impl Merge {
         out: &mut impl Write,
     ) -> Result<(), CommandError> {
         let parts = self.files.iter().map(|file| Sweeps::load_within(limit, file));
-        let whole = merge(parts.collect::<Result<Vec<_>, FileError>>()?)?;
+        let whole = merge(parts.collect::<Result<Vec<_>, FileError>>()?).map_err(|cause| {
+            let part = cause.part().and_then(|number| self.files.get(number - 1));
+            let files = part.map_or(&self.files[..], std::slice::from_ref);
+            CommandError::Merge { files: super::error::named(files), cause }
+        })?;
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
         let results = Results::claim(&self.out, &whole.name, &["ron", "npz", "svg"], &inputs)?;
         let place = format!("the scene of {}", self.files[0].display());
@@ -268,10 +272,10 @@ impl SweepWatch for Keeper<'_> {
                 .to_string(),
             _ => "more than a year".into(),
         };
-        let sweep = &self.sweep;
+        let sweep = printable(&self.sweep);
         self.bar.suspend(|| {
             eprintln!(
-                "`{sweep}`: {runs} runs of up to {periods} periods may take up to {time} on {threads} threads; Ctrl-C keeps what is done, and the same command goes on"
+                "warning: `{sweep}`: {runs} runs of up to {periods} periods may take up to {time} on {threads} threads; Ctrl-C keeps what is done, and the same command goes on"
             );
         });
     }
@@ -289,7 +293,7 @@ impl SweepWatch for Keeper<'_> {
             let begin = Instant::now();
             match self.kept.save(known) {
                 // There may be too little to draw as yet.
-                Ok(_) | Err(CommandError::Figure(_)) => {}
+                Ok(_) | Err(CommandError::Figure { .. }) => {}
                 Err(error) => {
                     self.failure = Some(error);
                     return ControlFlow::Break(());

@@ -135,7 +135,7 @@ impl Trace {
         }
         let (name, scene) = self.read(catalogue, limit)?;
         if !scene.runs.iter().any(|run| run.shown) {
-            return Err(CommandError::NoRun { scene: name });
+            return Err(CommandError::NoRun { scene: self.scene.scene.clone() });
         }
         scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
         let start = self.point(limit)?;
@@ -145,7 +145,7 @@ impl Trace {
         }
         let mut watch = Watch::new(out);
         let outcome = match (&self.asking.switch, &start) {
-            (Some(Switch::All), None) => explore(&scene, self.asking.depth, &mut watch).1,
+            (Some(Switch::All), None) => explore(&scene, self.asking.depth.into(), &mut watch).1,
             _ => execute(&scene, start.as_ref(), &mut watch),
         };
         let watched = watch.finish();
@@ -220,7 +220,7 @@ impl Written {
         }
         let (_, scene) = self.trace.read(catalogue, limit)?;
         let scene = match self.trace.asking.switch {
-            Some(Switch::All) => explore(&scene, self.trace.asking.depth, &mut ()).0,
+            Some(Switch::All) => explore(&scene, self.trace.asking.depth.into(), &mut ()).0,
             None => scene,
         };
         Ok(writeln!(out, "{}", scene.to_ron())?)

@@ -99,7 +99,7 @@ impl Names {
 /// );
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {what} `{name}`{}Known: {}", self.question(), self.known())]
+#[error("unknown {what} `{}`{}Known: {}", shown(name), self.question(), self.known())]
 pub struct UnknownName {
     /// What the name stands for: `column`, `scene`, `branch`.
     pub what: String,
@@ -122,14 +122,42 @@ impl UnknownName {
 
     fn question(&self) -> String {
         match suggest(&self.name, self.available.iter().map(String::as_str)) {
-            Some(name) => format!("; did you mean `{name}`? "),
+            Some(name) => format!("; did you mean `{}`? ", shown(name)),
             None => ". ".into(),
         }
     }
 
     fn known(&self) -> String {
-        if self.available.is_empty() { "none".into() } else { self.available.join(", ") }
+        if self.available.is_empty() { "none".into() } else { listed(&self.available) }
     }
+}
+
+/// How many letters of a name a message shows.
+const SHOWN: usize = 60;
+/// How many letters of a list of names a message shows.
+const LISTED: usize = 240;
+
+/// A name or a value as messages show it: control characters are escaped, and it is cut where it is long.
+pub(crate) fn shown(text: &str) -> String {
+    let plain = |letter: char| match letter.is_control() {
+        true => letter.escape_default().to_string(),
+        false => letter.to_string(),
+    };
+    let cut = if text.chars().nth(SHOWN).is_some() { "…" } else { "" };
+    text.chars().take(SHOWN).map(plain).collect::<String>() + cut
+}
+
+/// Names as messages list them: as many as fit, and how many there are.
+pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
+    let mut list = String::new();
+    for name in names {
+        if list.chars().count() > LISTED {
+            return format!("{list}, … ({} in all)", names.len());
+        }
+        let comma = if list.is_empty() { "" } else { ", " };
+        list += &format!("{comma}{}", shown(name.as_ref()));
+    }
+    list
 }
 
 /// Names without repetitions, in the order in which they come first.

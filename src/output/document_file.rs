@@ -5,6 +5,7 @@ use super::document::Document;
 use super::error::{FileError, FormatError};
 use super::files::{SizeLimit, read_text, write_atomically};
 use super::format::FORMAT;
+use crate::misread::reason;
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use std::path::Path;
@@ -89,7 +90,7 @@ impl Document {
 /// Says whether a text that could not be read is foreign, of another version, cut short or mistaken.
 fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     let (line, column) = (error.span.start.line, error.span.start.col);
-    let reason = error.code.to_string();
+    let reason = reason(&error.code);
     match tag(text) {
         None => FormatError::Foreign { line, column, reason },
         Some(tag) if tag != FORMAT => FormatError::Version { found: tag.into() },

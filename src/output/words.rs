@@ -11,15 +11,62 @@ pub(crate) fn quoted(text: &str) -> String {
     format!("{:?}{cut}", text.chars().take(QUOTED).collect::<String>())
 }
 
-/// A message as a terminal may show it: control characters are escaped, but for the ends of its lines.
+/// How many letters a line of a message has at most …
+#[cfg(feature = "cli")]
+const LINE: usize = 380;
+/// … of which so many are its end, …
+#[cfg(feature = "cli")]
+const END: usize = 120;
+/// … and how many lines there are.
+#[cfg(feature = "cli")]
+const LINES: usize = 20;
+/// A number of more digits is written with its power of ten.
+#[cfg(feature = "cli")]
+const DIGITS: usize = 25;
+
+/// A message as a terminal may show it: control characters are escaped, but for the ends of its lines, long numbers have
+/// powers of ten, and long lines are cut in their middle.
 #[cfg(feature = "cli")]
 pub(crate) fn printable(message: &str) -> String {
-    let kept = |letter: char| !letter.is_control() || letter == '\n' || letter == '\t';
-    let show = |letter: char| match kept(letter) {
-        true => letter.to_string(),
-        false => letter.escape_default().to_string(),
+    let lines = message.split('\n').take(LINES).map(|line| shortened(&with_powers(&escaped(line))));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(feature = "cli")]
+fn escaped(line: &str) -> String {
+    let show = |letter: char| match letter.is_control() {
+        false => letter.to_string(),
+        true => letter.escape_default().to_string(),
     };
-    message.chars().map(show).collect()
+    line.chars().map(show).collect()
+}
+
+/// A line in which numbers of many digits are written as `1e300`.
+#[cfg(feature = "cli")]
+fn with_powers(line: &str) -> String {
+    let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
+    let (mut whole, mut rest) = (String::new(), line);
+    while let Some(begin) = rest.find(is_digit) {
+        let (before, digits) = rest.split_at(begin);
+        let (digits, after) =
+            digits.split_at(digits.find(|c| !is_digit(c)).unwrap_or(digits.len()));
+        let number = Some(digits).filter(|digits| digits.len() > DIGITS);
+        let number = number.and_then(|digits| digits.parse::<f64>().ok());
+        whole += before;
+        whole += &number.map_or_else(|| digits.to_string(), |number| format!("{number:e}"));
+        rest = after;
+    }
+    whole + rest
+}
+
+#[cfg(feature = "cli")]
+fn shortened(line: &str) -> String {
+    let letters: Vec<char> = line.chars().collect();
+    if letters.len() <= LINE {
+        return line.into();
+    }
+    let text = |part: &[char]| part.iter().collect::<String>();
+    format!("{} … {}", text(&letters[..LINE - END]), text(&letters[letters.len() - END..]))
 }
 
 /// Refuses a name or a title that would move the cursor of a terminal, or make an ill-formed picture.

@@ -9,7 +9,7 @@ use crate::core::bifurcation::catalogue::of_curves;
 use crate::core::field::Forcing;
 use crate::core::hybrid::check_measures;
 use crate::core::measure::Measure;
-use crate::core::names::{UnknownName, position};
+use crate::core::names::{UnknownName, position, shown};
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
@@ -32,7 +32,11 @@ impl Scene {
         unique("run", self.runs.iter().map(|run| &run.name))?;
         unique("sweep", self.sweeps.iter().map(|sweep| &sweep.name))?;
         for (name, value) in &self.parameters {
-            finite(&format!("parameter `{name}`"), *value)?;
+            if !value.is_finite() {
+                let rule = "must be a finite number";
+                let place = format!("parameter `{}`", shown(name));
+                return Err(SceneError::invalid(place, value.to_string(), rule));
+            }
         }
         let sound = self.problem.model().check().and_then(|()| self.settings.check());
         sound.map_err(|error| {

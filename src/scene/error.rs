@@ -4,7 +4,7 @@ use crate::core::attractor::StroboscopicError;
 use crate::core::continuation::TraceError;
 use crate::core::grazing::GrazingError;
 use crate::core::hybrid::{CycleSearchError, HybridError};
-use crate::core::names::UnknownName;
+use crate::core::names::{UnknownName, shown};
 use crate::core::sweep::PlanError;
 use crate::output::{Chosen, FigureError, TableDifference};
 use crate::problems::text::ModelError;
@@ -43,7 +43,7 @@ pub enum SceneError {
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
     /// A value of the wrong form.
-    #[error("`{name}` cannot be `{value}`: {reason}")]
+    #[error("`{}` cannot be `{}`: {reason}", shown(name), shown(value))]
     Value {
         /// The parameter or setting.
         name: String,
@@ -76,7 +76,7 @@ pub enum SceneError {
     #[error(transparent)]
     Model(Box<ModelError>),
     /// Something that a scene must not hold.
-    #[error("{place} is {found}, but {rule}")]
+    #[error("{place} is {}, but {rule}", shown(found))]
     Invalid {
         /// The place, for example "run `plate`, mark `load`".
         place: String,

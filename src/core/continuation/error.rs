@@ -15,7 +15,9 @@ pub enum TraceError {
     #[error("the parameter `{0}` is released twice")]
     Twice(String),
     /// A start outside a range or bound.
-    #[error("the start {name} = {value} is not in its range {low} to {high}")]
+    #[error(
+        "the start {name} = {value} is not in its range {low} to {high}: start within it, or widen it"
+    )]
     OutOfRange {
         /// The parameter or monitor.
         name: String,

@@ -1,13 +1,12 @@
 //! What tables of a file must satisfy: they are rectangular, of the runs that there are, and those of the scene.
 
 use super::table::{Row, SweepTable, Sweeps};
+use crate::core::names::listed;
 use std::collections::BTreeMap;
 
 /// The columns that every table begins with.
 const RUN_COLUMNS: [&str; 2] = ["run", "start"];
 const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
-/// How much of a list of names is shown.
-const SHOWN: usize = 300;
 
 /// How the tables of a file differ from those that are meant.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -21,15 +20,6 @@ pub struct TableDifference {
     pub found: String,
     /// What the scene would write.
     pub expected: String,
-}
-
-/// A list of names, cut where it is long.
-fn listed(names: &[String]) -> String {
-    let all = names.join(", ");
-    match all.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("{}…", &all[..end]),
-        None => all,
-    }
 }
 
 impl Sweeps {

@@ -55,6 +55,18 @@ pub enum MergeError {
     },
 }
 
+impl MergeError {
+    /// Which part is at fault, from 1 on, if it is one of them.
+    pub fn part(&self) -> Option<usize> {
+        match self {
+            MergeError::Different { number }
+            | MergeError::Tables { number, .. }
+            | MergeError::Contradiction { number, .. } => Some(*number),
+            MergeError::Nothing | MergeError::Missing { .. } => None,
+        }
+    }
+}
+
 /// Puts the parts of a sweep together.
 ///
 /// # Errors

@@ -1,12 +1,8 @@
 //! Texts that are not written as RON is: where, what stands there, and what may.
 
 use super::source::{Fault, ModelError, Source};
-use crate::core::names::suggest;
-use ron::Error as RonError;
+use crate::misread::reason;
 use ron::error::{Position, SpannedError};
-
-/// How much of a name that is not known is shown.
-const SHOWN: usize = 60;
 
 /// The error in a part of a source that begins there.
 pub(crate) fn misread(source: &Source, at: usize, error: SpannedError) -> ModelError {
@@ -27,67 +23,4 @@ fn offset(text: &str, Position { line, col }: Position) -> usize {
     };
     let letters = text[begin..].char_indices().map(|(at, _)| begin + at);
     letters.chain([text.len()]).nth(col.saturating_sub(1)).unwrap_or(text.len())
-}
-
-/// What is wrong, and what may stand there instead.
-fn reason(code: &RonError) -> String {
-    use RonError::*;
-    match code {
-        Eof => "the text ends before all brackets are closed".into(),
-        ExpectedString => "expected a text in quotes, as `\"name\"`".into(),
-        ExpectedStringEnd => "the quotes that begin here are not closed".into(),
-        ExpectedBoolean => "expected `true` or `false`".into(),
-        ExpectedArray => "expected a list, `[…]`".into(),
-        ExpectedArrayEnd => "expected a comma, or the end of the list, `]`".into(),
-        ExpectedComma => "expected a comma, or the closing bracket".into(),
-        ExpectedMapColon => "expected a colon and a value behind the name of a field".into(),
-        ExpectedStructLike | ExpectedUnit => "expected `(…)`".into(),
-        ExpectedNamedStructLike(name) if !name.is_empty() => format!("expected `{name}(…)`"),
-        ExpectedNamedStructLike(_) => "expected `(…)`".into(),
-        ExpectedStructLikeEnd | ExpectedOptionEnd => {
-            "expected a comma, or the closing bracket, `)`".into()
-        }
-        ExpectedInteger | ExpectedFloat | InvalidIntegerDigit { .. } | FloatUnderscore => {
-            "expected a number".into()
-        }
-        IntegerOutOfBounds => "the number is too large, or negative where it must not be".into(),
-        ExpectedIdentifier | InvalidIdentifier(_) | SuggestRawIdentifier(_) => {
-            "expected a name without quotes".into()
-        }
-        TrailingCharacters => {
-            "the text should end before this: a bracket before it is closed too early, or this is too much".into()
-        }
-        UnclosedBlockComment => "the comment is not closed: `*/` is missing".into(),
-        NoSuchStructField { expected, found, outer } => unknown("field", found, expected, outer),
-        NoSuchEnumVariant { expected, found, outer } => unknown("name", found, expected, outer),
-        MissingStructField { field, outer } => format!("the field `{field}`{} is missing", of(outer)),
-        DuplicateStructField { field, outer } => {
-            format!("the field `{field}`{} is given twice", of(outer))
-        }
-        ExpectedDifferentLength { expected, found } => {
-            format!("expected {expected}, and there are {found}")
-        }
-        InvalidValueForType { expected, found } => format!("expected {expected}, not {found}"),
-        other => other.to_string(),
-    }
-}
-
-/// Of what a field is.
-fn of(outer: &Option<String>) -> String {
-    outer.as_ref().map_or(String::new(), |outer| format!(" of `{outer}`"))
-}
-
-fn unknown(what: &str, found: &str, expected: &[&str], outer: &Option<String>) -> String {
-    let meant = suggest(found, expected.iter().copied());
-    let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
-    let found: String = found.chars().take(SHOWN).collect();
-    match expected {
-        [] => format!("there is no {what} `{found}`{}: none is expected", of(outer)),
-        _ => format!(
-            "there is no {what} `{found}`{}{meant} Known: {}",
-            of(outer),
-            expected.join(", ")
-        )
-        .replace("` Known", "`. Known"),
-    }
 }

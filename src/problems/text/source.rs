@@ -239,7 +239,8 @@ impl fmt::Display for Place {
         let number = self.line.map_or(String::new(), |line| line.to_string());
         // Long lines are shown from shortly before the place.
         let skipped = if self.column > SHOWN / 2 { self.column - SHOWN / 4 } else { 0 };
-        let shown: String = self.text.chars().skip(skipped).take(SHOWN).collect();
+        let plain = |letter: char| if letter.is_control() { ' ' } else { letter };
+        let shown: String = self.text.chars().skip(skipped).take(SHOWN).map(plain).collect();
         let width = self.width.min((SHOWN + 1 + skipped).saturating_sub(self.column)).max(1);
         let (margin, before) = (" ".repeat(number.len()), " ".repeat(self.column - 1 - skipped));
         write!(f, " {number} | {shown}\n {margin} | {before}{}", "^".repeat(width))
