@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 pub struct Results {
     folder: PathBuf,
     name: String,
+    /// What it is made of, by its first file.
+    source: Option<String>,
     // The lock is removed before the folders that hold nothing else.
     _lock: Lock,
     _made: Folders,
@@ -58,7 +60,8 @@ impl Results {
         })?;
         paths.try_for_each(|path| target(path).map(|_| ()))?;
         let lock = Lock::take(folder, name)?;
-        Ok(Results { folder: folder.into(), name: name.into(), _lock: lock, _made: made })
+        let source = inputs.first().map(|input| input.display().to_string());
+        Ok(Results { folder: folder.into(), name: name.into(), source, _lock: lock, _made: made })
     }
 
     /// The file with an ending.
@@ -87,7 +90,7 @@ impl Results {
             Err(cause) => {
                 write_together(&files)?;
                 let _ = std::fs::remove_file(picture);
-                let files = self.path("svg").display().to_string();
+                let files = self.source.clone().unwrap_or_else(|| self.name.clone());
                 Err(CommandError::Figure { files, cause })
             }
         }

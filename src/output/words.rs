@@ -1,6 +1,8 @@
 //! Names and texts that come from files: what they may hold, and how messages show them.
 
 use super::error::Invalid;
+#[cfg(feature = "cli")]
+use crate::core::names::is_hidden;
 
 /// How many letters of a text a message quotes.
 const QUOTED: usize = 60;
@@ -34,7 +36,7 @@ pub(crate) fn printable(message: &str) -> String {
 
 #[cfg(feature = "cli")]
 fn escaped(line: &str) -> String {
-    let show = |letter: char| match letter.is_control() {
+    let show = |letter: char| match is_hidden(letter) {
         false => letter.to_string(),
         true => letter.escape_default().to_string(),
     };

@@ -256,9 +256,8 @@ impl Problem {
     /// # Errors
     /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        with_default_settings(SceneText { text: "", folder: Some(folder) }, &name, given)
+        let scene = SceneText { text: "", folder: Some(Path::new("")) };
+        with_default_settings(scene, &path.to_string_lossy(), given)
     }
 
     /// Whether a file with this text states equations, and is no scene.

@@ -93,6 +93,9 @@ impl Case {
         }?;
         // No argument holds the end of a text.
         case.arguments.iter_mut().for_each(|argument| argument.retain(|c| c != '\0'));
+        if case.subjects.iter().any(String::is_empty) {
+            case.subjects.push("``".into());
+        }
         case.subjects.retain(|subject| !subject.is_empty());
         case.subjects.extend(case.subjects.clone().iter().map(|subject| escaped(subject)));
         Ok(case)
