@@ -42,6 +42,7 @@ pub(crate) fn reason(code: &RonError) -> String {
             format!("expected {expected}, and there are {found}")
         }
         InvalidValueForType { expected, found } => format!("expected {expected}, not {found}"),
+        InvalidEscape(_) => "no escape that is known: a backslash is written twice, `\\\\`".into(),
         ExceededRecursionLimit => "brackets are nested too deeply".into(),
         other => other.to_string(),
     }

@@ -27,7 +27,7 @@ pub struct Asking {
     pub switch: Option<Switch>,
     /// How many times what was found is followed
     #[arg(long, value_name = "COUNT", default_value = "1", requires = "switch",
-        value_parser = clap::value_parser!(u8).range(1..=20))]
+        value_parser = depth)]
     pub depth: u8,
 }
 
@@ -66,6 +66,12 @@ fn range(text: &str) -> Result<Range, String> {
 /// A number, or a formula of numbers.
 pub(super) fn value(text: &str) -> Result<f64, String> {
     number(text.trim()).map_err(|error| error.to_string())
+}
+
+/// How many times branches are followed.
+fn depth(text: &str) -> Result<u8, String> {
+    let depth = text.trim().parse().ok().filter(|depth| (1..=20).contains(depth));
+    depth.ok_or_else(|| "a depth is a whole number from 1 to 20".into())
 }
 
 fn kind(text: &str) -> Result<Kind, String> {

@@ -65,7 +65,7 @@ pub enum SceneError {
         value: String,
     },
     /// A file of equations cannot be read.
-    #[error("{path} cannot be read: {cause}")]
+    #[error("{path} cannot be read: {cause}; check the path")]
     File {
         /// Its path.
         path: String,

@@ -498,11 +498,11 @@ fn what_is_asked_for_wrongly_is_refused_with_the_remedy() {
         ),
         (
             message(&|c| c.at("mu", 3.0).along("mu", -1.0..=1.0).trace()),
-            "the start mu = 3 is not in its range -1 to 1",
+            "the start mu = 3 is not in its range -1 to 1: start within it, or widen it",
         ),
         (
             message(&|c| c.at("mu", f64::NAN).along("mu", -1.0..=1.0).trace()),
-            "the start mu = NaN is not in its range -1 to 1",
+            "the start mu = NaN is not in its range -1 to 1: start within it, or widen it",
         ),
         (
             message(&|c| c.trace()),
