@@ -71,6 +71,10 @@ impl SceneAt {
             }
             _ => self.changed(catalogue, path, &text, asked),
         };
+        let scene = scene.and_then(|scene| {
+            scene.check_effects(self.settings.iter().map(|(name, _)| name.as_str()))?;
+            Ok(scene)
+        });
         Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
     }
 

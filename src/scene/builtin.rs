@@ -5,11 +5,11 @@ use super::discretisation::ProblemSettings;
 use super::error::{ProblemError, SceneError};
 use super::kinds::with_defaults;
 use super::problem::{Configured, Model, Parameters};
-use super::slot::{Slots, slots};
+use super::slot::{Slots, slots, written};
 use crate::core::zero::System;
 use crate::problems::classic::{Bratu, ImpactOscillator, Isothermal, Lure};
 use crate::problems::mita::{Actuator, Block};
-use crate::problems::plate::PlateSettings;
+use crate::problems::plate::{self, PlateSettings};
 
 impl Catalogue {
     /// The problems and scenes of this library.
@@ -66,6 +66,14 @@ impl ProblemSettings for PlateSettings {
             units: Plain,
             symmetric: Usual,
         })
+    }
+
+    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
+        let others: &[&str] = match self.model {
+            plate::Model::Ritz => &["modes", "projection"],
+            plate::Model::Modal | plate::Model::Sine => &["orders"],
+        };
+        others.contains(&name).then(|| ("model", written(&self.model)))
     }
 }
 

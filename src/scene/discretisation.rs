@@ -1,7 +1,7 @@
 //! How the solutions of a field, a boundary-value problem or a hybrid system are discretised.
 
 use super::error::{ProblemError, SceneError};
-use super::slot::{Slots, slots};
+use super::slot::{Slots, slots, written};
 use crate::core::bvp::{Birth, BoundarySystem, Collocation, IntoEquations, Mesh, Method, Shooting};
 use crate::core::condition::Failure;
 use crate::core::continuation::SettingError;
@@ -23,6 +23,11 @@ pub(super) trait ProblemSettings:
     /// Checks the ranges of settings that do not depend on parameters.
     fn check(&self) -> Result<(), SettingError> {
         Ok(())
+    }
+
+    /// The setting, with its value, under which a setting of this name has no effect.
+    fn without_effect(&self, _name: &str) -> Option<(&'static str, String)> {
+        None
     }
 }
 
@@ -166,6 +171,10 @@ macro_rules! trajectory_settings {
                 })
             }
 
+            fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
+                self.discretisation().without_effect(name)
+            }
+
             fn check(&self) -> Result<(), SettingError> {
                 let own: fn(&Self) -> Result<(), SettingError> = $check;
                 own(self)?;
@@ -275,6 +284,15 @@ impl Discretisation {
         count("segments", self.segments)?;
         let (tolerance, range) = (self.flow_tolerance, "between 1e-14 and 1e-3");
         in_range("flow_tolerance", tolerance, (1e-14..=1e-3).contains(&tolerance), range)
+    }
+
+    /// The method, if it knows nothing of a setting of this name.
+    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
+        let others: &[&str] = match self.method {
+            Discretised::Collocation => &["segments", "scheme", "flow_tolerance"],
+            Discretised::Shooting => &["intervals", "degree"],
+        };
+        others.contains(&name).then(|| ("method", written(&self.method)))
     }
 
     /// The system of a problem.

@@ -52,6 +52,18 @@ pub enum SceneError {
         /// What it should be.
         reason: String,
     },
+    /// A setting that changes nothing.
+    #[error(
+        "`{name}` has no effect where `{under}` is `{value}`: leave it out, or set `{under}` too"
+    )]
+    NoEffect {
+        /// The setting.
+        name: String,
+        /// The setting that decides that.
+        under: &'static str,
+        /// Its value.
+        value: String,
+    },
     /// A name that the scene varies by itself.
     #[error(
         "`{name}` is varied by the scene: the run `{run}` sets it to `{value}`; copy the scene to a file to change that"

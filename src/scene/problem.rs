@@ -80,6 +80,7 @@ pub(super) trait Adjustable: Send + Sync {
     fn written(&self) -> String;
     fn slots(&mut self) -> Slots<'_>;
     fn check(&self) -> Result<(), SettingError>;
+    fn without_effect(&self, name: &str) -> Option<(&'static str, String)>;
 }
 
 /// A problem with its settings.
@@ -129,6 +130,10 @@ where
 
     fn check(&self) -> Result<(), SettingError> {
         self.settings.check()
+    }
+
+    fn without_effect(&self, name: &str) -> Option<(&'static str, String)> {
+        self.settings.without_effect(name)
     }
 }
 

@@ -136,6 +136,41 @@ impl Scene {
         Ok(())
     }
 
+    /// Refuses settings that change nothing in any run.
+    ///
+    /// # Errors
+    /// [`SceneError::NoEffect`] names the setting under which one has no effect.
+    ///
+    /// ```
+    /// use tangency::scene::{BUILT_IN, Scene};
+    /// let mut scene = Scene::parse(BUILT_IN.iter().find(|scene| scene.name == "bratu").expect("a scene").text)?;
+    /// scene.set("segments", "4")?;
+    /// let error = scene.check_effects(["segments"]).unwrap_err();
+    /// assert!(error.to_string().starts_with("`segments` has no effect where `method` is `collocation`"));
+    /// scene.set("method", "shooting")?;
+    /// assert!(scene.check_effects(["segments"]).is_ok());
+    /// # Ok::<(), tangency::scene::SceneError>(())
+    /// ```
+    pub fn check_effects<'a>(
+        &self,
+        set: impl IntoIterator<Item = &'a str>,
+    ) -> Result<(), SceneError> {
+        for name in set {
+            let mut decided = None;
+            for run in &self.runs {
+                let seen = self.with(&run.set)?;
+                decided = seen.problem.model().without_effect(name);
+                if decided.is_none() {
+                    break;
+                }
+            }
+            if let Some((under, value)) = decided {
+                return Err(SceneError::NoEffect { name: name.into(), under, value });
+            }
+        }
+        Ok(())
+    }
+
     /// The value of a parameter at the start.
     pub fn value(&self, parameter: &str) -> Option<f64> {
         let given = self.parameters.iter().cloned().map(|(name, value)| (name, Some(value)));

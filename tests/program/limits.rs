@@ -210,3 +210,19 @@ fn values_without_a_meaning_are_refused() {
         assert!(message.contains(said) && message.contains("it must be 0 or more"), "{message}");
     }
 }
+
+/// Settings of another method or model are refused, unless a run uses it.
+#[test]
+fn settings_without_effect_are_refused() {
+    let folder = folder();
+    for (scene, setting, said) in [
+        ("bratu", "segments=10", "`segments` has no effect where `method` is `collocation`"),
+        ("mita-type-1", "intervals=10", "`intervals` has no effect where `method` is `shooting`"),
+        ("plate-clamped", "modes=10000", "`modes` has no effect where `model` is `ritz`"),
+    ] {
+        let message = refused(folder.path(), &["trace", scene, "--set", setting]);
+        assert!(message.contains(said) && message.contains("or set"), "{message}");
+    }
+    let both = ["scene", "bratu", "--set", "segments=10", "--set", "method=shooting"];
+    assert!(tangency(folder.path(), &both).status.success());
+}

@@ -192,6 +192,7 @@ pub(crate) fn row(kind: Kind) -> Option<&'static Bifurcation> {
 }
 
 /// The kinds of special points that are followed along curves in two parameters.
+#[cfg(feature = "scene")]
 pub(crate) fn of_curves() -> Vec<Kind> {
     let alone = |it: &Sighting| it.held.is_empty() && matches!(it.beyond, Beyond::Further);
     let rows =

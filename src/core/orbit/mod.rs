@@ -15,6 +15,7 @@ mod periodic;
 mod smooth;
 
 pub(in crate::core) use departed::VANISHES;
+#[cfg(feature = "scene")]
 pub(crate) use equations::GRAZINGS;
 pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
