@@ -1,8 +1,9 @@
 //! What a document must satisfy beyond its form.
 
 use super::document::Document;
-use super::error::{FormatError, Invalid};
-use super::format::FORMAT;
+use super::error::FormatError;
+use super::tag::FORMAT;
+use super::words::Invalid;
 use super::words::text;
 use crate::core::continuation::{Branch, End, SpecialPoint};
 use std::collections::HashSet;

@@ -2,7 +2,7 @@
 
 use super::chosen::Chosen;
 use super::error::UnknownPoint;
-use super::format::FORMAT;
+use super::tag::FORMAT;
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use crate::core::names::{UnknownName, position};
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@ use super::check;
 use super::document::Document;
 use super::error::{FileError, FormatError};
 use super::files::{SizeLimit, read_text, write_atomically};
-use super::format::FORMAT;
+use super::tag::FORMAT;
 use crate::misread::reason;
 use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;

@@ -1,7 +1,7 @@
 //! What can go wrong on the way out and back in.
 
-use super::format::FORMAT;
-use super::words::quoted;
+use super::tag::FORMAT;
+use super::words::{Invalid, quoted};
 use crate::core::continuation::Kind;
 use crate::core::names::UnknownName;
 use std::path::{Path, PathBuf};
@@ -174,18 +174,6 @@ pub enum FormatError {
     /// The document, or the archive, cannot be put into words.
     #[error("it cannot be written: {0}")]
     Unwritable(String),
-}
-
-/// A value of a document that makes no sense.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place} is {found}, but {rule}")]
-pub struct Invalid {
-    /// Where it is: branch, point or label, column.
-    pub place: String,
-    /// The value.
-    pub found: String,
-    /// What it must be.
-    pub rule: String,
 }
 
 /// A special point that was asked for and is not in a document, or not the only one.

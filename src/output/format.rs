@@ -1,10 +1,7 @@
-//! The tag of documents, and the formats that pictures may have.
+//! The formats that pictures may have.
 
 use super::error::FileError;
 use std::path::Path;
-
-/// The tag by which a document is known, with the version of its format.
-pub const FORMAT: &str = "tangency/1";
 
 /// What a file of branches to look at holds, by the ending of its name.
 ///

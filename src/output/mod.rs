@@ -33,6 +33,7 @@ mod robustness;
 mod svg;
 mod sweeps;
 mod table;
+mod tag;
 mod tile;
 mod words;
 mod work_precision;
@@ -40,14 +41,14 @@ mod work_precision;
 pub use chosen::Chosen;
 pub use diagram::diagram;
 pub use document::{Against, Deviation, Document, Enlargement, Plot};
-pub use error::{FigureError, FileError, FormatError, Invalid, UnknownPoint};
+pub use error::{FigureError, FileError, FormatError, UnknownPoint};
 pub use example::example_branch;
 pub use figure::{Figure, Mark, Series, Style, Symbol};
 pub(crate) use files::read;
 #[cfg(feature = "cli")]
 pub(crate) use files::{Lock, read_text, target};
 pub use files::{SizeLimit, write_atomically, write_together};
-pub use format::{FORMAT, Format};
+pub use format::Format;
 pub use number::significant;
 pub(crate) use panels::check_columns;
 pub use panels::figures;
@@ -60,8 +61,10 @@ pub use robustness::{Cell, Class, Outcome, ROBUSTNESS, Region, RobustnessMap, Tr
 pub use svg::draw;
 pub use sweeps::{MergeError, Row, SWEEPS, SweepTable, Sweeps, TableDifference, merge};
 pub use table::{Screen, csv, table};
-pub use tile::{Hue, Tile};
 #[cfg(feature = "cli")]
+pub use tag::FORMAT;
+pub use tile::{Hue, Tile};
+pub use words::Invalid;
 pub(crate) use words::printable;
 pub(crate) use words::{entry, text};
 pub use work_precision::{

@@ -1,8 +1,19 @@
 //! Names and texts that come from files: what they may hold, and how messages show them.
 
-use super::error::Invalid;
 #[cfg(feature = "cli")]
 use crate::core::names::is_hidden;
+
+/// A value of a document that makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place} is {found}, but {rule}")]
+pub struct Invalid {
+    /// Where it is: branch, point or label, column.
+    pub place: String,
+    /// The value.
+    pub found: String,
+    /// What it must be.
+    pub rule: String,
+}
 
 /// How many letters of a text a message quotes.
 const QUOTED: usize = 60;

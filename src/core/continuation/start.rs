@@ -75,14 +75,8 @@ impl<'a> Continuation<'a> {
         let mut stepper = Stepper::new(equations, rough, self.settings, self.events);
         stepper.attached = self.attached;
         (stepper.held, stepper.settled) = (held, settled);
-        let (leaving, parent) = match start {
-            Start::Direction(_) => (known.clone(), None),
-            Start::BranchPoint { .. } => {
-                let (tangent, from) = stepper.leaving(&unknowns, known.as_deref(), &self.origin)?;
-                (Some(tangent), from)
-            }
-            _ => (None, None),
-        };
+        let (leaving, parent) =
+            stepper.departing(&start, &unknowns, known.as_deref(), &self.origin)?;
         let from_branch_point = leaving.is_some();
         // Both sides are the same where a branch of cycles emanates.
         let one_sided =
@@ -176,6 +170,25 @@ impl<'a> Stepper<'a> {
 }
 
 impl Stepper<'_> {
+    /// The tangent along which a branch begins where that is known before its start is corrected, and that of the branch it
+    /// leaves.
+    fn departing(
+        &mut self,
+        start: &Start,
+        unknowns: &[f64],
+        known: Option<&[f64]>,
+        origin: &Origin,
+    ) -> Result<(Option<Vec<f64>>, Option<Vec<f64>>), Failure> {
+        match start {
+            Start::Direction(_) => Ok((known.map(<[f64]>::to_vec), None)),
+            Start::BranchPoint { .. } => {
+                let (tangent, from) = self.leaving(unknowns, known, origin)?;
+                Ok((Some(tangent), from))
+            }
+            Start::Point { .. } | Start::Birth => Ok((None, None)),
+        }
+    }
+
     /// The direction in which to leave a branch point, and that of the branch one comes from where another one is to be
     /// left along: both from the algebraic bifurcation equations.
     fn leaving(

@@ -16,8 +16,9 @@
 
 use super::check::check_failures;
 use super::table::{Row, SWEEPS, SweepTable, Sweeps};
-use crate::output::error::{FileError, FormatError, Invalid};
+use crate::output::error::{FileError, FormatError};
 use crate::output::files::{SizeLimit, read as read_file, write_atomically};
+use crate::output::words::Invalid;
 use crate::output::words::{component, entry, text};
 use npyz::{NpyFile, WriterBuilder};
 use std::fmt::Display;
