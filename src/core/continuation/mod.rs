@@ -32,6 +32,7 @@ mod stepper;
 mod steps;
 mod test_values;
 mod trace;
+mod traced;
 mod unexplained;
 
 pub use crate::core::function::TestPoint;
@@ -43,5 +44,6 @@ pub use event::{Direction, Event};
 pub use metric::Metric;
 pub use observer::Observer;
 pub use settings::{SettingError, Settings};
-pub use steps::{Steps, Traced};
+pub use steps::Steps;
 pub use trace::Continuation;
+pub use traced::Traced;

@@ -8,7 +8,7 @@ use super::hermite::MOST_KNOTS;
 use super::homoclinic::CycleLimits;
 use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
-use super::steps::Traced;
+use super::traced::Traced;
 use super::unexplained::LEAST_UNEXPLAINED;
 use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;

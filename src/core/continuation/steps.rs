@@ -3,18 +3,9 @@
 use super::halves::Half;
 use super::metric::Metric;
 use super::run::{Tracer, Walk};
-use super::{Branch, End, Observer, Point, SpecialPoint};
+use super::traced::Traced;
+use super::{Branch, End, Observer, SpecialPoint};
 use std::mem::replace;
-
-/// What comes next along a branch that is traced.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Traced {
-    /// A point was reached, the start first.
-    Point(Point),
-    /// A special point was found, before the next point.
-    Special(Box<SpecialPoint>),
-}
 
 /// A branch while it is traced: an iterator over its points and special points as they are found, the start first, then one
 /// half from there, then the other one. What is not asked for is not computed.

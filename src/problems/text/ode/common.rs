@@ -4,10 +4,10 @@ use super::super::source::{Fault, ModelError, Phrase};
 use super::super::statement::Formulas as Pairs;
 use super::depend::Formulas;
 use super::formula;
-use super::model::{arguments_of, name_of, pair, written};
 use super::names::Names;
 use super::origin::Named;
 use super::parts::{Parts, Sort};
+use super::phrase::{arguments_of, name_of, pair, written};
 use super::tree::Known;
 
 /// What a statement has beside its states.

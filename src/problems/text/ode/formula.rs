@@ -4,7 +4,7 @@ use super::super::source::{Fault, ModelError};
 use super::function::{FUNCTIONS, REFUSED};
 use super::names::Names;
 use super::origin::Slice;
-use super::sum::{index_outside, unresolved};
+use super::shift::{index_outside, unresolved};
 use super::token::{Token, tokens};
 use super::tree::{Known, OPERATORS, Tree};
 use std::ops::Range;

@@ -18,6 +18,8 @@ mod names;
 mod option;
 mod origin;
 mod parts;
+mod phrase;
+mod shift;
 mod sum;
 mod token;
 mod tree;

@@ -4,6 +4,7 @@ use super::super::source::{Fault, ModelError};
 use super::formula::Reader;
 use super::names::Names;
 use super::origin::Slice;
+use super::shift::index_outside;
 use super::token::Token;
 use super::tree::{Known, Tree};
 
@@ -94,17 +95,6 @@ impl Reader<'_, '_> {
     }
 }
 
-/// Whether the index of a sum occurs outside of all sums within it.
-pub(super) fn index_outside(tree: &Tree, found: &mut bool) {
-    let mut open = vec![tree];
-    while let Some(tree) = open.pop() {
-        *found |= *tree == Tree::Name(Known::Index);
-        if !matches!(tree, Tree::Sum(..)) {
-            open.extend(tree.children());
-        }
-    }
-}
-
 /// A formula with the names that shifts lead to, at an index of the sum around it.
 fn resolved(
     names: &Names,
@@ -134,18 +124,4 @@ fn resolved(
         }
         _ => tree.map(&mut |part| resolved(names, text, part, index)),
     }
-}
-
-/// Refuses shifts by what is not a number.
-pub(super) fn unresolved(names: &Names, text: Slice, tree: &Tree) -> Result<(), ModelError> {
-    let mut found = None;
-    tree.visit(&mut |part| {
-        if let Tree::Shift(_, _, place) = part {
-            found = Some(place.clone());
-        }
-    });
-    found.map_or(Ok(()), |place| {
-        let reason = "by how many names must be a number here, or the index of a sum";
-        Err(text.part(place).unsupported(names.source, "`shift` by what can be varied", reason))
-    })
 }
