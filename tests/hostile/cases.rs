@@ -110,7 +110,8 @@ impl Case {
     fn option(&mut self, option: &str, value: &str) {
         self.arguments(&[option, value]);
         self.subjects.push(option.into());
-        self.subjects.extend(value.split(['=', ',']).next().map(|name| name.trim().to_string()));
+        self.subjects
+            .extend(value.split(['=', ',', ':']).next().map(|name| name.trim().to_string()));
     }
 
     /// A file that the command reads, and must not change.
