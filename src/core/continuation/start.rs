@@ -75,7 +75,7 @@ impl<'a> Continuation<'a> {
         let mut stepper = Stepper::new(equations, rough, self.settings, self.events);
         stepper.attached = self.attached;
         (stepper.held, stepper.settled) = (held, settled);
-        let (leaving, parent) =
+        let [leaving, parent] =
             stepper.departing(&start, &unknowns, known.as_deref(), &self.origin)?;
         let from_branch_point = leaving.is_some();
         // Both sides are the same where a branch of cycles emanates.
@@ -178,14 +178,14 @@ impl Stepper<'_> {
         unknowns: &[f64],
         known: Option<&[f64]>,
         origin: &Origin,
-    ) -> Result<(Option<Vec<f64>>, Option<Vec<f64>>), Failure> {
+    ) -> Result<[Option<Vec<f64>>; 2], Failure> {
         match start {
-            Start::Direction(_) => Ok((known.map(<[f64]>::to_vec), None)),
+            Start::Direction(_) => Ok([known.map(<[f64]>::to_vec), None]),
             Start::BranchPoint { .. } => {
                 let (tangent, from) = self.leaving(unknowns, known, origin)?;
-                Ok((Some(tangent), from))
+                Ok([Some(tangent), from])
             }
-            Start::Point { .. } | Start::Birth => Ok((None, None)),
+            Start::Point { .. } | Start::Birth => Ok([None, None]),
         }
     }
 
