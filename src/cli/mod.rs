@@ -8,6 +8,7 @@ mod plot;
 mod report;
 mod results;
 mod signals;
+mod sources;
 mod sweep;
 mod trace;
 mod watch;
@@ -16,6 +17,7 @@ use crate::core::names::shown;
 use crate::output::{SizeLimit, printable};
 use crate::scene::Catalogue;
 use clap::{Parser, Subcommand};
+use sources::Sources;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
@@ -84,18 +86,19 @@ pub fn run(catalogue: Catalogue) -> ExitCode {
         Err(code) => return code,
     };
     let limit = SizeLimit::megabytes(arguments.max_size);
+    let from = Sources { catalogue: &catalogue, limit };
     let mut out = std::io::stdout().lock();
     let result = match &arguments.command {
         Command::Scenes(scenes) => scenes.run(&catalogue, &mut out),
         Command::WorkPrecision(diagrams) => diagrams.run(&mut out),
         Command::Robustness(maps) => maps.run(&mut out),
-        Command::Trace(trace) => trace.run(&catalogue, limit, &mut out),
-        Command::Scene(scene) => scene.run(&catalogue, limit, &mut out),
+        Command::Trace(trace) => trace.run(from, &mut out),
+        Command::Scene(scene) => scene.run(from, &mut out),
         Command::Import(import) => import.run(&mut out),
         Command::Points(points) => points.run(limit, &mut out),
         Command::Plot(plot) => plot.run(limit, &mut out),
-        Command::Sweep(sweep) => sweep.run(&catalogue, limit, &mut out),
-        Command::Merge(merge) => merge.run(&catalogue, limit, &mut out),
+        Command::Sweep(sweep) => sweep.run(from, &mut out),
+        Command::Merge(merge) => merge.run(from, &mut out),
     };
     match result.and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,

@@ -3,11 +3,12 @@
 use super::error::CommandError;
 use super::results::Results;
 use super::signals::interrupted;
+use super::sources::Sources;
 use super::trace::SceneAt;
 use super::watch::Watch;
 use crate::core::sweep::{Division, Found, Part, Work};
-use crate::output::{Document, FileError, SizeLimit, SweepTable, Sweeps, merge, printable};
-use crate::scene::{Catalogue, Scene, SweepWatch, execute, sweep};
+use crate::output::{Document, FileError, SweepTable, Sweeps, merge, printable};
+use crate::scene::{Scene, SweepWatch, execute, sweep};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -70,13 +71,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 impl Sweep {
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or Ctrl-C.
-    pub fn run(
-        &self,
-        catalogue: &Catalogue,
-        limit: SizeLimit,
-        out: &mut impl Write,
-    ) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read(catalogue, None, limit)?;
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
+        let (name, scene) = self.scene.read(from, None)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: self.scene.scene.clone() });
         }
@@ -90,7 +86,7 @@ impl Sweep {
         let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
         let path = results.path("npz");
         let known = path.exists() && !self.afresh;
-        let known = known.then(|| Sweeps::load_within(limit, &path)).transpose()?;
+        let known = known.then(|| Sweeps::load_within(from.limit, &path)).transpose()?;
         if let Some(known) = &known {
             scene.check_known(known).map_err(|cause| self.scene.at_fault(cause))?;
         }
@@ -140,13 +136,8 @@ fn trace(
 
 impl Merge {
     /// Puts the parts together, traces the branches of their scene, saves and draws the whole.
-    pub fn run(
-        &self,
-        catalogue: &Catalogue,
-        limit: SizeLimit,
-        out: &mut impl Write,
-    ) -> Result<(), CommandError> {
-        let parts = self.files.iter().map(|file| Sweeps::load_within(limit, file));
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
+        let parts = self.files.iter().map(|file| Sweeps::load_within(from.limit, file));
         let whole = merge(parts.collect::<Result<Vec<_>, FileError>>()?).map_err(|cause| {
             let part = cause.part().and_then(|number| self.files.get(number - 1));
             let files = part.map_or(&self.files[..], std::slice::from_ref);
@@ -155,7 +146,7 @@ impl Merge {
         let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
         let results = Results::claim(&self.out, &whole.name, &["ron", "npz", "svg"], &inputs)?;
         let place = format!("the scene of {}", self.files[0].display());
-        let scene = catalogue.parse_alone(&whole.scene);
+        let scene = from.catalogue.parse_alone(&whole.scene);
         let scene = scene.map_err(|cause| CommandError::Scene {
             place: place.clone(),
             cause: Box::new(cause),

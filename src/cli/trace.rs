@@ -3,6 +3,7 @@
 use super::asked::{Asking, Switch, value};
 use super::error::CommandError;
 use super::results::Results;
+use super::sources::Sources;
 use super::watch::Watch;
 use crate::core::continuation::Branch;
 use crate::core::flow::{Work, work};
@@ -58,18 +59,17 @@ impl SceneAt {
     /// The name of the scene's results, and the scene with what was changed and asked for.
     pub fn read(
         &self,
-        catalogue: &Catalogue,
+        from: Sources,
         asked: Option<&Asked>,
-        limit: SizeLimit,
     ) -> Result<(String, Scene), CommandError> {
-        let (name, text) = self.text(catalogue, limit)?;
+        let (name, text) = self.text(from)?;
         let path = Path::new(&self.scene);
         let scene = match (asked, Problem::is_file_of_equations(path, &text)) {
             (Some(asked), true) => {
                 let problem = Problem::from_file(path, &[]);
                 problem.and_then(|problem| Scene::of_model(problem, &name, &self.settings, asked))
             }
-            _ => self.changed(catalogue, path, &text, asked),
+            _ => self.changed(from.catalogue, path, &text, asked),
         };
         let scene = scene.and_then(|scene| {
             scene.check_effects(self.settings.iter().map(|(name, _)| name.as_str()))?;
@@ -99,11 +99,8 @@ impl SceneAt {
     }
 
     /// The name of the scene and its text: one of the catalogue, or a file.
-    fn text(
-        &self,
-        catalogue: &Catalogue,
-        limit: SizeLimit,
-    ) -> Result<(String, String), CommandError> {
+    fn text(&self, from: Sources) -> Result<(String, String), CommandError> {
+        let Sources { catalogue, limit } = from;
         if let Some(scene) = catalogue.scenes().iter().find(|scene| scene.name == self.scene) {
             return Ok((scene.name.clone(), scene.text.clone()));
         }
@@ -128,21 +125,16 @@ impl SceneAt {
 
 impl Trace {
     /// Traces the scene. Whatever was traced is saved and drawn, also after an error or Ctrl-C.
-    pub fn run(
-        &self,
-        catalogue: &Catalogue,
-        limit: SizeLimit,
-        out: &mut impl Write,
-    ) -> Result<(), CommandError> {
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         if let (Some(Begin::At(_)), Some(_)) = (&self.start, &self.asking.switch) {
             return Err(CommandError::NotTogether("--switch"));
         }
-        let (name, scene) = self.read(catalogue, limit)?;
+        let (name, scene) = self.read(from)?;
         if !scene.runs.iter().any(|run| run.shown) {
             return Err(CommandError::NoRun { scene: self.scene.scene.clone() });
         }
         scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
-        let start = self.point(limit)?;
+        let start = self.point(from.limit)?;
         let results = Results::claim(&self.scene.out, &name, &["ron", "svg"], &self.inputs())?;
         for warning in scene.warnings() {
             writeln!(std::io::stderr(), "warning: {}", printable(&warning))?;
@@ -165,16 +157,12 @@ impl Trace {
     }
 
     /// The name of the results, and the scene.
-    fn read(
-        &self,
-        catalogue: &Catalogue,
-        limit: SizeLimit,
-    ) -> Result<(String, Scene), CommandError> {
+    fn read(&self, from: Sources) -> Result<(String, Scene), CommandError> {
         let state = match &self.start {
             Some(Begin::In(state)) => &state[..],
             _ => &[],
         };
-        self.scene.read(catalogue, Some(&self.asking.asked(state)), limit)
+        self.scene.read(from, Some(&self.asking.asked(state)))
     }
 
     /// The special point to start from.
@@ -213,16 +201,11 @@ fn save(results: &Results, document: &Document, out: &mut impl Write) -> Result<
 
 impl Written {
     /// Writes the scene; with `--switch`, after tracing it.
-    pub fn run(
-        &self,
-        catalogue: &Catalogue,
-        limit: SizeLimit,
-        out: &mut impl Write,
-    ) -> Result<(), CommandError> {
+    pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         if let Some(Begin::At(_)) = &self.trace.start {
             return Err(CommandError::NotTogether("`tangency scene`"));
         }
-        let (_, scene) = self.trace.read(catalogue, limit)?;
+        let (_, scene) = self.trace.read(from)?;
         let scene = match self.trace.asking.switch {
             Some(Switch::All) => explore(&scene, self.trace.asking.depth.into(), &mut ()).0,
             None => scene,

@@ -34,7 +34,7 @@ pub enum FileError {
         /// What is wrong with it.
         source: FormatError,
     },
-    /// What is to be replaced is no regular file.
+    /// The output is a device, a FIFO or a folder, which is not replaced.
     #[error(
         "{} is {kind}, and only regular files, and symbolic links to them, are replaced; name another place with --out",
         path.display()
@@ -56,7 +56,7 @@ pub enum FileError {
         /// How many bytes are read at most.
         limit: u64,
     },
-    /// Nobody writes to what is to be read.
+    /// The input is a FIFO to which no process writes.
     #[error("{} is {kind}, and for 5 s nothing has come from it; name a file", path.display())]
     Silent {
         /// The path.

@@ -52,7 +52,7 @@ impl Sweep {
 }
 
 impl Scene {
-    /// How evenly so many parts divide the runs of all sweeps.
+    /// How evenly `parts` parts divide the runs of all sweeps.
     ///
     /// ```
     /// let scene = tangency::scene::Scene::parse("Scene(title: \"t\", problem: ImpactOscillator(), sweeps: [
@@ -66,7 +66,7 @@ impl Scene {
         self.divided(parts, None)
     }
 
-    /// How many strands, if all sweeps are set to have them, divide more evenly into so many parts, and the number of
+    /// How many strands, if all sweeps are set to have them, divide more evenly into `parts` parts, and the number of
     /// runs in the largest part then.
     pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
         let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);

@@ -1,27 +1,25 @@
-//! Random numbers, the same for the same seed.
+//! Random choices, the same for the same seed.
 
-/// A generator (splitmix64 of G. L. Steele, D. Lea and C. H. Flood).
-pub struct Dice(u64);
+use crate::random::Random;
+
+/// Random choices.
+pub struct Dice(Random);
 
 impl Dice {
-    /// The numbers of a seed and a case: those of neighbouring cases have nothing in common.
+    /// The choices of a seed and a case: those of neighbouring cases have nothing in common.
     pub fn new(seed: u64, case: u64) -> Self {
-        let mut mixed = Dice(seed);
-        let first = mixed.number();
-        Dice(first ^ Dice(case).number())
+        let [first, second] = [seed, case].map(|seed| Random::new(seed).number());
+        Dice(Random::new(first ^ second))
     }
 
     /// A number of 64 random bits.
     pub fn number(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.number()
     }
 
     /// A number below `count`; 0 if that is 0.
     pub fn below(&mut self, count: usize) -> usize {
-        (self.number() % count.max(1) as u64) as usize
+        self.0.below(count)
     }
 
     /// True `times` of `of` times.

@@ -23,6 +23,8 @@ mod bases;
 mod cases;
 mod dice;
 mod mutate;
+#[path = "../common/random.rs"]
+mod random;
 mod report;
 mod runner;
 mod verdict;

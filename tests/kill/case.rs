@@ -1,6 +1,6 @@
 //! One folder, in which runs of one command are killed and resumed.
 
-use super::Random;
+use super::random::Random;
 use super::table::Counted;
 use std::cell::Cell;
 use std::collections::BTreeMap;

@@ -9,32 +9,14 @@
 //! - After the last run the files have the bytes of a run that nobody killed, and nothing else is in the folder.
 
 mod case;
+#[path = "../common/random.rs"]
+mod random;
 mod table;
 
 use case::{Case, Command, Signal};
+use random::Random;
 use std::process::ExitCode;
 use table::Table;
-
-/// Random numbers (splitmix64), the same for a seed on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: u64) -> u64 {
-        self.next() % end
-    }
-
-    /// Between 0 and 1.
-    fn part(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn main() -> ExitCode {
     let mut numbers = std::env::args().skip(1).filter_map(|argument| argument.parse().ok());
@@ -42,7 +24,7 @@ fn main() -> ExitCode {
     if cfg!(not(unix)) {
         return ExitCode::SUCCESS;
     }
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut table = Table::default();
     let commands = [Command::trace(), Command::sweep()];
     // By signal: those that are still to be done.
@@ -54,7 +36,7 @@ fn main() -> ExitCode {
         if *more == 0 {
             break;
         }
-        let count = (1 + random.below(3)).min(*more);
+        let count = (1 + random.below(3) as u64).min(*more);
         let mut case = Case::new(&commands[turn / 3 % 2], *signal, &mut random);
         *more -= (0..count).take_while(|_| case.kill(&mut random)).count() as u64;
         table.add(case.end());

@@ -1,13 +1,9 @@
 //! The binary as a user meets it: outputs, messages and exit codes.
 
+use crate::program::command::{failure, tangency};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tangency::output::{Document, example_branch};
-
-fn tangency(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
-    command.current_dir(folder).args(arguments).output().unwrap()
-}
 
 /// A folder with `a.ron` and `b.ron`.
 fn folder() -> tempfile::TempDir {
@@ -20,14 +16,6 @@ fn folder() -> tempfile::TempDir {
 
 fn stdout(output: &Output) -> &str {
     std::str::from_utf8(&output.stdout).unwrap()
-}
-
-/// The message of a failure, after checking its form and exit code.
-fn failure(output: &Output, code: i32) -> &str {
-    let message = std::str::from_utf8(&output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{message}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
-    message
 }
 
 #[test]

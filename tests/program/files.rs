@@ -1,13 +1,9 @@
 //! Files that are read and written: what is refused, what is replaced, and that results belong together.
 
+use crate::program::command::{bytes, failure, tangency};
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use tangency::output::{Document, Sweeps, example_branch};
-
-fn tangency(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
-    command.current_dir(folder).args(arguments).output().unwrap()
-}
 
 fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let output = tangency(folder, arguments);
@@ -18,10 +14,7 @@ fn succeeds(folder: &Path, arguments: &[&str]) -> String {
 /// A command fails with a message that says all of this, and holds no control characters.
 fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
     let output = tangency(folder, arguments);
-    let message = std::str::from_utf8(&output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
-    assert!(!message.trim_end().contains(|c: char| c.is_control() && c != '\n'), "{message:?}");
+    let message = failure(&output, 1);
     for part in expected {
         assert!(message.contains(part), "{arguments:?}: `{part}` is not in {message}");
     }
@@ -50,10 +43,6 @@ fn names(folder: &Path) -> Vec<String> {
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
-}
-
-fn bytes(folder: &Path, name: &str) -> Vec<u8> {
-    std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// An archive like another one, but for what is changed in its text `about`: written past all checks.

@@ -1,22 +1,15 @@
 //! Sizes that no machine has, and tables that no scene writes, are refused before anything is allocated.
 
+use crate::program::command::{failure, tangency};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 use tangency::output::{Sweeps, merge};
 use tangency::scene::Scene;
 
-fn tangency(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
-    command.current_dir(folder).args(arguments).output().unwrap()
-}
-
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = tangency(folder, arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
     assert!(output.stdout.is_empty(), "refused before any work: {arguments:?}");
-    message
+    failure(&output, 1).into()
 }
 
 const SCENE: &str = r#"Scene(title: "t", problem: ImpactOscillator(), parameters: [("frequency", 2.2)],
@@ -92,6 +85,14 @@ fn values_are_refused_with_what_may_be_written() {
 /// What is changed in an archive, and what is said then.
 type Change = (&'static str, fn(&mut Sweeps));
 
+/// Saves an archive that was changed.
+fn saved(whole: &Sweeps, change: fn(&mut Sweeps), path: &Path) -> Sweeps {
+    let mut changed = whole.clone();
+    change(&mut changed);
+    changed.save(path).unwrap();
+    changed
+}
+
 /// Archives whose tables are not those of the scene are neither continued nor merged.
 #[test]
 fn tables_must_be_those_of_the_scene() {
@@ -115,9 +116,7 @@ fn tables_must_be_those_of_the_scene() {
         }),
     ];
     for (what, change) in changes {
-        let mut changed = whole.clone();
-        change(&mut changed);
-        changed.save(&path).unwrap();
+        let changed = saved(&whole, change, &path);
         let message = refused(folder.path(), &["sweep", "a.ron", "--set", "max_points=5"]);
         assert!(message.contains("another scene"), "{message}");
         let output = tangency(folder.path(), &["sweep", "a.ron"]);
@@ -146,9 +145,7 @@ fn rows_must_be_of_the_runs_there_are() {
         }),
     ];
     for (what, change) in changes {
-        let mut changed = whole.clone();
-        change(&mut changed);
-        changed.save(&path).unwrap();
+        saved(&whole, change, &path);
         let message = Sweeps::load(&path).unwrap_err().to_string();
         assert!(message.contains(what), "{what}: {message}");
     }

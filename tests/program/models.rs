@@ -1,7 +1,8 @@
 //! Models without a scene: from equations typed as text to a diagram by one command.
 
+use crate::program::command::tangency;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use tangency::core::continuation::Kind;
 use tangency::output::Document;
 
@@ -15,11 +16,6 @@ fn folder() -> tempfile::TempDir {
     std::fs::write(folder.path().join("lorenz.ron"), LORENZ).unwrap();
     std::fs::write(folder.path().join("brusselator.ode"), ODE).unwrap();
     folder
-}
-
-fn tangency(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
-    command.current_dir(folder).args(arguments).output().unwrap()
 }
 
 fn succeeds(folder: &Path, arguments: &[&str]) -> (String, String) {

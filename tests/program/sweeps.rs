@@ -1,6 +1,7 @@
 //! `tangency sweep` and `tangency merge` as a user meets them: files that others read, interruption, parts.
 
 use crate::common::close;
+use crate::program::command::{bytes, failure, tangency};
 use crate::program::scenarios::{built_in, traced};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -16,18 +17,6 @@ use tangency::core::scalar::Scalar;
 use tangency::core::sweep::{Order, Part};
 use tangency::output::{MergeError, Row, Sweeps, figures, merge};
 use tangency::scene::{BUILT_IN, Catalogue, Grid, Scene, SceneError, sweep as swept};
-
-fn tangency(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
-    command.current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn failure(output: &Output) -> &str {
-    let message = std::str::from_utf8(&output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
-    message
-}
 
 /// A sweep of many short runs.
 const SCENE: &str = r#"Scene(
@@ -45,10 +34,6 @@ fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("chaos.ron"), SCENE).unwrap();
     folder
-}
-
-fn bytes(folder: &Path, name: &str) -> Vec<u8> {
-    std::fs::read(folder.join(name)).unwrap()
 }
 
 /// On one thread or two, killed in the middle and resumed, or in parts that are merged: the same bytes.
@@ -74,7 +59,7 @@ fn a_sweep_has_the_same_bytes_however_it_was_done() {
     assert!(bytes(folder.path(), "merged/chaos.npz") == whole);
     // A part alone is no whole.
     let output = tangency(folder.path(), &["merge", "--out", "alone", &parts[0]]);
-    assert!(failure(&output).contains("in none of the parts"), "{output:?}");
+    assert!(failure(&output, 1).contains("in none of the parts"), "{output:?}");
 }
 
 /// Long enough to be ended between its first save and its end.
@@ -137,7 +122,7 @@ fn a_terminated_sweep_is_saved_and_resumed() {
         let id = child.id().to_string();
         assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
     });
-    assert!(failure(&output).contains("what was done until then is kept"), "{output:?}");
+    assert!(failure(&output, 1).contains("what was done until then is kept"), "{output:?}");
     is_resumed(folder.path());
 }
 
@@ -200,7 +185,7 @@ fn parts_are_even_or_say_why_not() {
     assert!(!part("chains", 1, 8, &["--set", "strands=4"]).1.contains("divide"));
     // Where no run follows another there is nothing to set.
     let output = tangency(folder.path(), &["sweep", "grids.ron", "--set", "strands=4"]);
-    assert!(failure(&output).contains("`strands`"), "{output:?}");
+    assert!(failure(&output, 1).contains("`strands`"), "{output:?}");
 }
 
 /// What is in the file: columns of one length, names, and numbers that say what happened.
@@ -230,7 +215,7 @@ fn the_file_says_what_happened() {
     let output = tangency(folder.path(), &["plot", "out/chaos.npz", "--y", "exponent"]);
     assert!(output.status.success(), "{output:?}");
     let output = tangency(folder.path(), &["plot", "out/chaos.npz", "--y", "expnent"]);
-    assert!(failure(&output).contains("did you mean `exponent`"), "{output:?}");
+    assert!(failure(&output, 1).contains("did you mean `exponent`"), "{output:?}");
 }
 
 #[test]
@@ -238,7 +223,7 @@ fn bad_input_is_explained() {
     let folder = folder();
     let fails = |arguments: &[&str], expected: &str| {
         let output = tangency(folder.path(), arguments);
-        let message = failure(&output);
+        let message = failure(&output, 1);
         assert!(message.contains(expected), "{arguments:?}: {message}");
     };
     fails(&["sweep", "lure"], "has nothing to sweep");

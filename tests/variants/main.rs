@@ -22,6 +22,8 @@
 
 mod branch;
 mod compare;
+#[path = "../common/random.rs"]
+mod numbers;
 mod random;
 mod table;
 mod variant;

@@ -1,6 +1,7 @@
 //! Scenes at random parameters.
 
 use super::compare::{Comparison, compare};
+use super::numbers::Random;
 use super::table::Table;
 use super::traced;
 use super::variant::{Change, VARIANTS, Variant};
@@ -37,27 +38,12 @@ const TURNS: [&str; 6] = [
 /// Parameters go this far from those of the scene, as a part of them.
 const FAR: f64 = 0.2;
 
-/// Random numbers: SplitMix64, the same in every run.
-struct Random(u64);
-
-impl Random {
-    /// A number between −1 and 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        2.0 * (z >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
-    }
-}
-
 /// A scene with all its parameters changed, those that it does not vary by itself; and what was changed, in words.
 fn drawn(scene: &Scene, random: &mut Random) -> (Scene, String) {
     let mut drawn = scene.clone();
     let mut words = Vec::new();
     for (name, _) in scene.problem.parameters() {
-        let factor = 1.0 + FAR * random.next();
+        let factor = 1.0 + FAR * (2.0 * random.part() - 1.0);
         let along = scene.runs.iter().flat_map(|run| &run.along);
         let varies = along.into_iter().any(|range| range.name == name);
         let Some(value) = scene.value(&name).filter(|value| *value != 0.0 && !varies) else {
@@ -74,7 +60,7 @@ fn drawn(scene: &Scene, random: &mut Random) -> (Scene, String) {
 
 /// Traces scenes at as many sets of parameters, each under its own settings and under a variant.
 pub fn sweep(catalogue: &Catalogue, sets: usize, table: &mut Table) {
-    let mut random = Random(16);
+    let mut random = Random::new(16);
     for count in 0..sets {
         let (name, round) = (SCENES[count % SCENES.len()], count / SCENES.len());
         let named = catalogue.scenes().iter().find(|scene| scene.name == name);

@@ -4,7 +4,7 @@ use super::plan::PlanError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
 
-/// What one process does of a sweep: part `number` (from 1 on) of `of` parts, on so many threads.
+/// What one process does of a sweep: part `number` of `of` parts, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Its number, from 1 on.
@@ -28,7 +28,7 @@ impl Part {
         }
     }
 
-    /// The part in a sweep that comes after others with so many strands in all. Strands are dealt to parts in turn, and the turn
+    /// The part of a sweep that follows sweeps with `strands` strands in all. Strands are dealt to parts in turn, and the turn
     /// goes on from sweep to sweep: otherwise sweeps of few strands would all fall to the first parts.
     ///
     /// ```
@@ -84,7 +84,7 @@ pub struct Division {
 }
 
 impl Division {
-    /// Deals strands, given by their numbers of runs, to so many parts.
+    /// Deals strands, given by their numbers of runs, to `parts` parts.
     pub fn new(strands: impl IntoIterator<Item = usize>, parts: usize) -> Self {
         let parts = parts.max(1);
         let (mut sizes, mut count) = (Vec::new(), 0);

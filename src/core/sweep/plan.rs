@@ -60,7 +60,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// How many runs a strand has, but for a shorter last one, where so many points are divided.
+    /// The number of runs of a strand where `points` points are divided into strands; the last one may have fewer.
     fn strand_length(self, points: usize, strands: usize) -> usize {
         match self {
             Order::Anew => 1,
@@ -68,7 +68,7 @@ impl Order {
         }
     }
 
-    /// The numbers of runs of the strands in which so many points are divided, in order.
+    /// The numbers of runs of the strands into which `points` points are divided, in order.
     pub fn strand_lengths(self, points: usize, strands: usize) -> impl Iterator<Item = usize> {
         let length = self.strand_length(points, strands);
         (0..points).step_by(length).map(move |first| length.min(points - first))

@@ -38,7 +38,7 @@ impl Plan {
         one.saturating_mul(times)
     }
 
-    /// What so many runs on so many threads do at most, and how long that may take; `None` where the first motion ends.
+    /// An upper estimate of the work of `runs` runs on `threads` threads; `None` if the first motion ends early.
     ///
     /// ```
     /// use tangency::core::attractor::{AttractorSearch, PeriodMap};

@@ -23,7 +23,7 @@ pub struct SizeLimit {
 }
 
 impl SizeLimit {
-    /// Files of so many megabytes, and archives that unpack to four times as many.
+    /// Files of `megabytes` MB, and archives that unpack to four times that size.
     pub const fn megabytes(count: u64) -> Self {
         let file = count.saturating_mul(1_000_000);
         SizeLimit { file, unpacked: file.saturating_mul(4) }

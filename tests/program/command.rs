@@ -1,0 +1,26 @@
+//! The binary, run as a user runs it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs the program in a folder, to its end.
+pub fn tangency(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
+    command.current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// The message of a failure, after checking its form and exit code.
+#[track_caller]
+pub fn failure(output: &Output, code: i32) -> &str {
+    let message = std::str::from_utf8(&output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    let hidden = |letter: char| letter.is_control() && letter != '\n';
+    assert!(!message.contains(hidden), "{message:?}");
+    message
+}
+
+/// A file of the folder.
+pub fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap()
+}
