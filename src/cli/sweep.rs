@@ -5,7 +5,7 @@ use super::results::Results;
 use super::signals::interrupted;
 use super::sources::Sources;
 use super::trace::SceneAt;
-use super::watch::Watch;
+use super::watch::{Watch, announce, bar};
 use crate::core::sweep::{Division, Found, Part, Work};
 use crate::output::{Document, FileError, SweepTable, Sweeps, merge, printable};
 use crate::scene::{Scene, SweepWatch, execute, sweep};
@@ -97,7 +97,7 @@ impl Sweep {
         let document = trace(traced, &self.scene.scene, out)?;
         let kept = Kept { results: &results, document, drawn: self.part.is_none() };
         let part = Part { threads: self.threads, ..self.part.unwrap_or(Part::WHOLE) };
-        let (every, bar, saved) = (self.save_every, super::watch::bar(), Instant::now());
+        let (every, bar, saved) = (self.save_every, bar(), Instant::now());
         let mut keeper =
             Keeper { sweep: String::new(), kept, bar, saved, every, pause: every, failure: None };
         let swept = sweep(&scene, &name, part, known, &mut keeper);
@@ -225,11 +225,6 @@ fn report(sweeps: &Sweeps, out: &mut impl Write) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Work is announced that may take this long.
-const LONG: Duration = Duration::from_secs(60);
-/// The minutes of a year.
-const YEAR: u64 = 365 * 24 * 60;
-
 /// Saves what is done from time to time, and shows how much that is.
 struct Keeper<'a> {
     /// The sweep that is done now.
@@ -255,20 +250,10 @@ impl SweepWatch for Keeper<'_> {
 
     fn work(&mut self, work: &Work) {
         let &Work { runs, periods, threads, time } = work;
-        if time < LONG {
-            return;
-        }
-        let time = match time.as_secs() / 60 {
-            0..YEAR => humantime::format_duration(Duration::from_secs(time.as_secs() / 60 * 60))
-                .to_string(),
-            _ => "more than a year".into(),
-        };
-        let sweep = printable(&self.sweep);
-        self.bar.suspend(|| {
-            eprintln!(
-                "warning: `{sweep}`: {runs} runs of up to {periods} periods may take up to {time} on {threads} threads; Ctrl-C keeps what is done, and the same command goes on"
-            );
-        });
+        let threads = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
+        let what = format!("{runs} runs of up to {periods} periods, on {threads},");
+        let remedy = "Ctrl-C keeps what is done, and the same command goes on";
+        announce(&self.bar, &self.sweep, &what, time, remedy);
     }
 
     fn goes_on(&self) -> fn() -> bool {

@@ -151,6 +151,7 @@ impl Trace {
         };
         // What stopped the scene explains what cannot be saved or drawn, not the other way round.
         match outcome.error {
+            Some(SceneError::GivenUp { .. }) => Err(CommandError::Interrupted),
             Some(cause) => Err(self.scene.at_fault(cause)),
             None => saved.and(if watched? { Err(CommandError::Interrupted) } else { Ok(()) }),
         }

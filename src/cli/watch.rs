@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::signals::{self, interrupted};
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
-use crate::output::Screen;
+use crate::output::{Screen, printable};
 use crate::scene::{Run, SceneObserver};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -21,6 +21,26 @@ pub fn bar() -> ProgressBar {
     }
     bar.enable_steady_tick(Duration::from_millis(120));
     bar
+}
+
+/// Work is announced that may take this long.
+const LONG: Duration = Duration::from_secs(60);
+/// The minutes of a year.
+const YEAR: u64 = 365 * 24 * 60;
+
+/// Says of what may take long how long that is.
+pub fn announce(bar: &ProgressBar, name: &str, what: &str, longest: Duration, remedy: &str) {
+    if longest < LONG {
+        return;
+    }
+    let time = match longest.as_secs() / 60 {
+        minutes @ 0..YEAR => {
+            humantime::format_duration(Duration::from_secs(minutes * 60)).to_string()
+        }
+        _ => "more than a year".into(),
+    };
+    let name = printable(name);
+    bar.suspend(|| eprintln!("warning: `{name}`: {what} may take up to {time}; {remedy}"));
 }
 
 /// Prints special points as they are found.
@@ -85,6 +105,10 @@ impl<W: Write> Observer for Watch<'_, W> {
 impl<W: Write> SceneObserver for Watch<'_, W> {
     fn goes_on(&self) -> fn() -> bool {
         || !interrupted()
+    }
+
+    fn work(&mut self, run: &str, what: &str, longest: Duration) {
+        announce(&self.bar, run, what, longest, "Ctrl-C keeps what is done");
     }
 
     fn run(&mut self, run: &Run, _number: usize, _of: usize) {

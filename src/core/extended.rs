@@ -8,6 +8,7 @@
 //! ```
 
 use super::condition::{At, Condition, Failure};
+use super::interruption;
 use super::linear::Factors;
 use super::system_ref::SystemRef;
 use super::vector::along;
@@ -232,6 +233,7 @@ impl<'a> Extended<'a> {
 
     /// Assembles the problem's matrix at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
+        interruption::check()?;
         self.load(unknowns);
         self.system.assemble(&self.x)
     }

@@ -2,6 +2,7 @@
 
 use super::domain::OutOfDomain;
 use super::flow::FlowError;
+use super::interruption::Interrupted;
 
 /// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
 /// equilibrated matrix, or the largest entry of its row.
@@ -35,6 +36,9 @@ pub enum Failure {
     /// A trajectory ends before its time.
     #[error(transparent)]
     Flow(#[from] FlowError),
+    /// The work was given up.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// Deviations grow by so much over a segment that no digit of its end is left.
     #[error(
         "deviations grow by {0:.1e} over a segment, which leaves no digit of its end: take more segments, or \

@@ -17,6 +17,7 @@ pub(crate) mod function;
 pub mod grazing;
 pub mod hybrid;
 pub(crate) mod interpolation;
+pub mod interruption;
 pub mod jet;
 pub(crate) mod kind;
 pub mod ladder;

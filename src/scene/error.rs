@@ -145,7 +145,7 @@ pub enum SceneError {
     #[error("the plot: {0}")]
     Figure(#[from] FigureError),
     /// Ctrl-C.
-    #[error("the simulation `{run}` was given up before its end; those before it are kept")]
+    #[error("the run `{run}` was interrupted before it had a point; those before it are kept")]
     GivenUp {
         /// The run.
         run: String,

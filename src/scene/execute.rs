@@ -1,9 +1,10 @@
 //! Tracing a scene with the discretisation that it states, or that its accuracy asks for.
 
 use super::fidelity::traced_to;
+use super::observer::SceneObserver;
 use super::plan::StartPoint;
 use super::statement::Scene;
-use super::trace::{Outcome, SceneObserver, traced};
+use super::trace::{Outcome, traced};
 
 /// Traces a scene's runs. With a start point, only one shown run is traced, from there: the one named as
 /// the point's branch; else the first one that makes the same kind of curve of the same unknowns; else the

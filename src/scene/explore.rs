@@ -1,8 +1,9 @@
 //! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones from period doublings.
 
 use super::join::same;
+use super::observer::SceneObserver;
 use super::statement::{Run, Scene, Start};
-use super::trace::{Outcome, SceneObserver, Tracing};
+use super::trace::{Outcome, Tracing};
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;

@@ -8,14 +8,16 @@
 //! suffice.
 
 use super::error::SceneError;
+use super::observer::SceneObserver;
 use super::plan::{StartPoint, reach};
 use super::problem::Problem;
 use super::statement::{Run, Scene};
-use super::trace::{Outcome, SceneObserver, traced};
+use super::trace::{Outcome, traced};
 use crate::core::continuation::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint};
 use crate::core::ladder::error_of_first;
 use crate::output::{Chosen, Document};
 use std::ops::{ControlFlow, RangeInclusive};
+use std::time::Duration;
 
 /// Accuracies that can be asked for.
 const RANGE: RangeInclusive<f64> = 1e-12..=0.1;
@@ -35,6 +37,10 @@ impl Observer for Unseen<'_> {
 impl SceneObserver for Unseen<'_> {
     fn goes_on(&self) -> fn() -> bool {
         self.0.goes_on()
+    }
+
+    fn work(&mut self, run: &str, what: &str, longest: Duration) {
+        self.0.work(run, what, longest);
     }
 }
 

@@ -1,7 +1,9 @@
 //! Branches that meet in a grazing: it has one row, that of the branch which ends there.
 
+use super::observer::SceneObserver;
 use crate::core::continuation::{Branch, Kind, Observer, Point, SpecialPoint};
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 /// Two grazings are one if no number of theirs differs by more than this part.
 const SAME: f64 = 1e-7;
@@ -9,7 +11,7 @@ const SAME: f64 = 1e-7;
 /// Sees a branch with the grazings at which it meets earlier ones as ends.
 pub(super) struct Joined<'a> {
     pub done: &'a [&'a Branch],
-    pub observer: &'a mut dyn Observer,
+    pub observer: &'a mut dyn SceneObserver,
 }
 
 impl Observer for Joined<'_> {
@@ -41,6 +43,12 @@ pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]
         special.kind = Kind::EP;
         special.event =
             format!("it meets `{}` where both graze, at its point {}", other.name, there.label);
+    }
+}
+
+impl SceneObserver for Joined<'_> {
+    fn work(&mut self, run: &str, what: &str, longest: Duration) {
+        self.observer.work(run, what, longest);
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::discretisation::no_start;
 use super::error::SceneError;
+use super::observer::SceneObserver;
 use super::slot::values;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
@@ -16,6 +17,7 @@ use crate::core::zero::Profile;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// A simulation of a vector field, or of a hybrid system from its first mode. Times are in periods of the forcing, or in units of
 /// time where there is none.
@@ -55,16 +57,38 @@ const EVENTS: &str = "events";
 /// Samples of a step in a history.
 const SAMPLES: usize = 8;
 
-/// Motion is followed while something holds.
-struct While(fn() -> bool);
+/// How long motion is followed to see how long it takes.
+const TRIAL: Duration = Duration::from_millis(20);
 
-impl HybridObserver<f64> for While {
+/// Motion is followed until an instant.
+struct Until(Instant);
+
+impl HybridObserver<f64> for Until {
     fn ends(&self) -> bool {
-        !(self.0)()
+        Instant::now() >= self.0
     }
 
     fn event(&mut self, _event: &Event<f64>) -> ControlFlow<()> {
-        if (self.0)() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        if self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Tells how long it may take to follow a motion for a time, by its beginning, unless that is all of it.
+fn foresee(
+    run: &str,
+    flow: &mut HybridFlow<f64>,
+    start: &HybridState<f64>,
+    (duration, p): (f64, &[f64]),
+    observer: &mut dyn SceneObserver,
+) {
+    let (mut state, begin) = (start.clone(), Instant::now());
+    // What fails fails again, and is said then.
+    let followed = flow.advance(&mut state, duration, p, &mut Until(begin + TRIAL));
+    let share = (state.time - start.time) / duration;
+    if followed.is_ok() && share < 1.0 {
+        let seconds = begin.elapsed().as_secs_f64() / share;
+        let longest = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        observer.work(run, &format!("motion over a time of {duration}"), longest);
     }
 }
 
@@ -75,7 +99,7 @@ pub(super) fn simulate(
     name: &str,
     simulated: &Simulated,
     p: &[f64],
-    (start, goes_on): (Option<HybridState<f64>>, fn() -> bool),
+    (start, observer): (Option<HybridState<f64>>, &mut dyn SceneObserver),
 ) -> Result<(Branch, HybridState<f64>), SceneError> {
     let failed = |cause: HybridError| SceneError::of_run(name, cause);
     let mut state = match start {
@@ -84,10 +108,9 @@ pub(super) fn simulate(
     };
     let unit = system.period(p);
     let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
-    flow.advance(&mut state, simulated.transient * unit, p, &mut While(goes_on)).map_err(failed)?;
-    if !goes_on() {
-        return Err(SceneError::GivenUp { run: name.into() });
-    }
+    let duration = (simulated.transient + simulated.duration) * unit;
+    foresee(name, &mut flow, &state, (duration, p), observer);
+    flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
     // Long times have fewer digits, and a period more or less means nothing.
     state.time %= unit;
     let begin = state.time;
@@ -96,6 +119,27 @@ pub(super) fn simulate(
     let curves = curves(system, &history.pieces, begin);
     let events = history.events.len() as f64 / simulated.duration;
     Ok((branch(system, name, p, &curves, events), state))
+}
+
+/// How periodic motion is searched for.
+fn search(system: &dyn HybridEquations, simulated: &Simulated, p: &[f64]) -> CycleSearch {
+    CycleSearch { transient: simulated.transient * system.period(p), ..CycleSearch::default() }
+}
+
+/// Tells how long it may take until a simulation settles.
+pub(super) fn foresee_settling(
+    system: &dyn HybridEquations,
+    run: &str,
+    simulated: &Simulated,
+    p: &[f64],
+    observer: &mut dyn SceneObserver,
+) -> Result<(), SceneError> {
+    let start = at_rest(&system.modes()[0], &simulated.state)?;
+    let mut flow = HybridFlow::new(system, HybridSettings::default())
+        .map_err(|cause| SceneError::of_run(run, cause))?;
+    let longest = search(system, simulated, p).longest_time(system, p);
+    foresee(run, &mut flow, &start, (longest, p), observer);
+    Ok(())
 }
 
 /// The periodic motion on which a simulation settles, as one of the orbits like it.
@@ -107,8 +151,7 @@ pub(super) fn settled(
 ) -> Result<Birth<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let start = at_rest(&system.modes()[0], &simulated.state)?;
-    let transient = simulated.transient * system.period(p);
-    let search = CycleSearch { transient, ..CycleSearch::default() };
+    let search = search(&*system, simulated, p);
     let mut flow = HybridFlow::new(&*system, HybridSettings::default())
         .map_err(|cause| unsettled(cause.into()))?;
     let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;

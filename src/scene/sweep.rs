@@ -8,6 +8,7 @@ use crate::core::attractor::{Layout, PeriodMap, StroboscopicError, StroboscopicM
 use crate::core::flow;
 use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
+use crate::core::interruption::interruptible;
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::{
     self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity, Work,
@@ -141,8 +142,9 @@ pub fn sweep(
     known: Option<Sweeps>,
     watch: &mut dyn SweepWatch,
 ) -> Result<Sweeps, SceneError> {
-    let prepared = scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep));
-    let prepared: Vec<Prepared> = prepared.collect::<Result<_, _>>()?;
+    let prepared: Vec<Prepared> = interruptible(watch.goes_on(), || {
+        scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep)).collect::<Result<_, _>>()
+    })?;
     let nothing = Sweeps {
         format: SWEEPS.into(),
         name: name.into(),

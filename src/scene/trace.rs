@@ -3,29 +3,19 @@
 use super::error::SceneError;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
+use super::observer::SceneObserver;
 use super::plan::{StartPoint, leading, plan};
-use super::simulate::{Simulated, simulate};
+use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Scene, Start, Way};
-use crate::core::continuation::{Branch, Continuation, End, Kind, Observer, SpecialPoint};
+use crate::core::continuation::{Branch, Continuation, End, Kind, SpecialPoint};
 use crate::core::grazing::LocalMap;
 use crate::core::hybrid::HybridState;
+use crate::core::interruption::{interrupted, interruptible};
 use crate::core::names::position;
 use crate::core::zero::{Group, System};
 use crate::output::Document;
 use std::ops::ControlFlow;
-
-/// Sees the runs of a scene.
-pub trait SceneObserver: Observer {
-    /// What is asked between any two steps of a simulation: where it is false, the simulation is given up.
-    fn goes_on(&self) -> fn() -> bool {
-        || true
-    }
-
-    /// A run begins.
-    fn run(&mut self, _run: &Run, _number: usize, _of: usize) {}
-}
-
-impl SceneObserver for () {}
+use std::time::Instant;
 
 /// What came of a scene: all branches that were traced, and the error that stopped it, if one did.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,15 +72,19 @@ impl Tracing {
         // Branches of other motions do not meet this one.
         let alike: Vec<&Branch> =
             self.done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
-        let mut branch = match (&run.start, run.along.is_empty()) {
-            (Start::Simulated(simulated), true) => {
-                history(scene, run, simulated, (&mut self.last, observer.goes_on()))
-            }
-            _ => {
-                let mut joined = Joined { done: &alike, observer };
-                trace(scene, run, start, &self.done, &mut joined)
-            }
-        }?;
+        let mut branch = interruptible(observer.goes_on(), || {
+            let branch = match (&run.start, run.along.is_empty()) {
+                (Start::Simulated(simulated), true) => {
+                    history(scene, run, simulated, (&mut self.last, observer))
+                }
+                _ => {
+                    let mut joined = Joined { done: &alike, observer };
+                    trace(scene, run, start, &self.done, &mut joined)
+                }
+            };
+            let given_up = || SceneError::GivenUp { run: run.name.clone() };
+            branch.map_err(|cause| if interrupted() { given_up() } else { cause })
+        })?;
         let mut special = std::mem::take(&mut branch.special);
         special.iter_mut().for_each(|special| join(&branch, special, &alike));
         branch.special = special;
@@ -119,7 +113,7 @@ fn history(
     scene: &Scene,
     run: &Run,
     simulated: &Simulated,
-    (last, goes_on): (&mut LastStates, fn() -> bool),
+    (last, observer): (&mut LastStates, &mut dyn SceneObserver),
 ) -> Result<Branch, SceneError> {
     let seen = scene.with(&run.set)?;
     seen.check_begin(run, None)?;
@@ -128,7 +122,7 @@ fn history(
     let motion = seen.problem.model().motion()?;
     let simulated = simulated.from(&seen.problem.initial(&seen.values()?));
     let (branch, end) =
-        simulate(&*motion, &run.name, &simulated, &seen.values()?, (start, goes_on))?;
+        simulate(&*motion, &run.name, &simulated, &seen.values()?, (start, observer))?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }
@@ -138,7 +132,7 @@ fn trace(
     run: &Run,
     start: Option<&StartPoint>,
     done: &[Branch],
-    observer: &mut dyn Observer,
+    observer: &mut dyn SceneObserver,
 ) -> Result<Branch, SceneError> {
     let seen = scene.with(&run.set)?;
     seen.check_begin(run, start)?;
@@ -146,6 +140,9 @@ fn trace(
         (None, Start::Simulated(simulated)) => {
             let (model, p) = (seen.problem.model(), seen.values()?);
             let simulated = simulated.from(&seen.problem.initial(&p));
+            if let Ok(motion) = model.motion() {
+                foresee_settling(&*motion, &run.name, &simulated, &p, observer)?;
+            }
             model.settled(&run.name, &simulated, &p)?
         }
         (start, begin) => {
@@ -182,8 +179,14 @@ fn trace(
             if *switch { curve.switch() } else { curve }
         }
     };
-    let traced = conditions(curve, run).trace_with(observer);
-    traced.map_err(|cause| SceneError::of_run(&run.name, cause))
+    let begin = Instant::now();
+    let steps = conditions(curve, run).steps();
+    let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
+    // A point takes about as long as the start.
+    let points = steps.most_points();
+    let longest = begin.elapsed().saturating_mul(points.try_into().unwrap_or(u32::MAX));
+    observer.work(&run.name, &format!("up to {points} points"), longest);
+    Ok(steps.run(observer))
 }
 
 impl Scene {

@@ -12,6 +12,7 @@ use super::traced::Traced;
 use super::unexplained::LEAST_UNEXPLAINED;
 use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
+use crate::core::interruption::interrupted;
 use crate::core::solution::Solution;
 use crate::core::test_function::VERTICAL;
 use std::collections::VecDeque;
@@ -202,6 +203,7 @@ impl Tracer<'_> {
         }
         let mut step = match self.stepper.step(&walk.before, &walk.place, walk.length) {
             Ok(step) => step,
+            Err(_) if interrupted() => return Some(End::Interrupted),
             Err((step, cause)) => {
                 return Some(End::StepTooSmall { step, cause: cause.to_string() });
             }
@@ -220,7 +222,12 @@ impl Tracer<'_> {
         {
             step = shorter;
         }
-        let Some(mut found) = self.explained(&walk.place, &step, walk.backward, points == 0) else {
+        let found = self.explained(&walk.place, &step, walk.backward, points == 0);
+        // What was looked for in vain need not be missing.
+        if interrupted() {
+            return Some(End::Interrupted);
+        }
+        let Some(mut found) = found else {
             walk.length = 0.5 * step.length;
             return None;
         };

@@ -76,6 +76,20 @@ impl<'a> Steps<'a> {
         &self.tracer.branch
     }
 
+    /// The most points that it may have.
+    ///
+    /// ```
+    /// use tangency::core::{continuation::Continuation, dense::Dense};
+    /// let mut plate = Dense::new(tangency::problems::classic::ParallelPlate);
+    /// let steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).steps()?;
+    /// assert_eq!(steps.most_points(), 2001);
+    /// # Ok::<(), tangency::core::continuation::TraceError>(())
+    /// ```
+    pub fn most_points(&self) -> usize {
+        let halves = self.tracer.directions.iter().filter(|traced| **traced).count();
+        self.tracer.stepper.settings.max_points.saturating_mul(halves).saturating_add(1)
+    }
+
     /// The branch as far as it has been traced; both ends of one that is not complete are [`End::Interrupted`].
     pub fn finish(mut self) -> Branch {
         self.interrupt();
@@ -87,7 +101,7 @@ impl<'a> Steps<'a> {
     }
 
     /// Traces all of it under the eyes of an observer.
-    pub(super) fn run(mut self, observer: &mut dyn Observer) -> Branch {
+    pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
         observer.begin(self.branch());
         while let Some(item) = self.next() {
             match item {

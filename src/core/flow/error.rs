@@ -1,6 +1,7 @@
 //! Why a flow cannot be computed.
 
 use crate::core::domain::OutOfDomain;
+use crate::core::interruption::Interrupted;
 
 /// A setting of a flow without a meaning.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -37,6 +38,9 @@ pub enum FlowError {
         /// What left which domain.
         left: OutOfDomain,
     },
+    /// The work was given up.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// A state, its slope or what comes of a step is not finite.
     #[error(
         "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the field \

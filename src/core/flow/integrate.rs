@@ -9,6 +9,7 @@ use super::stages::{Stages, combine};
 use super::step::{Buffers, Known, Step};
 use super::tableau::Tableau;
 use super::work;
+use crate::core::interruption;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use std::cell::Cell;
@@ -261,6 +262,7 @@ impl<T: Scalar> Flow<T> {
         (sigma, h): (f64, f64),
         statistics: &Statistics,
     ) -> Result<f64, FlowError> {
+        interruption::check()?;
         let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
         let steps = statistics.accepted + statistics.rejected;
         if steps >= self.settings.max_steps {

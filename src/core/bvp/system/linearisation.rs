@@ -7,6 +7,7 @@ use super::local::{Arguments, Dependence, Passes};
 use crate::core::bvp::{Block, Interval, MonitoredFunctions};
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::failure::{Failure, not_finite};
+use crate::core::interruption;
 
 /// The Jacobian and the residual at the `x` assembled last.
 #[derive(Clone, Default)]
@@ -108,6 +109,7 @@ impl Linearisation {
             let (rows, n) = (layout.degree * segment.states, segment.states);
             let size = rows * (rows + n);
             for j in 0..segment.intervals {
+                interruption::check()?;
                 let block = Block {
                     residual: &mut self.residual[layout.equations(s, j)],
                     nodes: &mut self.blocks[s][j * size..(j + 1) * size],

@@ -1,0 +1,21 @@
+//! What watches the runs of a scene.
+
+use super::statement::Run;
+use crate::core::continuation::Observer;
+use std::time::Duration;
+
+/// Sees the runs of a scene.
+pub trait SceneObserver: Observer {
+    /// What is asked between any two steps of flows and corrections: where it is false, the scene ends with what there is.
+    fn goes_on(&self) -> fn() -> bool {
+        || true
+    }
+
+    /// A run begins.
+    fn run(&mut self, _run: &Run, _number: usize, _of: usize) {}
+
+    /// What the run of this name is about to do, and how long that may take at most.
+    fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}
+}
+
+impl SceneObserver for () {}
