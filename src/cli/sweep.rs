@@ -76,13 +76,14 @@ impl Sweep {
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: self.scene.scene.clone() });
         }
+        scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
         let (result, endings) = match self.part {
             None => (name.clone(), &["ron", "npz", "svg"][..]),
             Some(Part { number, of, .. }) => {
                 (format!("{name}.part-{number}-of-{of}"), &["npz"][..])
             }
         };
-        let inputs = [Path::new(&self.scene.scene)];
+        let inputs: Vec<&Path> = self.scene.inputs(&scene).collect();
         let results = Results::claim(&self.scene.out, &result, endings, &inputs)?;
         let path = results.path("npz");
         let known = path.exists() && !self.afresh;

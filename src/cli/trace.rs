@@ -78,6 +78,11 @@ impl SceneAt {
         Ok((name, scene.map_err(|cause| self.at_fault(cause))?))
     }
 
+    /// What was read: the scene, and the file of its equations.
+    pub fn inputs<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a Path> {
+        [Path::new(&self.scene)].into_iter().chain(scene.problem.file())
+    }
+
     /// A scene with what was changed and asked for.
     fn changed(
         &self,
@@ -135,7 +140,8 @@ impl Trace {
         }
         scene.check_plot().map_err(|cause| self.scene.at_fault(cause))?;
         let start = self.point(from.limit)?;
-        let results = Results::claim(&self.scene.out, &name, &["ron", "svg"], &self.inputs())?;
+        let results =
+            Results::claim(&self.scene.out, &name, &["ron", "svg"], &self.inputs(&scene))?;
         for warning in scene.warnings() {
             writeln!(std::io::stderr(), "warning: {}", printable(&warning))?;
         }
@@ -175,12 +181,12 @@ impl Trace {
     }
 
     /// The results must not replace the scene's file or the document that is started from.
-    fn inputs(&self) -> Vec<&Path> {
+    fn inputs<'a>(&'a self, scene: &'a Scene) -> Vec<&'a Path> {
         let start = match &self.start {
             Some(Begin::At(start)) => Some(start.file.as_path()),
             _ => None,
         };
-        [Some(Path::new(&self.scene.scene)), start].into_iter().flatten().collect()
+        self.scene.inputs(scene).chain(start).collect()
     }
 }
 

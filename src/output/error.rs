@@ -216,6 +216,9 @@ pub enum FigureError {
         /// The column and those that exist.
         source: UnknownName,
     },
+    /// No branch and no sweep has such a column.
+    #[error(transparent)]
+    NoColumn(UnknownName),
     /// Neither the document nor the user says what to draw, and the branch has no monitor.
     #[error("branch `{branch}` has no monitor to draw; name the column for y: {}", available.join(", "))]
     NoMonitor {

@@ -1,15 +1,20 @@
 //! The columns of branches before they are traced.
 
 use super::error::SceneError;
-use super::statement::{Run, Scene, Start};
+use super::simulate::history_columns;
+use super::statement::{Run, Scene, Start, Sweep};
+use crate::core::attractor::Layout;
 use crate::core::bifurcation::catalogue;
 use crate::core::continuation::{Branch, End};
+use crate::core::grazing::{Iterated, LocalOrbit, PHASE};
+use crate::core::hybrid::Mode;
+use crate::core::names::{UnknownName, distinct};
 use crate::core::orbit::GRAZINGS;
-use crate::output::{Document, check_columns};
+use crate::core::zero::Names;
+use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {
-    /// Refuses a picture in columns that its branches will not have: better before the work than after it. What local
-    /// maps, histories and sweeps have is known only behind it.
+    /// Refuses a picture in columns that its branches and sweeps will not have: better before the work than after it.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
@@ -27,25 +32,59 @@ impl Scene {
     /// [`SceneError::Figure`] with the column and those that there are.
     pub fn check_plot(&self) -> Result<(), SceneError> {
         let shown = self.runs.iter().filter(|run| run.shown);
+        // What is wrong beside columns is said by the trace.
         let branches: Option<Vec<Branch>> = shown.map(|run| self.untraced(run)).collect();
-        let Some(branches) = branches.filter(|all| !all.is_empty() && self.sweeps.is_empty())
-        else {
-            return Ok(());
+        let tables: Option<Vec<SweepTable>> =
+            self.sweeps.iter().map(|sweep| self.undone(sweep)).collect();
+        let (Some(branches), Some(tables)) = (branches, tables) else { return Ok(()) };
+        let plain = self.runs.iter().all(|run| run.local.is_none() && !run.along.is_empty());
+        if tables.is_empty() && plain && !branches.is_empty() {
+            let mut document = Document::new(self.title.clone(), branches);
+            document.plot = self.plot.clone();
+            return Ok(check_columns(&document)?);
+        }
+        self.check_together(&branches, &tables)
+    }
+
+    /// Refuses a column that neither one of the branches nor one of the sweeps has.
+    fn check_together(&self, branches: &[Branch], tables: &[SweepTable]) -> Result<(), SceneError> {
+        let Plot { x, y, panels, swept, .. } = &self.plot;
+        let pairs = panels.iter().chain(swept).flat_map(|(x, y)| [x, y]);
+        let has = |name: &str| {
+            branches.iter().any(|branch| branch.column(name).is_some())
+                || tables.iter().any(|table| table.has_column(name))
         };
-        let mut document = Document::new(self.title.clone(), branches);
-        document.plot = self.plot.clone();
-        Ok(check_columns(&document)?)
+        match x.iter().chain(y).chain(pairs).find(|name| !has(name)) {
+            None => Ok(()),
+            Some(name) => {
+                let of_branches = branches
+                    .iter()
+                    .flat_map(|branch| branch.parameters.iter().chain(&branch.monitors));
+                let of_tables = tables
+                    .iter()
+                    .flat_map(|table| table.run_columns.iter().chain(&table.point_columns));
+                let known = distinct(of_branches.chain(of_tables));
+                Err(FigureError::NoColumn(UnknownName::new("column", name, known)).into())
+            }
+        }
     }
 
     /// The branch of a run without its points, with all columns that it may have; `None` where they are not known.
     fn untraced(&self, run: &Run) -> Option<Branch> {
-        if run.local.is_some() || run.along.is_empty() {
-            return None;
-        }
-        // What is wrong beside columns is said by the trace.
         let seen = self.with(&run.set).ok()?;
-        let names = seen.system(self).ok()?.names().clone();
-        let mut monitors = names.monitors;
+        let own = match (&run.local, run.along.is_empty()) {
+            (None, false) => seen.system(self).ok()?.names().clone(),
+            (None, true) => {
+                let names = Names::new([""; 0], seen.problem.parameter_names());
+                names.with_monitors(history_columns(&seen.problem.model().motion().ok()?.modes()))
+            }
+            (Some(local), _) => {
+                let coordinates = coordinates(&seen.problem.model().motion().ok()?.modes());
+                let names = Names::new([""; 0], &local.parameters);
+                names.with_monitors(LocalOrbit::columns(&coordinates))
+            }
+        };
+        let mut monitors = own.monitors;
         let guards = seen.problem.model().motion().is_ok_and(|motion| !motion.guards().is_empty());
         // Whether orbits pass events is known only where they begin.
         let begins = !matches!(run.start, Start::Rest | Start::Guess(_));
@@ -58,8 +97,8 @@ impl Scene {
             name: run.name.clone(),
             condition: run.hold,
             itinerary: String::new(),
-            unknowns: names.unknowns,
-            parameters: names.parameters,
+            unknowns: own.unknowns,
+            parameters: own.parameters,
             released: run.along.iter().map(|range| range.name.clone()).collect(),
             monitors,
             points: Vec::new(),
@@ -68,4 +107,26 @@ impl Scene {
             settings: seen.settings,
         })
     }
+
+    /// The table of a sweep of which nothing is done.
+    fn undone(&self, sweep: &Sweep) -> Option<SweepTable> {
+        let seen = self.with(&sweep.set).ok()?;
+        let motion = seen.problem.model().motion().ok()?;
+        let mut modes = motion.modes();
+        let mut events: Vec<String> = motion.guards().into_iter().map(|guard| guard.name).collect();
+        if sweep.local.is_some() {
+            modes.push(Mode::new("map", coordinates(&modes)));
+            events.push(Iterated::EVENT.into());
+        }
+        let layout = Layout { modes, events, measures: sweep.measures.clone() };
+        let axes: Vec<String> = sweep.over.iter().map(|grid| grid.name.clone()).collect();
+        let crisis = sweep.crisis.as_ref().map(|sought| sought.name.as_str());
+        Some(SweepTable::new(&sweep.name, (&axes, crisis), 0, &layout))
+    }
+}
+
+/// All coordinates that a local map may have.
+fn coordinates(modes: &[Mode]) -> Vec<String> {
+    let states = distinct(modes.iter().flat_map(|mode| &mode.states)).into_iter();
+    states.map(String::from).chain([PHASE.to_string()]).collect()
 }

@@ -17,6 +17,7 @@ use ron::error::SpannedError;
 use ron::value::RawValue;
 use serde::{Serialize, Serializer};
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Names of parameters, and their defaults; `None` where there is no default.
@@ -143,6 +144,8 @@ pub(super) struct Stated {
     pub model: text::Model,
     /// What is stated, as [`Statement::ron`] writes it: from its bracket on.
     pub written: String,
+    /// The file that states it, if it is not stated in a scene.
+    pub file: Option<PathBuf>,
     /// What a file says that has no effect, or another name here.
     pub notes: Vec<String>,
     /// How far a file says that its model is to be followed.
@@ -158,7 +161,8 @@ impl Stated {
     ) -> Result<Self, ModelError> {
         let written = text::statement_in(&statement.ron()).1.trim_end().to_string();
         let model = statement.model(source, given)?;
-        Ok(Stated { model, written, notes: Vec::new(), options: Options::default() })
+        let (notes, options) = (Vec::new(), Options::default());
+        Ok(Stated { model, written, file: None, notes, options })
     }
 }
 
@@ -188,6 +192,11 @@ impl Problem {
     /// Its equations, if they are given as text.
     pub fn text(&self) -> Option<&text::Model> {
         self.text.as_ref().map(|text| &text.model)
+    }
+
+    /// The file that its equations were read from, if they have one of their own.
+    pub fn file(&self) -> Option<&Path> {
+        self.text.as_ref()?.file.as_deref()
     }
 
     /// What a file of its equations says that has no effect, or another name here.

@@ -7,6 +7,7 @@ use super::observer::SceneObserver;
 use super::slot::values;
 use crate::core::bvp::Birth;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
+use crate::core::flow::uncounted;
 use crate::core::hybrid::{
     CycleSearch, CycleSearchError, Event, History, HybridEquations, HybridError, HybridFlow,
     HybridObserver, HybridSettings, HybridState, Mode, Piece,
@@ -83,7 +84,7 @@ fn foresee(
 ) {
     let (mut state, begin) = (start.clone(), Instant::now());
     // What fails fails again, and is said then.
-    let followed = flow.advance(&mut state, duration, p, &mut Until(begin + TRIAL));
+    let followed = uncounted(|| flow.advance(&mut state, duration, p, &mut Until(begin + TRIAL)));
     let share = (state.time - start.time) / duration;
     if followed.is_ok() && share < 1.0 {
         let seconds = begin.elapsed().as_secs_f64() / share;
@@ -196,6 +197,17 @@ fn curves(system: &dyn HybridEquations, pieces: &[Piece], begin: f64) -> Vec<Pro
     curves
 }
 
+/// The names of the extremes of a state.
+fn extremes(state: &str) -> [String; 3] {
+    [format!("max_{state}"), format!("min_{state}"), format!("{state}_range")]
+}
+
+/// The monitors that histories through some modes may have.
+pub(super) fn history_columns(modes: &[Mode]) -> Vec<String> {
+    let states = distinct(modes.iter().flat_map(|mode| &mode.states));
+    [EVENTS.into()].into_iter().chain(states.into_iter().flat_map(extremes)).collect()
+}
+
 /// One point, with the extremes of all states as monitors, and the curves as profiles.
 fn branch(
     system: &dyn HybridEquations,
@@ -207,7 +219,7 @@ fn branch(
     let (mut monitors, mut values) = (vec![EVENTS.to_string()], vec![events]);
     for Profile { name, points, .. } in curves.iter().filter(|curve| !curve.points.is_empty()) {
         let extreme = |pick: fn(f64, f64) -> f64| points.iter().map(|q| q[1]).reduce(pick);
-        monitors.extend([format!("max_{name}"), format!("min_{name}"), format!("{name}_range")]);
+        monitors.extend(extremes(name));
         let (most, least) = (extreme(f64::max), extreme(f64::min));
         let range = most.zip(least).map(|(most, least)| most - least);
         values.extend([most, least, range].into_iter().flatten());

@@ -108,6 +108,7 @@ pub(super) fn of_file(
     if is_ode(&path) {
         let read = ode::read(&source)?;
         let mut stated = Stated::new(read.statement.clone(), &source, given)?;
+        stated.file = Some(path);
         stated.notes = read.ignored.iter().map(|what| format!("{what} has no effect")).collect();
         stated.notes.extend(read.of_simulations().iter().map(|what| {
             format!("{what} has no effect: branches begin where motion settles (`--settle`)")
@@ -118,7 +119,8 @@ pub(super) fn of_file(
         stated.options = read.options;
         return Ok(stated);
     }
-    Ok(Stated::new(Statement::of(&source)?, &source, given)?)
+    let stated = Stated::new(Statement::of(&source)?, &source, given)?;
+    Ok(Stated { file: Some(path), ..stated })
 }
 
 /// Whether a file is one of XPPAUT's, by its name.

@@ -183,9 +183,9 @@ fn trace(
     let steps = conditions(curve, run).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
     // A point takes about as long as the start.
-    let points = steps.most_points();
+    let points = steps.many_points();
     let longest = begin.elapsed().saturating_mul(points.try_into().unwrap_or(u32::MAX));
-    observer.work(&run.name, &format!("up to {points} points"), longest);
+    observer.work(&run.name, &format!("a branch of {points} points"), longest);
     Ok(steps.run(observer))
 }
 

@@ -9,15 +9,26 @@ pub fn tangency(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).args(arguments).output().unwrap()
 }
 
-/// The message of a failure, after checking its form and exit code.
+/// The message of a failure, behind warnings, after checking its form and exit code.
 #[track_caller]
 pub fn failure(output: &Output, code: i32) -> &str {
-    let message = std::str::from_utf8(&output.stderr).unwrap();
+    let mut message = std::str::from_utf8(&output.stderr).unwrap();
+    while message.starts_with("warning: ") {
+        message = message.split_once('\n').unwrap_or_default().1;
+    }
     assert_eq!(output.status.code(), Some(code), "{message}");
     assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
     let hidden = |letter: char| letter.is_control() && letter != '\n';
     assert!(!message.contains(hidden), "{message:?}");
     message
+}
+
+/// Sends a signal to a program that runs.
+#[cfg(unix)]
+#[track_caller]
+pub fn signal(name: &str, child: &std::process::Child) {
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args([name, &id]).status().unwrap().success());
 }
 
 /// A file of the folder.

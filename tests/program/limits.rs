@@ -1,6 +1,6 @@
 //! Sizes that no machine has, and tables that no scene writes, are refused before anything is allocated.
 
-use crate::program::command::{failure, tangency};
+use crate::program::command::{failure, signal, tangency};
 use std::path::Path;
 use std::process::Command;
 use tangency::output::{Sweeps, merge};
@@ -181,14 +181,78 @@ fn long_work_is_announced_and_can_be_ended() {
     let mut stderr = child.stderr.take().unwrap();
     let mut said = vec![0; 20];
     stderr.read_exact(&mut said).unwrap();
-    let ended = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(ended.success());
+    signal("-INT", &child);
     let mut rest = String::new();
     stderr.read_to_string(&mut rest).unwrap();
     let said = String::from_utf8(said).unwrap() + &rest;
     assert_eq!(child.wait().unwrap().code(), Some(1), "{said}");
-    assert!(said.contains("`up`: 3 runs of up to 1000000010 periods may take up to "), "{said}");
+    assert!(said.contains("`up`: 3 runs of up to 1000000010 periods, on "), "{said}");
     assert!(said.contains("interrupted"), "{said}");
+}
+
+/// A run that is ended within its start, by simulation or by correction, has no point; what was done before is kept.
+#[test]
+#[cfg(unix)]
+fn long_starts_can_be_ended() {
+    use std::io::{BufRead, BufReader, Read};
+    let folder = tempfile::tempdir().unwrap();
+    // The period of the forcing has 10⁵ of the motion's own in the second run.
+    let text = r#"Scene(title: "t",
+        problem: Equations(states: [("x", "v"), ("v", "a*cos(t) - w^2*x - v")], period: "2*pi", solution: orbit, method: shooting,
+            segments: 500),
+        parameters: [("a", 1), ("w", 2)],
+        runs: [Run(name: "slow", along: [(name: "a", low: 0.5, high: 3)]),
+            Run(name: "fast", START set: [("w", "1e5")], along: [(name: "a", low: 0.5, high: 3)])])"#;
+    for (start, announced) in
+        [("", ""), ("start: Simulated(transient: 1e6),", "motion over a time of ")]
+    {
+        std::fs::write(folder.path().join("b.ron"), text.replace("START", start)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tangency"));
+        command.current_dir(folder.path()).args(["trace", "b.ron"]);
+        let pipe = std::process::Stdio::piped;
+        let mut child = command.stdout(pipe()).stderr(pipe()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+        // The second end of the first run.
+        let ends = lines.by_ref().filter(|line| line.contains(" EP "));
+        assert_eq!(ends.take(2).count(), 2);
+        let mut stderr = child.stderr.take().unwrap();
+        let mut said = vec![0; announced.len()];
+        stderr.read_exact(&mut said).unwrap();
+        signal("-INT", &child);
+        let rest: Vec<String> = lines.collect();
+        let mut more = String::new();
+        stderr.read_to_string(&mut more).unwrap();
+        let said = String::from_utf8(said).unwrap() + &more;
+        assert_eq!(child.wait().unwrap().code(), Some(1), "{said}");
+        assert!(said.contains(announced) && said.contains("interrupted"), "{said}");
+        assert!(!rest.iter().any(|line| line.contains("fast")), "{rest:?}");
+        let document = tangency::output::Document::load(folder.path().join("out/b.ron")).unwrap();
+        assert_eq!(document.branches.len(), 1);
+    }
+}
+
+/// A picture in columns that nothing will have is refused before any work.
+#[test]
+fn pictures_are_checked_before_the_work() {
+    let folder = folder();
+    let scene = |name: &str| {
+        let built_in = tangency::scene::BUILT_IN.iter().find(|scene| scene.name == name);
+        Scene::parse(built_in.unwrap().text).unwrap()
+    };
+    // Sweeps, local maps and histories, too.
+    for name in ["mita-diagram", "mita-near-grazing-1", "mita-histories", "mita-basins"] {
+        let mut scene = scene(name);
+        assert_eq!(scene.check_plot(), Ok(()), "{name}");
+        scene.plot.panels.push(("displacement".into(), "velocty".into()));
+        let message = scene.check_plot().unwrap_err().to_string();
+        assert!(message.contains("unknown column `velocty`"), "{name}: {message}");
+    }
+    let text = SCENE.replace("sweeps:", "plot: (y: Some(\"speed\")), sweeps:");
+    std::fs::write(folder.path().join("a.ron"), text).unwrap();
+    for command in ["trace", "sweep"] {
+        let message = refused(folder.path(), &[command, "a.ron"]);
+        assert!(message.contains("unknown column `speed`"), "{message}");
+    }
 }
 
 /// Values without a physical meaning are refused by the problems.

@@ -4,7 +4,7 @@ use super::halves::Half;
 use super::metric::Metric;
 use super::run::{Tracer, Walk};
 use super::traced::Traced;
-use super::{Branch, End, Observer, SpecialPoint};
+use super::{Branch, End, Observer, Settings, SpecialPoint};
 use std::mem::replace;
 
 /// A branch while it is traced: an iterator over its points and special points as they are found, the start first, then one
@@ -36,6 +36,9 @@ pub struct Steps<'a> {
     behind: Option<Half>,
     ahead: Option<Half>,
 }
+
+/// A long branch goes as far as this from its start, in units of scaled arclength.
+const FAR: f64 = 10.0;
 
 /// How far a trace is.
 enum Stage {
@@ -76,18 +79,22 @@ impl<'a> Steps<'a> {
         &self.tracer.branch
     }
 
-    /// The most points that it may have.
+    /// How many points a long branch has from here: one that goes ten times as far as its scales each way, in steps as long
+    /// as they may be, unless fewer points are allowed.
     ///
     /// ```
-    /// use tangency::core::{continuation::Continuation, dense::Dense};
+    /// use tangency::core::continuation::{Continuation, Settings};
+    /// use tangency::core::dense::Dense;
     /// let mut plate = Dense::new(tangency::problems::classic::ParallelPlate);
-    /// let steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).steps()?;
-    /// assert_eq!(steps.most_points(), 2001);
+    /// let settings = Settings { max_step: 0.05, ..Settings::default() };
+    /// let steps = Continuation::of(&mut plate).along("load", 0.0..=1.0).settings(settings).steps()?;
+    /// assert_eq!(steps.many_points(), 401);
     /// # Ok::<(), tangency::core::continuation::TraceError>(())
     /// ```
-    pub fn most_points(&self) -> usize {
+    pub fn many_points(&self) -> usize {
+        let Settings { max_step, max_points, .. } = self.tracer.stepper.settings;
         let halves = self.tracer.directions.iter().filter(|traced| **traced).count();
-        self.tracer.stepper.settings.max_points.saturating_mul(halves).saturating_add(1)
+        max_points.min((FAR / max_step).ceil() as usize).saturating_mul(halves).saturating_add(1)
     }
 
     /// The branch as far as it has been traced; both ends of one that is not complete are [`End::Interrupted`].

@@ -30,6 +30,14 @@ pub fn work() -> Work {
     WORK.get()
 }
 
+/// Follows flows that are not counted: a trial whose length is that of a clock.
+pub(crate) fn uncounted<R>(flows: impl FnOnce() -> R) -> R {
+    let before = WORK.get();
+    let result = flows();
+    WORK.set(before);
+    result
+}
+
 /// Counts a flow over this much time.
 pub(super) fn add(evaluations: usize, length: f64) {
     let Work { evaluations: before, time } = WORK.get();

@@ -89,6 +89,9 @@ impl<T: Scalar> Moving<T> {
 }
 
 impl Iterated {
+    /// The name of its event: an iterate that goes through the surface.
+    pub const EVENT: &str = "impact";
+
     /// The map, where `parameters` names those that are given to it; with measures, of which there is `penetration`.
     ///
     /// # Errors
@@ -108,7 +111,7 @@ impl Iterated {
             positions,
             layout: Layout {
                 modes: vec![Mode { name: "map".into(), states: map.coordinates().to_vec() }],
-                events: vec!["impact".into()],
+                events: vec![Self::EVENT.into()],
                 measures: measures.to_vec(),
             },
             real: Moving::of(map.clone()),

@@ -46,6 +46,9 @@ pub struct LocalMap {
     pub(super) discontinuity: Discontinuity,
 }
 
+/// The coordinate that tells the time in periods of the forcing.
+pub const PHASE: &str = "phase";
+
 impl LocalMap {
     /// The local map of a system at a grazing point, with deviations of the parameters named.
     ///
@@ -72,7 +75,7 @@ impl LocalMap {
         let states = system.modes().swap_remove(point.mode).states;
         let described = section.coordinates.iter().map(|coordinate| match coordinate {
             Coordinate::State(i) => (states[*i].clone(), point.x[*i]),
-            Coordinate::Phase => ("phase".into(), point.time / unit_of_phase(system, &point.p)),
+            Coordinate::Phase => (PHASE.into(), point.time / unit_of_phase(system, &point.p)),
         });
         let (coordinates, mut origin): (Vec<String>, Vec<f64>) = described.unzip();
         origin.extend(positions.iter().map(|k| point.p[*k]));

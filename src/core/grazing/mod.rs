@@ -41,7 +41,7 @@ pub use error::GrazingError;
 pub use expansion::{Expansion, ExpansionCurve};
 pub use iterated::Iterated;
 pub use iteration::Iteration;
-pub use map::LocalMap;
+pub use map::{LocalMap, PHASE};
 pub use orbit::LocalOrbit;
 pub use point::GrazingPoint;
 pub use scenario::{Classification, Scenario};

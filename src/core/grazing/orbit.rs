@@ -62,7 +62,20 @@ const DEPTH: usize = 0;
 const DISTANCE: usize = 1;
 const PENETRATION: usize = 2;
 
+/// Monitors of the ends of all iterates.
+const ENDS: [&str; 3] = ["penetration", "depth", "distance"];
+
+/// The monitor of the largest value of a coordinate.
+fn largest(coordinate: &String) -> String {
+    format!("max_{coordinate}")
+}
+
 impl LocalOrbit {
+    /// The monitors that orbits may have in these coordinates.
+    pub(crate) fn columns(coordinates: &[String]) -> Vec<String> {
+        coordinates.iter().map(largest).chain(ENDS.map(String::from)).collect()
+    }
+
     /// The periodic points of as many iterates as there are answers to: is there an impact?
     pub fn of(map: LocalMap, impacts: &[bool]) -> Self {
         let order = map.space().order();
@@ -202,13 +215,14 @@ impl BoundaryProblem for LocalOrbit {
         let all = |i: usize| (0..self.impacts.len()).map(|k| watched(k, i)).collect();
         let names = self.map.coordinates().iter().enumerate();
         let mut monitors: Vec<(String, Monitor)> =
-            names.map(|(i, name)| (format!("max_{name}"), Monitor::Maximum(all(i)))).collect();
-        monitors.push(("penetration".into(), Monitor::Ends(PENETRATION)));
+            names.map(|(i, name)| (largest(name), Monitor::Maximum(all(i)))).collect();
+        let [penetration, depth, distance] = ENDS.map(String::from);
+        monitors.push((penetration, Monitor::Ends(PENETRATION)));
         if self.impacts.contains(&true) {
-            monitors.push(("depth".into(), Monitor::Ends(DEPTH)));
+            monitors.push((depth, Monitor::Ends(DEPTH)));
         }
         if self.impacts.contains(&false) {
-            monitors.push(("distance".into(), Monitor::Ends(DISTANCE)));
+            monitors.push((distance, Monitor::Ends(DISTANCE)));
         }
         monitors
     }

@@ -26,6 +26,11 @@ impl SweepTable {
         self.run_column(name).map(Source::Run).or_else(|| point().map(Source::Period))
     }
 
+    /// Whether runs, points or events have such a column.
+    pub(crate) fn has_column(&self, name: &str) -> bool {
+        self.source(name).is_some()
+    }
+
     /// What a run has settled on, in words.
     fn kind(&self, row: &Row) -> String {
         let value = |name: &str| self.run_column(name).map_or(f64::NAN, |k| row.values[k]);
