@@ -219,6 +219,11 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         if turn.value.abs() < TANGENT * change {
             let (theta, value) = improved(&mut self.sampler, step, &self.watch, turn.fraction);
             (turn.fraction, turn.value) = (theta.real(), value.real());
+            if !(0.0..=1.0).contains(&(step.sigma + step.h * turn.fraction)) {
+                // Before the flow begins or after it ends: where a flow sets out from zero with no slope, the sign of
+                // the slope is that of rounding errors.
+                return self.fall(step, [left, right], visit);
+            }
         }
         self.fall(step, [left, turn], visit)?;
         self.fall(step, [turn, right], visit)
