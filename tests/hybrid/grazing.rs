@@ -5,7 +5,16 @@ use crate::common::close;
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::{ClosedForm, resonance};
 use crate::hybrid::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
+use std::f64::consts::TAU;
+use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Point};
+use tangency::core::field::Forcing;
+use tangency::core::flow::Scheme;
+use tangency::core::hybrid::{
+    CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
+};
+use tangency::core::orbit::from_cycle;
+use tangency::core::scalar::Scalar;
 
 /// The branch without impacts to its grazing, with the label of that.
 fn to_grazing(start: &mut Start, grazing: f64) -> (Branch, usize) {
@@ -174,4 +183,65 @@ fn dry_impacts_end_in_sliding() {
         are(&branch, &[(Kind::G, sliding)]);
         grazes(&branch.ends[1], "distance");
     }
+}
+
+/// A neuron that leaks and fires, `x' = I − x + A sin ωt`: from 1 it is set to 0.
+struct Neuron;
+
+impl HybridSystem for Neuron {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("rest", ["voltage"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("spike", [0])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        ["current", "amplitude", "frequency"].map(String::from).to_vec()
+    }
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = p[0] - x[0] + p[1] * (p[2] * t).sin();
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        -x[0] + 1.0
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        _x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        after[0] = T::zero();
+    }
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        p[2].recip() * TAU
+    }
+}
+
+/// Where the reset jumps, the orbits with the event are not near that which touches: `switch()` says so.
+#[test]
+fn no_branch_begins_where_a_reset_jumps() {
+    let p = [0.1, 0.5, 4.0];
+    let mut flow = HybridFlow::new(&Neuron, HybridSettings::default()).unwrap();
+    let start = HybridState { mode: 0, time: 0.0, x: vec![0.0] };
+    let cycle = CycleSearch::default().find(&mut flow, start, &p).unwrap();
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+    let (mut orbits, z) = from_cycle(Neuron, &cycle, &p, method, 1).unwrap();
+    let names = Neuron.parameters();
+    let run = Continuation::of(&mut orbits).from(&z);
+    let run = names.iter().zip(&p).fold(run, |run, (name, p)| run.at(name, *p));
+    let branch = run.along("current", 0.0..=2.0).trace().unwrap();
+    are(&branch, &[(Kind::G, 1.0 - 0.5 / 17.0_f64.sqrt())]);
+    let label = branch.of_kind(Kind::G).next().unwrap().label;
+    let run = Continuation::of(&mut orbits).restart(&branch, label).switch();
+    let error = run.along("current", 0.0..=2.0).trace().unwrap_err().to_string();
+    assert!(error.contains("the event spike takes voltage from 1.0"), "{error}");
 }

@@ -50,6 +50,8 @@ impl Watchable<f64> for OnLeg<'_> {
 const NUDGE: f64 = 1e-6;
 /// No more events than this follow at once.
 const MOST_LEGS: usize = 32;
+/// Resets at a touch that move the state no farther, in units of its scales, leave it where it was.
+const UNMOVED: f64 = 1e-6;
 
 impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
@@ -171,7 +173,7 @@ impl HybridOrbit {
             };
             (limit, near) = (reset(&limit), reset(&near));
             if next == mode {
-                return Ok(legs);
+                return self.unmoved(touch, &limit, p).map(|()| legs);
             }
             let soonest = self.soonest(next, t, &near, p);
             let Some((time, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
@@ -187,6 +189,23 @@ impl HybridOrbit {
             near.iter_mut().zip(&f).for_each(|(x, f)| *x += time * f);
             (guard, last) = (exit, next);
         }
+    }
+
+    /// Refuses a touch after which motion goes on elsewhere: the orbits with the event lie apart from those without.
+    fn unmoved(&self, touch: &Touch, after: &[f64], p: &[f64]) -> Result<(), Failure> {
+        let mode = &self.modes[self.legs()[touch.leg].mode];
+        let mut sizes = self.system().scales_of(self.legs()[touch.leg].mode, p);
+        sizes.resize(after.len(), 1.0);
+        let moved = |i: &usize| {
+            let (before, after) = (touch.x[*i], after[*i]);
+            (after - before).abs() > UNMOVED * sizes[*i].max(before.abs())
+        };
+        let Some(i) = (0..after.len()).find(moved) else { return Ok(()) };
+        Err(Failure::Undetermined(format!(
+            "at the touch the event {} takes {} from {:.6e} to {:.6e}: no branch of orbits with the event begins \
+             where its reset jumps; start it from a simulated cycle (`orbit::from_cycle`)",
+            self.guards[touch.guard].name, mode.states[i], touch.x[i], after[i]
+        )))
     }
 
     /// The state of a touch with a small approach speed, still on the guard: a little along the part of
