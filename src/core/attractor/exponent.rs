@@ -78,15 +78,25 @@ pub(super) fn with_tangent(
     Member { state, p: p.iter().map(|p| Dual64::from(*p)).collect() }
 }
 
-/// The motion linearised over `q` periods: the matrix `∂F^q/∂x`, one row after the other, and the states `F^q(x)`;
-/// `None` if it ends, or in another mode.
+/// The motion linearised over some periods.
+pub(super) struct Monodromy {
+    /// The states `F^q(x)`.
+    pub end: Vec<f64>,
+    /// The states that are not neutral. A neutral one is carried along by the motion and changes no other: that of a body
+    /// at rest on a support that moves, for instance.
+    pub coupled: Vec<usize>,
+    /// `∂F^q/∂x` of the coupled states, one row after the other.
+    pub matrix: Vec<f64>,
+}
+
+/// The motion linearised over `q` periods; `None` if it ends, or in another mode.
 pub(super) fn monodromy(
     map: &mut dyn StroboscopicMap,
     start: &Member<f64>,
     q: usize,
-) -> Option<(Vec<f64>, Vec<f64>)> {
+) -> Option<Monodromy> {
     let n = start.state.x.len();
-    let (mut matrix, mut end) = (vec![0.0; n * n], start.state.x.clone());
+    let (mut columns, mut end) = (Vec::new(), start.state.x.clone());
     for column in 0..n {
         let mut moving = with_tangent(start, |i| f64::from(u8::from(i == column)));
         for _ in 0..q {
@@ -95,11 +105,15 @@ pub(super) fn monodromy(
         if moving.state.mode != start.state.mode {
             return None;
         }
-        for (i, x) in moving.state.x.iter().enumerate() {
-            (matrix[i * n + column], end[i]) = (x.eps, x.re);
-        }
+        end = moving.state.x.iter().map(|x| x.re).collect();
+        columns.push(moving.state.x.iter().map(|x| x.eps).collect::<Vec<f64>>());
     }
-    Some((matrix, end))
+    // Without rounding: nothing has acted on it.
+    let neutral = |k: &usize| (0..n).all(|i| columns[*k][i] == f64::from(u8::from(i == *k)));
+    let coupled: Vec<usize> = (0..n).filter(|k| !neutral(k)).collect();
+    let row = |i: &usize| coupled.iter().map(|k| columns[*k][*i]).collect::<Vec<f64>>();
+    let matrix = coupled.iter().flat_map(row).collect();
+    Some(Monodromy { end, coupled, matrix })
 }
 
 /// Entry `k` of the `n × n` identity, one row after the other.
@@ -115,15 +129,20 @@ pub(super) fn of_matrix(matrix: &[f64], n: usize, q: usize) -> Option<f64> {
     Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
 }
 
-/// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method; `None` if the matrix is singular.
-pub(super) fn correction(matrix: &[f64], start: &[f64], end: &[f64]) -> Option<Vec<f64>> {
-    let n = start.len();
+/// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method, of the coupled states only, by which the motion `missed` its
+/// start; `None` if the matrix is singular.
+pub(super) fn correction(matrix: &[f64], coupled: &[usize], missed: &[f64]) -> Option<Vec<f64>> {
+    let n = coupled.len();
     // One column after the other.
     let place = |k: usize| (k % n) * n + k / n;
     let left: Vec<f64> = (0..n * n).map(|k| identity(k, n) - matrix[place(k)]).collect();
-    let mut right: Vec<f64> = end.iter().zip(start).map(|(end, start)| end - start).collect();
-    let mut lu = BorderedLu::default();
-    lu.factor(&left, Border::NONE).ok()?;
-    lu.solve(&mut right);
-    Some(right)
+    let mut right: Vec<f64> = coupled.iter().map(|k| missed[*k]).collect();
+    if n > 0 {
+        let mut lu = BorderedLu::default();
+        lu.factor(&left, Border::NONE).ok()?;
+        lu.solve(&mut right);
+    }
+    let mut step = vec![0.0; missed.len()];
+    coupled.iter().zip(right).for_each(|(k, right)| step[*k] = right);
+    Some(step)
 }

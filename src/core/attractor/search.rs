@@ -1,7 +1,9 @@
 //! Following motions until it is known which attractors they are on.
 
 use super::error::StroboscopicError;
-use super::exponent::{Exponent, Growth, correction, monodromy, of_matrix, with_tangent};
+use super::exponent::{
+    Exponent, Growth, Monodromy, correction, monodromy, of_matrix, with_tangent,
+};
 use super::period::Period;
 use super::stroboscopic::{Layout, StroboscopicMap, advance_each, push_forward_each};
 use crate::core::hybrid::{HybridState, Member, Repetition, StateScales};
@@ -78,6 +80,12 @@ const ROUNDS: usize = 8;
 /// … no farther away than this.
 const NEAR: f64 = 0.03;
 
+/// Motion of a smaller size is rest, as far as coming back is concerned: a state that is carried by a support is zero at
+/// some phase, and what it is then is rounding.
+const REST: f64 = 1e-6;
+/// A neutral state of a cycle drifts by no more than this in it, in the units of coming back.
+const DRIFT: f64 = 1e-5;
+
 /// Periodic points this near to each other, in units of their size, are the same.
 const SAME: f64 = 1e-8;
 
@@ -92,6 +100,8 @@ struct Run {
     next_try: usize,
     /// The number of periods after which motion has come back.
     candidate: Option<usize>,
+    /// The largest state at samples and events.
+    size: f64,
     exponent: Option<Exponent>,
     /// A cycle, or why the motion has ended.
     outcome: Option<Result<Attractor, StroboscopicError>>,
@@ -110,6 +120,7 @@ impl Run {
             records: Vec::new(),
             next_try: 0,
             candidate: None,
+            size: f64::MIN_POSITIVE,
             exponent: None,
             outcome: None,
         }
@@ -119,7 +130,9 @@ impl Run {
     fn record(&mut self, period: Period, state: &HybridState<f64>) -> bool {
         let numbers = period.events.iter().map(|e| 2 * e.event + usize::from(e.accumulation));
         let (start, numbers) = (period.start.clone(), numbers.collect());
-        let found = self.repetition.push(start, numbers, state, norm(&state.x));
+        let events = period.events.iter().map(|event| norm(&event.before.x));
+        self.size = events.fold(self.size.max(norm(&state.x)), f64::max);
+        let found = self.repetition.push(start, numbers, state, self.size.max(REST));
         self.records.push(period);
         self.candidate = found.filter(|_| self.records.len() >= self.next_try);
         self.candidate.is_none()
@@ -130,7 +143,7 @@ impl Run {
         let Some(q) = self.candidate.take() else { return };
         // Where motion is slow but does not settle, Newton's method is not tried every time.
         self.next_try = 2 * self.records.len();
-        if let Some((start, exponent)) = improved(map, &self.member, q) {
+        if let Some((start, exponent)) = improved(map, &self.member, q, self.size) {
             self.outcome = Some(periodic(map, start, exponent, q));
         }
     }
@@ -306,27 +319,31 @@ fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f
     (events, mean(all().filter(|e| e.accumulation).count()))
 }
 
-/// The stable point of period `q` near a state, and its exponent, by Newton's method; `None` if there is none. A
-/// motion that ends on the way says no more than that.
+/// The stable point of period `q` near a state of a motion of this size, and its exponent, by Newton's method; `None` if
+/// there is none. A motion that ends on the way says no more than that. Neutral states, which the motion carries along,
+/// stay as they are.
 fn improved(
     map: &mut dyn StroboscopicMap,
     near: &Member<f64>,
     q: usize,
+    size: f64,
 ) -> Option<(Member<f64>, Exponent)> {
     let (mut member, near) = (near.clone(), &near.state.x);
-    let largest = norm(near).max(f64::MIN_POSITIVE);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let (matrix, end) = monodromy(map, &member, q)?;
-        let value = of_matrix(&matrix, near.len(), q)?;
+        let Monodromy { matrix, end, coupled } = monodromy(map, &member, q)?;
+        let value = of_matrix(&matrix, coupled.len(), q)?;
         let x = &mut member.state.x;
-        let step = correction(&matrix, x, &end)?;
+        let missed: Vec<f64> = end.iter().zip(x.iter()).map(|(end, x)| end - x).collect();
+        let step = correction(&matrix, &coupled, &missed)?;
         let away: Vec<f64> =
             x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
-        if norm(&away) > NEAR * largest {
+        let neutral = |i: &usize| !coupled.contains(i);
+        let drift = (0..x.len()).filter(neutral).map(|i| missed[i].abs()).fold(0.0, f64::max);
+        if norm(&away) > NEAR * size || drift > DRIFT * size.max(REST) {
             return None;
         }
-        if norm(&step) <= CONVERGED * largest {
+        if norm(&step) <= CONVERGED * size {
             // What is left of the orbit's error moves the exponent less than the last step did.
             let moved = (value - last).abs();
             let error = if moved.is_finite() { moved } else { 0.0 };
