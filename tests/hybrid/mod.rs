@@ -10,6 +10,7 @@ mod mita_laws;
 mod orbits;
 mod recorded;
 mod references;
+mod resting;
 mod scales;
 mod simulation;
 pub mod systems;

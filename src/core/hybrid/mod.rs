@@ -22,6 +22,7 @@ mod passing;
 mod repetition;
 mod scales;
 mod simulation;
+mod support;
 mod system;
 
 pub use beyond::virtual_point;

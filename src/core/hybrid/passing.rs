@@ -7,6 +7,7 @@ use super::event::{Event, HybridObserver};
 use super::event_locator::{INSTANT, LocatedEvent};
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridState, Run};
+use super::support::Surface;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
@@ -23,7 +24,6 @@ where
     ) -> Result<ControlFlow<()>, HybridError> {
         (self.event.guard, self.event.mode) = (guard, state.mode);
         (self.event.approach, self.event.accumulation) = (-root.rate.real(), false);
-        self.stands_still(run)?;
         let tolerance = self.settings.accumulation * self.unit;
         let series = self.series_of(guard, state.mode);
         let Event { time, before, .. } = &self.event;
@@ -39,6 +39,7 @@ where
         if self.pass(next, state, run)?.is_break() {
             return Ok(ControlFlow::Break(()));
         }
+        self.stands_still(run)?;
         match time.filter(|time| time.real() <= run.end.real()) {
             Some(time) => self.settle(accumulation, time, state, run),
             None => Ok(ControlFlow::Continue(())),
@@ -121,11 +122,28 @@ where
             return if here { Ok(ControlFlow::Continue(())) } else { unsettled };
         };
         if !here {
-            self.event.before.clone_from(&self.series[series].limit);
+            self.rest(series, time, run.p);
         }
         (self.event.time, self.event.approach, self.event.accumulation) = (time, 0.0, true);
         run.statistics.accumulations += 1;
         self.pass(next, state, run)
+    }
+
+    /// The state at the accumulation of a series, into that before the event. There the body is at rest on the surface,
+    /// and would not be if the series were cut off: a body in contact keeps its distance until it is released.
+    fn rest(&mut self, series: usize, time: T, p: &[T]) {
+        let Event { guard, mode, .. } = self.event;
+        let limit = &self.series[series].limit;
+        let change = Surface { system: self.system, guard, mode, t: time }.to_rest(limit, p);
+        // No more than the rest of the series, which the extrapolation does not know better than that.
+        let bounds = limit.iter().zip(&self.event.before).map(|(a, b)| (*a - *b).real().abs());
+        let largest = bounds.fold(0.0, f64::max);
+        let small = change.iter().all(|change| change.real().abs() <= largest);
+        self.event.before.clear();
+        self.event.before.extend(limit.iter().zip(change).map(|(limit, change)| match small {
+            true => *limit + change,
+            false => *limit,
+        }));
     }
 
     /// Whether another guard of the mode is negative at the accumulation, the real parts of which are in `x`.

@@ -162,7 +162,8 @@ where
     }
 
     /// Moves a state on for a time, by way of all events, which the observer sees; it may end the motion just
-    /// after one, or with a step. Where an error ends the motion, the state is that after the last event.
+    /// after one, or with a step. Where an error ends the motion, the state is that after the last event, or
+    /// just before it if it leads to no mode.
     ///
     /// # Errors
     /// [`HybridError`] if the motion ends before: its flow does, a mode begins where a guard is negative, or

@@ -1,0 +1,87 @@
+//! States at rest on a surface.
+
+use super::erased::{EventNumber, HybridEquations};
+use super::leg::{GuardOf, Moment};
+use crate::core::watch::{WatchIn, Watchable};
+use num_dual::{Dual, Dual64};
+
+/// Newton's iterations with the slopes of real numbers: the first ones give digits, each further one an order of
+/// derivatives.
+const ROUNDS: usize = 2;
+/// Slopes of a guard and of its rate that are nearer to each other than this, as the square of the sine of the angle
+/// between them, are one condition.
+const APART: f64 = 1e-6;
+
+/// A guard in a mode, at a time.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a, T> {
+    pub system: &'a dyn HybridEquations,
+    pub guard: usize,
+    pub mode: usize,
+    pub t: T,
+}
+
+impl<'a, T: EventNumber> Surface<'a, T>
+where
+    GuardOf<'a>: Watchable<T>,
+{
+    /// The change, least in units of the scales, after which a state is at rest on the surface: the guard and its rate
+    /// along the motion vanish, with their derivatives.
+    pub fn to_rest(self, x: &[T], p: &[T]) -> Vec<T> {
+        let mut sizes =
+            self.system.scales_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
+        sizes.resize(x.len(), 1.0);
+        let mut rested = x.to_vec();
+        for _ in 0..ROUNDS + T::NDERIV {
+            let (values, slopes) = (self.values(&rested, p), self.slopes(&rested, p));
+            let product = |a: usize, b: usize| {
+                let parts = slopes[a].iter().zip(&slopes[b]).zip(&sizes);
+                parts.map(|((a, b), size)| a * b * size * size).sum::<f64>()
+            };
+            let [hh, hr, rr] = [product(0, 0), product(0, 1), product(1, 1)];
+            if hh == 0.0 {
+                break;
+            }
+            let determinant = hh * rr - hr * hr;
+            let shares = match determinant > APART * hh * rr {
+                true => {
+                    let [h, r] = values;
+                    [(h * rr - r * hr) / determinant, (r * hh - h * hr) / determinant]
+                }
+                false => [values[0] / hh, T::zero()],
+            };
+            for (i, x) in rested.iter_mut().enumerate() {
+                let change = shares[0] * slopes[0][i] + shares[1] * slopes[1][i];
+                *x -= change * (sizes[i] * sizes[i]);
+            }
+        }
+        rested.iter().zip(x).map(|(rested, x)| *rested - *x).collect()
+    }
+
+    /// The guard and its rate.
+    fn values(self, x: &[T], p: &[T]) -> [T; 2] {
+        let Surface { system, guard, mode, t } = self;
+        let mut f = vec![T::zero(); x.len()];
+        system.field(mode, t, x, p, &mut f);
+        let x: Vec<_> = x.iter().zip(&f).map(|(x, f)| Dual::new(*x, *f)).collect();
+        let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+        let watch = GuardOf { system, guard, mode, scale: 1.0 };
+        let along = watch.value_in(Dual::new(t, T::one()), &x, &p);
+        [along.re, along.eps]
+    }
+
+    /// The derivatives of the guard and of its rate by the states.
+    fn slopes(self, x: &[T], p: &[T]) -> [Vec<f64>; 2] {
+        let Surface { system, guard, mode, t } = self;
+        let real = |values: &[T]| values.iter().map(|v| v.real().into()).collect::<Vec<Dual64>>();
+        let (x, p, t) = (real(x), real(p), t.real().into());
+        let moved = |i: usize| {
+            let mut x = x.clone();
+            x[i].eps = 1.0;
+            let at = Moment { system, mode, t, x: &x, p: &p };
+            (at.guard(guard).eps, at.rate(guard).eps)
+        };
+        let (guards, rates) = (0..x.len()).map(moved).unzip();
+        [guards, rates]
+    }
+}
