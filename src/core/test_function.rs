@@ -32,6 +32,8 @@ pub enum Test {
     Condition,
     /// The event's own function.
     Function,
+    /// 1 where every event of an orbit leads to where its itinerary goes on, −1 where one does not.
+    Itinerary,
 }
 
 /// What test functions are made of at a point of a curve.
@@ -47,7 +49,7 @@ pub(crate) struct Known<'a> {
     /// The auxiliary unknowns of the conditions held along the curve.
     pub own: &'a [f64],
     pub amplitude: Option<f64>,
-    /// The value of the condition, or of the event's own function.
+    /// The value of the condition, of the event's own function, or whether events lead on.
     pub given: Option<f64>,
 }
 
@@ -71,7 +73,7 @@ impl Test {
             }
             Test::Own { unknown, level } => Some(known.own[unknown] - level),
             Test::Amplitude => known.amplitude,
-            Test::Condition | Test::Function => known.given,
+            Test::Condition | Test::Function | Test::Itinerary => known.given,
         }
     }
 

@@ -133,6 +133,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "mita-basins": "basins of attraction of the orbits with impacts and without, over initial states",
     "mita-lyapunov": "the largest Lyapunov exponent beyond grazing (5.17)",
     "impact-oscillator": "the forced linear impact oscillator: grazing, fold, period doubling",
+    "dry-friction": "a forced oscillator that sticks: motion without stops, with two, and the boundary between them",
     "lure": "Lur'e's control system: a Hopf point, periodic orbits, and their period doublings",
     "isothermal": "Seydel's isothermal reaction: a Hopf point and a cascade of period doublings",
     "bratu": "Bratu's boundary-value problem through its fold",

@@ -29,8 +29,8 @@ macro_rules! texts {
     };
 }
 
-const LIBRARY: [(&str, &str); 10] = texts!("scenes/library/" ".ron":
-    "bouncing-ball" "brusselator" "co-oxidation" "dry-friction" "duffing" "fitzhugh-nagumo" "lorenz" "lure" "morris-lecar"
+const LIBRARY: [(&str, &str); 9] = texts!("scenes/library/" ".ron":
+    "bouncing-ball" "brusselator" "co-oxidation" "duffing" "fitzhugh-nagumo" "lorenz" "lure" "morris-lecar"
     "swift-hohenberg");
 
 const XPPAUT: [(&str, &str); 12] = texts!("tests/models/ode/" ".ode":

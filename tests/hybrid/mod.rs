@@ -1,6 +1,7 @@
 //! Promises of systems with impacts, and of their orbits.
 
 mod attractors;
+mod decisions;
 mod failures;
 mod fleets;
 mod grazing;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 use tangency::core::continuation::{Branch, End, Kind, Point};
 use tangency::output::Document;
-use tangency::scene::{Catalogue, Scene, Start, Way, execute};
+use tangency::scene::{BUILT_IN, Catalogue, Scene, Start, Way, execute};
 
 fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
@@ -118,57 +118,78 @@ fn bouncing_ball() {
     finds(&document, ("doublings", Kind::EP, "amplitude"), &[doubling(0.4)], 1e-8);
 }
 
-/// Den Hartog: motion without stops ends at `F = |V|/√(H² + 1/β⁴)`.
+fn dry() -> Scene {
+    let built_in = BUILT_IN.iter().find(|scene| scene.name == "dry-friction").unwrap();
+    Scene::parse(built_in.text).unwrap()
+}
+
+/// The friction at which motion without stops ends: `|V|/√(H² + 1/ω⁴)`.
+fn end_without_stops(omega: f64) -> f64 {
+    let v = 1.0 / (1.0 - omega * omega);
+    let h = (PI / omega).sin() / (omega * (1.0 + (PI / omega).cos()));
+    v.abs() / h.hypot(omega.powi(-2))
+}
+
+/// Den Hartog: the functions of `next` are decisions, whose zeros end motion without stops; with two begins there.
 #[test]
 fn dry_friction() {
-    let document = traced("dry-friction");
-    let of = |beta: f64| {
-        let v = 1.0 / (1.0 - beta * beta);
-        let h = (PI / beta).sin() / (beta * (1.0 + (PI / beta).cos()));
-        (v.abs(), h)
-    };
-    let end = |beta: f64| of(beta).0 / of(beta).1.hypot(beta.powi(-2));
-    finds(&document, ("two stops", Kind::G, "F"), &[end(1.5)], 1e-9);
-    let (v, h) = of(1.5);
-    finds(&document, ("no stops", Kind::UZ, "max_x"), &[(v * v - (0.2 * h).powi(2)).sqrt()], 1e-9);
-    finds(&document, ("no stops", Kind::EP, "max_x"), &[v], 1e-9);
-    finds(&document, ("boundary", Kind::EP, "F"), &[0.5625, end(0.7)], 1e-9);
+    let outcome = execute(&dry(), None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let document = outcome.document;
+    let end = end_without_stops(0.6);
+    close(end, 0.531512540169, 1e-11);
+    finds(&document, ("no stops", Kind::G, "F"), &[end], 1e-10);
+    finds(&document, ("no stops", Kind::G, "decision"), &[0.0], 1e-12);
+    finds(&document, ("no stops", Kind::UZ, "max_x"), &[1.55060285469], 1e-10);
+    finds(&document, ("no stops", Kind::EP, "max_x"), &[1.5625], 1e-9);
+    finds(&document, ("two stops", Kind::EP, "F"), &[end, 0.98], 1e-10);
+    let boundary = document.branch("boundary").unwrap();
+    for point in &boundary.points {
+        let [omega, friction] = point.parameters[..] else { panic!("two parameters") };
+        close(friction, end_without_stops(omega), 1e-9);
+    }
+    assert_eq!(document.branch("no stops").unwrap().itinerary, "down:stop up:stop");
+    let stops = document.branch("two stops").unwrap();
+    assert_eq!(stops.itinerary, "down:stop stick:slip up:stop stick:slip");
+    assert!(stops.points.iter().all(|point| point.admissible && point.unstable == Some(0)));
 }
 
 /// Where legs vanish, at a grazing, the branch goes on without them: in orbits of another itinerary.
 #[test]
 fn legs_that_vanish_are_left_out() {
-    let mut scene = scene("dry-friction");
+    let mut scene = dry();
     scene.runs.truncate(2);
-    let two = scene.runs[0].name.clone();
-    scene.runs[0].marks.clear();
-    scene.runs[1].start =
-        Start::From { run: two, kind: Kind::G, nth: 0, switch: true, unconverged: false };
-    scene.runs[1].set.clear();
+    let [first, second] = &mut scene.runs[..] else { panic!("two runs") };
+    first.set = vec![("F".into(), "0.75".into())];
+    first.along[0].high = Some(0.9);
+    second.start = Start::From {
+        run: first.name.clone(),
+        kind: Kind::G,
+        nth: 0,
+        switch: true,
+        unconverged: false,
+    };
+    second.marks = vec![("F".into(), 0.2)];
     let outcome = execute(&scene, None, &mut ());
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    let document = outcome.document;
-    assert_eq!(document.branches[1].itinerary, "backward:stop forward:stop");
-    let h = (PI / 1.5).sin() / (1.5 * (1.0 + (PI / 1.5).cos()));
-    let amplitude = (0.64 - (0.2 * h).powi(2)).sqrt();
-    finds(&document, ("no stops", Kind::UZ, "max_x"), &[amplitude], 1e-9);
-    let back = |point: &Point| point.parameters[1] < 0.64657908;
-    assert!(document.branches[1].points.iter().filter(|point| back(point)).all(|p| p.admissible));
+    let [first, second] = &outcome.document.branches[..] else { panic!("two branches") };
+    assert_eq!(first.itinerary.matches("stick:slip").count(), 2);
+    assert!(!second.itinerary.contains("stick") && second.points.iter().all(|p| p.admissible));
+    let mark = second.of_kind(Kind::UZ).next().unwrap();
+    close(mark.value(second.column("max_x").unwrap()).unwrap(), 1.55060285469, 1e-10);
 }
 
-/// A branch of orbits does not see by its equations that a stop leads elsewhere: such points are marked.
+/// Beyond the decision orbits are virtual: they are followed on demand, and marked.
 #[test]
 fn what_decides_otherwise_is_marked() {
-    let mut scene = scene("dry-friction");
-    scene.runs.truncate(2);
-    scene.runs.remove(0);
+    let mut scene = dry();
+    scene.runs.truncate(1);
     let [run] = &mut scene.runs[..] else { panic!("one run") };
-    (run.set, run.direction) = (vec![("F".into(), "0.2".into())], Way::Forward);
-    run.along[0].high = Some(0.68);
+    (run.direction, run.beyond_grazings) = (Way::Forward, true);
+    run.along[0].high = Some(0.6);
     let outcome = execute(&scene, None, &mut ());
     let branch = &outcome.document.branches[0];
-    // Where motion without stops ends: F = 0.6465790873.
-    let beyond = |point: &Point| point.parameters[1] > 0.64657909;
+    let beyond = |point: &Point| point.parameters[1] > end_without_stops(0.6) + 1e-9;
     assert!(branch.points.iter().any(beyond) && branch.points.iter().any(|point| !beyond(point)));
     for point in &branch.points {
         assert_eq!(point.admissible, !beyond(point), "{:?}", point.parameters);

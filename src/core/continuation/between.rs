@@ -4,7 +4,7 @@ use super::Kind;
 use super::found::Located;
 use super::run::Tracer;
 use super::stepper::{AT_START, Place, Step};
-use crate::core::test_function::Side;
+use crate::core::test_function::{Side, Test};
 
 impl Tracer<'_> {
     /// All events in a step, in the order in which the branch meets them, but for those of the start.
@@ -20,6 +20,11 @@ impl Tracer<'_> {
         for index in 0..self.stepper.events.len() {
             let event = &self.stepper.events[index];
             if !event.passed(from.tests[index], to.tests[index], backward) {
+                continue;
+            }
+            // What an event leads to changes where an orbit grazes, too.
+            let grazes = |it: &Located| it.special.kind == Kind::G && it.special.converged;
+            if event.test == Test::Itinerary && found.iter().any(grazes) {
                 continue;
             }
             // At a pitchfork the parameter turns as well.

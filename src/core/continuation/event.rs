@@ -203,6 +203,12 @@ impl Event {
         }
     }
 
+    /// Where an event of an orbit begins to lead elsewhere than the itinerary goes on, which a system decides without a
+    /// function: known by bracketing only.
+    pub(super) fn of_itinerary() -> Self {
+        Self::without_condition("an event leads to another mode", Kind::G, Test::Itinerary)
+    }
+
     fn without_condition(name: impl Into<String>, kind: Kind, test: Test) -> Self {
         Event {
             name: name.into(),

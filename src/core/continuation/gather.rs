@@ -120,6 +120,10 @@ impl Continuation<'_> {
         if self.beyond {
             events.extend(grazings);
         }
+        // Along a curve of grazings rounding decides.
+        if !self.system.itinerary().is_empty() && self.grazing.is_empty() {
+            events.push(Event { terminal: !self.beyond, ..Event::of_itinerary() });
+        }
         events.extend(self.bifurcations(parameter));
         events.append(&mut self.events);
         let own = held.iter().map(|make| make().unknowns()).sum();

@@ -7,6 +7,7 @@ use super::stepper::{MATRIX_ERROR, Place, Stepper};
 use crate::core::condition::Failure;
 use crate::core::extended::Extended;
 use crate::core::newton::{Newton, NewtonError, Tolerances, scaled_norm};
+use crate::core::test_function::Test;
 use crate::core::vector::{along, difference};
 
 /// An event is not farther beside the branch, in units of its bracket's length.
@@ -42,6 +43,9 @@ impl Stepper<'_> {
         };
         if event.condition.is_none() {
             let found = self.bracketed(index, from, &row, &mut bracket);
+            // What an orbit's events decide has no value that vanishes: nothing converges.
+            let converged = found.converged && event.test != Test::Itinerary;
+            let found = Found { converged, ..found };
             return self.describe(index, ([from, to], length), found);
         }
         let mut applicable = true;

@@ -14,7 +14,7 @@ use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
 use crate::core::interruption::interrupted;
 use crate::core::solution::Solution;
-use crate::core::test_function::VERTICAL;
+use crate::core::test_function::{Test, VERTICAL};
 use std::collections::VecDeque;
 
 /// A trace under way.
@@ -368,10 +368,16 @@ impl Tracer<'_> {
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
         let first = found.iter().position(terminal)?;
-        // Of several at one point, as where an impact vanishes with the leg behind it, the first event names the end.
+        // Of several at one point, as where an impact vanishes with the leg behind it, the first event names the end; of
+        // those that do not converge that of the itinerary, from which others follow.
         let reach = found[first].along + AT_START;
         let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
-        let mut at = found.swap_remove(same.min_by_key(|&k| found[k].event)?);
+        let rank = |k: &usize| {
+            let Located { event, special, .. } = &found[*k];
+            let follows = event.is_some_and(|event| events[event].test != Test::Itinerary);
+            (!special.converged, follows, *event)
+        };
+        let mut at = found.swap_remove(same.min_by_key(rank)?);
         found.truncate(first);
         let bound = at.event.filter(|event| *event < self.bounds.len());
         let end = bound.and_then(|event| self.bound(event));

@@ -9,6 +9,7 @@ use crate::core::extended::{Closing, Extended};
 use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
+use crate::core::test_function::Test;
 use crate::core::vector::{advanced, difference, dot};
 use crate::core::zero::Spectrum;
 
@@ -203,6 +204,10 @@ impl Stepper<'_> {
         let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
+            if born && self.events[i].test == Test::Itinerary {
+                // What the events of legs of no length lead to is decided by rounding.
+                start.tests[i] = None;
+            }
             let Some((quantity, level)) = self.events[i].test.level() else { continue };
             slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
             let rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();

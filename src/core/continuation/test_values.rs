@@ -2,7 +2,7 @@
 
 use super::Point;
 use super::stepper::{Place, Stepper};
-use crate::core::condition::Failure;
+use crate::core::condition::{At, Failure};
 use crate::core::function::TestPoint;
 use crate::core::motion::Stability;
 use crate::core::test_function::{Known, Test};
@@ -29,6 +29,7 @@ impl Stepper<'_> {
         point: &Point,
     ) -> Result<Vec<Option<f64>>, Failure> {
         let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
+        let leads = self.leads();
         let system = self.equations.system();
         let (dynamics, orientation) = (system.dynamics(), system.orientation());
         let stability = |all: &Spectrum| Stability::of(dynamics, all).oriented(orientation);
@@ -51,6 +52,7 @@ impl Stepper<'_> {
                     condition.adapt();
                     Some(value[0])
                 }
+                None if event.test == Test::Itinerary => leads,
                 None => event.value(&TestPoint {
                     state: &self.equations.at().x[..n],
                     parameters: &point.parameters,
@@ -61,6 +63,13 @@ impl Stepper<'_> {
             tests.push(event.test.value(&known));
         }
         Ok(tests)
+    }
+
+    /// Whether events lead on at the point recorded, as a sign, if an event asks for it.
+    fn leads(&mut self) -> Option<f64> {
+        let asked = self.events.iter().any(|event| event.test == Test::Itinerary);
+        let At { system, x, .. } = Some(self.equations.at()).filter(|_| asked)?;
+        Some(if system.admissible()?.check_start(x).is_ok() { 1.0 } else { -1.0 })
     }
 
     /// The oscillation of a cycle, if an event asks for it.

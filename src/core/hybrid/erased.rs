@@ -71,7 +71,7 @@ faces! {
         fn period as period_in(p: &[T]) -> T;
     }
 
-    /// The measures of a system's cycles, and its monitors, in one scalar.
+    /// The measures of a system's cycles, its monitors and decision functions, in one scalar.
     Measures;
     /// A scalar in which the measures of any hybrid system can be evaluated.
     MeasureNumber: Scalar, by measures {
@@ -81,6 +81,10 @@ faces! {
         ) -> T;
         /// A monitor in a mode.
         fn monitor as monitor_in(monitor: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
+        /// The function that selects one of the modes that may follow an event.
+        fn decision as decision_in(
+            position: usize, guard: usize, mode: usize, t: T, x: &[T], p: &[T]
+        ) -> T;
     }
 }
 
@@ -163,6 +167,7 @@ equations! {
     fn guards() -> Vec<Guard>;
     fn parameters() -> Vec<String>;
     fn defaults() -> Vec<f64>;
+    fn may_follow(guard: usize, mode: usize) -> Vec<usize>;
     fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
     fn mode_after_accumulation(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize>;
     fn in_lanes() -> bool;

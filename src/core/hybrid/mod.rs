@@ -38,6 +38,6 @@ pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
 pub(crate) use measured::check_measures;
 pub(in crate::core) use repetition::{Repetition, StateScales};
-pub(crate) use scales::{guard_scale, time_scale};
+pub(crate) use scales::{decision_scale, guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
 pub use system::{Guard, HybridSystem, Mode, Passage, Scales};

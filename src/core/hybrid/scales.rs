@@ -29,6 +29,15 @@ pub(crate) fn guard_scale(
     scale_at(system, mode, place, p, |t, x, p| system.guard(guard, mode, t, x, p))
 }
 
+/// The scale of a decision, the one at a position after an event of a guard in a mode, where states have half theirs.
+pub(crate) fn decision_scale(
+    system: &dyn HybridEquations,
+    (position, guard, mode): (usize, usize, usize),
+    p: &[f64],
+) -> f64 {
+    typical_scale(system, mode, p, |t, x, p| system.decision(position, guard, mode, t, x, p))
+}
+
 /// The scale of a function of a mode's states where these have half their scales.
 pub(super) fn typical_scale(
     system: &dyn HybridEquations,

@@ -178,9 +178,83 @@ pub trait HybridSystem: Send + Sync {
         after: &mut [T],
     );
 
-    /// The mode that follows an event in a mode, given the state just before it; where events accumulate,
-    /// [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
-    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+    /// The modes that may follow an event in a mode, in the order in which [`decision`](Self::decision) functions select
+    /// them: the first one whose function is positive, the last one if none is. Empty by default: no functions are known.
+    fn may_follow(&self, _guard: usize, _mode: usize) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// The function that selects a mode, by its position among those that [`may_follow`](Self::may_follow) an event: its
+    /// zeros are where motion starts to stick instead of slip, to slide instead of cross. Along a branch of orbits they are
+    /// located as grazings. Not called for the last mode.
+    ///
+    /// ```
+    /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+    /// use tangency::core::scalar::Scalar;
+    /// /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where the spring holds it no more.
+    /// struct Block;
+    /// impl HybridSystem for Block {
+    ///     fn modes(&self) -> Vec<Mode> {
+    ///         vec![Mode::new("up", ["x", "v"]), Mode::new("down", ["x", "v"]), Mode::new("stick", ["x"])]
+    ///     }
+    ///     fn guards(&self) -> Vec<Guard> {
+    ///         vec![Guard::new("stop", [0, 1])]
+    ///     }
+    ///     fn parameters(&self) -> Vec<String> {
+    ///         vec!["F".into()]
+    ///     }
+    ///     fn field<T: Scalar>(&self, mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+    ///         if mode == 2 {
+    ///             f[0] = T::zero();
+    ///         } else {
+    ///             (f[0], f[1]) = (x[1], -x[0] + if mode == 0 { -p[0] } else { p[0] });
+    ///         }
+    ///     }
+    ///     fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+    ///         if mode == 0 { x[1] } else { -x[1] }
+    ///     }
+    ///     fn reset<T: Scalar>(
+    ///         &self, _guard: usize, _modes: (usize, usize), _t: T, x: &[T], _p: &[T], after: &mut [T],
+    ///     ) {
+    ///         after.iter_mut().zip([x[0], T::zero()]).for_each(|(after, x)| *after = x);
+    ///     }
+    ///     // Up where the spring pulls harder than friction holds, down where it pushes harder, else at rest.
+    ///     fn may_follow(&self, _guard: usize, _mode: usize) -> Vec<usize> {
+    ///         vec![0, 1, 2]
+    ///     }
+    ///     fn decision<T: Scalar>(
+    ///         &self, position: usize, _guard: usize, _mode: usize, _t: T, x: &[T], p: &[T],
+    ///     ) -> T {
+    ///         if position == 0 { -x[0] - p[0] } else { x[0] - p[0] }
+    ///     }
+    /// }
+    /// // It stops at 1.5 and goes down, at 0.5 and sticks.
+    /// let next = |x: f64| Block.next_mode(0, 0, 0.0, &[x, 0.0], &[1.0]);
+    /// assert_eq!((next(1.5), next(0.5)), (1, 2));
+    /// ```
+    fn decision<T: Scalar>(
+        &self,
+        _position: usize,
+        _guard: usize,
+        _mode: usize,
+        _t: T,
+        _x: &[T],
+        _p: &[T],
+    ) -> T {
+        T::from(f64::NAN)
+    }
+
+    /// The mode that follows an event in a mode, given the state just before it: by default what the
+    /// [`decision`](Self::decision) functions select, and the same mode where none [`may_follow`](Self::may_follow). Where
+    /// events accumulate, [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
+    ///
+    /// A system that states it without decision functions has them checked nowhere but at points of branches.
+    fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        let modes = self.may_follow(guard, mode);
+        let Some((last, others)) = modes.split_last() else { return mode };
+        let positive = |k: &usize| self.decision(*k, guard, mode, t, x, p) > 0.0;
+        (0..others.len()).find(positive).map_or(*last, |k| others[k])
+    }
 
     /// The mode that follows where the events of a guard in a mode accumulate, given the state there: by default
     /// [`Guard::accumulates_to`].

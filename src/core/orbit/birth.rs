@@ -4,15 +4,15 @@
 //! a leg, with legs between that last no time: an impact of no speed, a slip of no length. With those legs
 //! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
 
+use super::departed::VANISHES;
+use super::following::{Instant, NUDGE, Onset};
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
-use crate::core::vector::dot;
 use crate::core::watch::{WatchIn, Watchable};
-use num_dual::Dual64;
 use std::ops::ControlFlow;
 
 /// Where an orbit comes nearest to a guard.
@@ -46,13 +46,6 @@ impl Watchable<f64> for OnLeg<'_> {
     }
 }
 
-/// After a touch, an event comes at this approach speed, to see what follows.
-const NUDGE: f64 = 1e-6;
-/// No more events than this follow at once.
-const MOST_LEGS: usize = 32;
-/// Resets at a touch that move the state no farther, in units of its scales, leave it where it was.
-const UNMOVED: f64 = 1e-6;
-
 impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
     ///
@@ -78,38 +71,61 @@ impl HybridOrbit {
         Ok(Birth { problem, starts, extras })
     }
 
-    /// The orbits that are born where this one touches a guard.
+    /// The orbits that are born where this one touches guards, all at a time. They begin after the nearest touch.
     pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
-        let touch = self.touch(starts, q)?;
-        let following = self.following(&touch, q)?;
-        let legs = self.legs();
-        let (before, after) = (&legs[..touch.leg], &legs[touch.leg..]);
-        let first = Leg { exit: Some(touch.guard), ..after[0] };
-        // The orbit begins after the touch.
-        let (mut new, mut states): (Vec<Leg>, Vec<Vec<f64>>) = following.into_iter().unzip();
-        // The time of the start comes first where it is an unknown.
-        let begins = self.forced.then(|| self.time(touch.leg, q) + touch.since);
-        let mut extras: Vec<f64> = begins.into_iter().chain(new.iter().map(|_| 0.0)).collect();
-        states.push(touch.x);
-        if self.smooth() {
-            extras.push(self.duration_in(0, q));
-        } else {
-            let old = self.durations(self.split(q).1);
-            new.extend(after.iter().chain(before));
-            extras.push(old[touch.leg] - touch.since);
-            for leg in (touch.leg + 1..legs.len()).chain(0..=touch.leg) {
-                states.push(starts[self.of_leg(leg)].to_vec());
-                extras.push(if leg == touch.leg { touch.since } else { old[leg] });
+        let (legs, touches) = (self.legs(), self.touches(starts, q)?);
+        let nearest = touches.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+        let nearest = nearest.map(|touch| (touch.leg, touch.since));
+        let (mut all, mut first) = (Vec::<(Instant, f64)>::new(), 0);
+        for leg in 0..legs.len() {
+            let (mut begin, mut since) = (starts[self.of_leg(leg)].to_vec(), 0.0);
+            for touch in touches.iter().filter(|touch| touch.leg == leg) {
+                let ended = Leg { exit: Some(touch.guard), ..legs[leg] };
+                all.push(((ended, begin), touch.since - since));
+                if nearest == Some((leg, touch.since)) {
+                    first = all.len();
+                }
+                let (following, _) = self.following_touch(touch, q)?;
+                all.extend(following.into_iter().map(|instant| (instant, 0.0)));
+                (begin, since) = (touch.x.clone(), touch.since);
             }
+            all.push(((legs[leg], begin), self.duration_of(leg, q) - since));
         }
-        new.push(first);
-        let problem = self.like(Itinerary { legs: new, periods: self.itinerary.periods });
-        Ok(Birth { problem, starts: states.concat(), extras })
+        all.rotate_left(first);
+        if self.smooth() {
+            // The start is no event: what goes on there is one leg.
+            let joint = all.len() - first;
+            let ((ended, _), duration) = all.remove(joint);
+            let ((leg, _), before) = &mut all[joint - 1];
+            *leg = ended;
+            *before += duration;
+        }
+        let begins = nearest.map_or(0.0, |(leg, since)| self.time(leg, q) + since);
+        Ok(self.with_legs(all, begins))
     }
 
-    /// Where the orbit comes nearest to a guard that it does not pass.
-    fn touch(&self, starts: &[f64], q: &[f64]) -> Result<Touch, Failure> {
-        let mut nearest: Option<Touch> = None;
+    /// Orbits with these legs, by the states with which they begin, and their durations.
+    pub(super) fn with_legs(&self, legs: Vec<(Instant, f64)>, begins: f64) -> Birth<Self> {
+        // The time of the start comes first where it is an unknown.
+        let begins = self.forced.then_some(begins);
+        let extras = begins.into_iter().chain(legs.iter().map(|leg| leg.1)).collect();
+        let (legs, starts): (Vec<Leg>, Vec<Vec<f64>>) = legs.into_iter().map(|leg| leg.0).unzip();
+        let problem = self.like(Itinerary { legs, periods: self.itinerary.periods });
+        Birth { problem, starts: starts.concat(), extras }
+    }
+
+    /// How long a leg lasts.
+    fn duration_of(&self, leg: usize, q: &[f64]) -> f64 {
+        match self.smooth() {
+            true => self.duration_in(leg, q),
+            false => self.durations(self.split(q).1)[leg],
+        }
+    }
+
+    /// Where the orbit touches guards that it does not pass, in order; where it touches none, the place where it comes
+    /// nearest to one.
+    fn touches(&self, starts: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
+        let mut found: Vec<(Touch, f64)> = Vec::new();
         for leg in 0..self.legs().len() {
             let (mode, p) = (self.legs()[leg].mode, self.split(q).0);
             let start = &starts[self.of_leg(leg)];
@@ -117,128 +133,56 @@ impl HybridOrbit {
                 let place = (self.time(leg, q), start);
                 let scale = guard_scale(self.system(), (guard, mode), place, p);
                 let watch = OnLeg { orbit: self, leg, guard, scale };
-                let found = self.dip(&watch, start, &self.numbers_of(leg, q))?;
-                let nearer =
-                    |f: &Touch| nearest.as_ref().is_none_or(|n| f.value.abs() < n.value.abs());
-                if let Some(found) = found.filter(nearer) {
-                    nearest = Some(found);
-                }
+                let dips = self.dips(&watch, start, &self.numbers_of(leg, q))?;
+                found.extend(dips.into_iter().map(|touch| (touch, VANISHES * scale)));
             }
         }
-        nearest.ok_or_else(|| {
+        let nearest = found.iter().map(|(touch, _)| touch.value.abs()).reduce(f64::min);
+        let Some(nearest) = nearest else {
             let reason = "the orbit comes near to no guard: a branch is born where one touches (G)";
-            Failure::Undetermined(reason.into())
-        })
+            return Err(Failure::Undetermined(reason.into()));
+        };
+        found.retain(|(touch, zero)| touch.value.abs() <= zero.max(nearest));
+        let mut touches: Vec<Touch> = found.into_iter().map(|(touch, _)| touch).collect();
+        touches.sort_by(|a, b| a.leg.cmp(&b.leg).then(a.since.total_cmp(&b.since)));
+        Ok(touches)
     }
 
-    /// The local minimum of a guard on a leg that is nearest to zero, with the state there.
-    fn dip(&self, watch: &OnLeg, start: &[f64], q: &[f64]) -> Result<Option<Touch>, Failure> {
+    /// The local minima of a guard on a leg, with the states there.
+    fn dips(&self, watch: &OnLeg, start: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
         let (mut x, leg) = (start.to_vec(), watch.leg);
-        let (mut extrema, mut found) = (Extrema::default(), None::<(f64, f64)>);
+        let (mut extrema, mut found) = (Extrema::default(), Vec::<(f64, f64)>::new());
         let field = Residual::<f64>::on_segment(self, leg, q);
         let duration = self.duration_in(leg, q);
         let mut flow = Flow::<f64>::default();
         let outcome = flow.observe(&field, 0.0, duration, &mut x, q, |step| {
-            extrema.search(watch, step, |extremum| {
-                if found.is_none_or(|(_, value)| extremum.value.abs() < value.abs()) {
-                    found = Some((extremum.place, extremum.value));
-                }
-            });
+            extrema.search(watch, step, |extremum| found.push((extremum.place, extremum.value)));
             ControlFlow::Continue(())
         });
         outcome?;
-        let Some((place, value)) = found else { return Ok(None) };
-        x.copy_from_slice(start);
-        let since = place * duration;
-        flow.advance(&field, 0.0, since, &mut x, q)?;
-        Ok(Some(Touch { leg, guard: watch.guard, since, value, x }))
-    }
-
-    /// The legs that follow a touch at once, with the states at which they begin, until motion goes on in
-    /// the mode that was touched. Which events come next is decided at a small approach speed; the states are
-    /// those of the touch itself.
-    fn following(&self, touch: &Touch, q: &[f64]) -> Result<Vec<(Leg, Vec<f64>)>, Failure> {
-        let (system, mode) = (self.system(), self.legs()[touch.leg].mode);
-        let p = &q[..self.parameters().len()];
-        let t = self.time(touch.leg, q) + touch.since;
-        let (mut limit, mut near) = (touch.x.clone(), self.nudged(touch, mode, t, p));
-        let (mut guard, mut last) = (touch.guard, mode);
-        let mut legs = Vec::<(Leg, Vec<f64>)>::new();
-        loop {
-            let next = system.next_mode(guard, last, t, &near, p);
-            let reset = |x: &[f64]| {
-                let mut after = vec![0.0; self.modes[next].states.len()];
-                system.reset(guard, (last, next), t, x, p, &mut after);
-                after
-            };
-            (limit, near) = (reset(&limit), reset(&near));
-            if next == mode {
-                return self.unmoved(touch, &limit, p).map(|()| legs);
-            }
-            let soonest = self.soonest(next, t, &near, p);
-            let Some((time, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
-                return Err(Failure::Undetermined(format!(
-                    "after the touch, motion does not come back to mode `{}` at once: start the branch from \
-                     a simulated cycle (`orbit::from_cycle`)",
-                    self.modes[mode].name
-                )));
-            };
-            legs.push((Leg { mode: next, exit: Some(exit) }, limit.clone()));
-            let mut f = vec![0.0; near.len()];
-            system.field(next, t, &near, p, &mut f);
-            near.iter_mut().zip(&f).for_each(|(x, f)| *x += time * f);
-            (guard, last) = (exit, next);
-        }
-    }
-
-    /// Refuses a touch after which motion goes on elsewhere: the orbits with the event lie apart from those without.
-    fn unmoved(&self, touch: &Touch, after: &[f64], p: &[f64]) -> Result<(), Failure> {
-        let mode = &self.modes[self.legs()[touch.leg].mode];
-        let mut sizes = self.system().scales_of(self.legs()[touch.leg].mode, p);
-        sizes.resize(after.len(), 1.0);
-        let moved = |i: &usize| {
-            let (before, after) = (touch.x[*i], after[*i]);
-            (after - before).abs() > UNMOVED * sizes[*i].max(before.abs())
+        let touch = |(place, value): (f64, f64)| {
+            let (mut x, since) = (start.to_vec(), place * duration);
+            flow.advance(&field, 0.0, since, &mut x, q)?;
+            Ok(Touch { leg, guard: watch.guard, since, value, x })
         };
-        let Some(i) = (0..after.len()).find(moved) else { return Ok(()) };
-        Err(Failure::Undetermined(format!(
-            "at the touch the event {} takes {} from {:.6e} to {:.6e}: no branch of orbits with the event begins \
-             where its reset jumps; start it from a simulated cycle (`orbit::from_cycle`)",
-            self.guards[touch.guard].name, mode.states[i], touch.x[i], after[i]
-        )))
+        found.into_iter().map(touch).collect()
     }
 
-    /// The state of a touch with a small approach speed, still on the guard: a little along the part of
-    /// `∂(dh/dt)/∂x` across `∂h/∂x`.
-    fn nudged(&self, touch: &Touch, mode: usize, t: f64, p: &[f64]) -> Vec<f64> {
-        let (n, system) = (touch.x.len(), self.system());
-        let mut sizes = system.scales_of(mode, p);
-        sizes.resize(n, 1.0);
-        let speed = NUDGE * guard_scale(system, (touch.guard, mode), (t, &touch.x), p)
-            / time_scale(system, p);
-        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
-        let (mut normal, mut slope) = (vec![0.0; n], vec![0.0; n]);
-        for i in 0..n {
-            let mut x: Vec<Dual64> = touch.x.iter().map(|x| Dual64::from(*x)).collect();
-            x[i].eps = sizes[i];
-            let changed = Moment { system, mode, t: t.into(), x: &x, p: &p };
-            normal[i] = changed.guard(touch.guard).eps;
-            slope[i] = changed.rate(touch.guard).eps;
-        }
-        let share = dot(&slope, &normal) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
-        slope.iter_mut().zip(&normal).for_each(|(s, n)| *s -= share * n);
-        let size = dot(&slope, &slope).max(f64::MIN_POSITIVE);
-        let changes = slope.iter().zip(&sizes).map(|(s, unit)| speed * s * unit / size);
-        touch.x.iter().zip(changes).map(|(x, change)| x - change).collect()
-    }
-
-    /// The guard of a mode that falls to zero first, by its rate, and when.
-    fn soonest(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<(f64, usize)> {
-        let at = Moment { system: self.system(), mode, t, x, p };
-        let times = self.guards_in(mode).filter_map(|guard| {
-            let (value, rate) = (at.guard(guard), at.rate(guard));
-            (rate < 0.0).then(|| ((value / -rate).max(0.0), guard))
-        });
-        times.min_by(|a, b| a.0.total_cmp(&b.0))
+    /// The legs that follow a touch at once, until motion goes on in the mode that was touched: decided at a small approach
+    /// speed.
+    fn following_touch(
+        &self,
+        touch: &Touch,
+        q: &[f64],
+    ) -> Result<(Vec<Instant>, Vec<f64>), Failure> {
+        let (system, mode, guard) = (self.system(), self.legs()[touch.leg].mode, touch.guard);
+        let p = self.split(q).0;
+        let t = self.time(touch.leg, q) + touch.since;
+        let at = Moment { system, mode, t, x: &touch.x, p };
+        let scale = guard_scale(system, (guard, mode), (t, &touch.x), p);
+        let speed = NUDGE * scale / time_scale(system, p);
+        let near = self.nudged(guard, at, |at| at.rate(guard), -speed);
+        let onset = Onset { guard, mode, next: None, at: (t, touch.x.clone()), near };
+        self.following(onset, mode, p)
     }
 }

@@ -45,6 +45,20 @@ impl HybridOrbit {
         Ok(Some(Birth { problem: self.like(itinerary), starts, extras }))
     }
 
+    /// Time and state where a leg ends.
+    pub(super) fn end_of(
+        &self,
+        leg: usize,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<(f64, Vec<f64>), Failure> {
+        let (mut x, numbers) = (starts[self.of_leg(leg)].to_vec(), self.numbers_of(leg, q));
+        let field = Residual::<f64>::on_segment(self, leg, &numbers);
+        let duration = self.durations(self.split(q).1)[leg];
+        Flow::<f64>::default().advance(&field, 0.0, duration, &mut x, &numbers)?;
+        Ok((self.time(leg, q) + duration, x))
+    }
+
     /// Whether the event that ends a leg has a speed, and a reset to the mode of a later one.
     fn leads_past(
         &self,
@@ -53,13 +67,9 @@ impl HybridOrbit {
         starts: &[f64],
         q: &[f64],
     ) -> Result<bool, Failure> {
-        let ((p, extras), system) = (self.split(q), self.system());
+        let (p, system) = (self.split(q).0, self.system());
         let Leg { mode, exit: Some(guard) } = self.legs()[leg] else { return Ok(false) };
-        let (mut x, numbers) = (starts[self.of_leg(leg)].to_vec(), self.numbers_of(leg, q));
-        let field = Residual::<f64>::on_segment(self, leg, &numbers);
-        let duration = self.durations(extras)[leg];
-        Flow::<f64>::default().advance(&field, 0.0, duration, &mut x, &numbers)?;
-        let t = self.time(leg, q) + duration;
+        let (t, x) = self.end_of(leg, starts, q)?;
         let slow =
             VANISHES * guard_scale(system, (guard, mode), (t, &x), p) / time_scale(system, p);
         let mode_after = self.legs()[next].mode;

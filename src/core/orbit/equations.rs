@@ -2,7 +2,7 @@
 
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use super::measures::{APPROACH, SHORTEST};
+use super::measures::{APPROACH, DECISION, SHORTEST};
 use crate::core::bvp::{
     Birth, Ends, Equations, IntoEquations, Legs, Monitor, Residual, Return, Unknown, Watched,
     Watches,
@@ -21,7 +21,7 @@ use std::sync::Arc;
 const SURE: f64 = 1e-4;
 
 /// Names of the monitors that are positive on admissible orbits.
-pub(crate) const GRAZINGS: [&str; 3] = ["approach", "shortest", "distance"];
+pub(crate) const GRAZINGS: [&str; 4] = ["approach", "shortest", "decision", "distance"];
 
 impl IntoEquations for HybridOrbit {
     fn into_equations(self) -> Arc<dyn Equations> {
@@ -155,6 +155,7 @@ impl Equations for HybridOrbit {
         let least = || modes.flat_map(scale).reduce(f64::min).unwrap_or(1.0);
         match self.monitors().swap_remove(monitor).1 {
             Monitor::Ends(SHORTEST) => time,
+            Monitor::Ends(DECISION) => self.scale_of_decisions(p),
             Monitor::Ends(APPROACH) => least() / time,
             _ => least(),
         }
@@ -180,12 +181,15 @@ impl Equations for HybridOrbit {
     fn monitors(&self) -> Vec<(String, Monitor)> {
         let measures = self.system().measures();
         let known = measures.iter().map(|(name, measure)| (name.clone(), self.monitor(measure)));
-        let [approach, shortest, distance] = GRAZINGS.map(String::from);
+        let [approach, shortest, decision, distance] = GRAZINGS.map(String::from);
         let mut monitors = vec![("period".to_string(), Monitor::Duration)];
         monitors.extend(known);
         if !self.smooth() {
             monitors.push((approach, Monitor::Ends(APPROACH)));
             monitors.push((shortest, Monitor::Ends(SHORTEST)));
+        }
+        if self.decides() {
+            monitors.push((decision, Monitor::Ends(DECISION)));
         }
         let guards = self.watched_guards();
         if self.penetration {
@@ -233,10 +237,11 @@ impl Equations for HybridOrbit {
         if self.guards.is_empty() {
             return Ok(None);
         }
-        let birth = match self.without_vanished(starts, q)? {
-            Some(birth) => birth,
-            None => self.born(starts, q)?,
-        };
+        let mut birth = self.without_vanished(starts, q)?;
+        if birth.is_none() {
+            birth = self.decided_otherwise(starts, q)?;
+        }
+        let birth = birth.map_or_else(|| self.born(starts, q), Ok)?;
         Ok(Some(birth.erased()))
     }
 

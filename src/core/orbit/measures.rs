@@ -11,11 +11,12 @@ use crate::core::watch::Observable;
 use num_dual::Dual;
 
 /// Functions of the states at the ends: the least approach speed, the shortest duration, the penetration of the
-/// event that is approached most slowly, and from here on the system's own.
+/// event that is approached most slowly, the least margin of decisions, and from here on the system's own.
 pub(super) const APPROACH: usize = 0;
 pub(super) const SHORTEST: usize = 1;
 const PENETRATION: usize = 2;
-const OWN: usize = 3;
+pub(super) const DECISION: usize = 3;
+const OWN: usize = 4;
 
 impl HybridOrbit {
     pub(super) fn monitor(&self, measure: &Measure) -> Monitor {
@@ -65,19 +66,19 @@ impl HybridOrbit {
         watched
     }
 
-    /// Guard and mode of each event, its time, and the state at which it is reached.
+    /// The leg that each event ends, its guard, and time and state at which it is reached.
     fn events_of<'a, T: Scalar>(
         &'a self,
         ends: Ends<'a, T>,
         q: &'a [T],
-    ) -> impl Iterator<Item = (usize, Moment<'a, T>)> + 'a {
+    ) -> impl Iterator<Item = (usize, usize, Moment<'a, T>)> + 'a {
         let ((p, extras), system) = (self.split(q), self.system());
         let durations = self.durations(extras);
         let mut t = self.time(0, q);
         self.legs().iter().enumerate().filter_map(move |(s, leg)| {
             t += durations[s];
             let x = &ends.end[self.of_leg(s)];
-            Some((leg.exit?, Moment { system, mode: leg.mode, t, x, p }))
+            Some((s, leg.exit?, Moment { system, mode: leg.mode, t, x, p }))
         })
     }
 }
@@ -90,7 +91,7 @@ where
 {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
         let ((p, extras), system) = (self.split(q), self.system());
-        let rate_at = |(guard, at): &(usize, Moment<T>)| at.rate(*guard);
+        let rate_at = |(_, guard, at): &(usize, usize, Moment<T>)| at.rate(*guard);
         let least = |a: T, b: T| if b.real() < a.real() { b } else { a };
         let infinite = T::from(f64::INFINITY);
         match function {
@@ -100,11 +101,16 @@ where
                 let speed = |event: &_| -rate_at(event).real();
                 let within = self.durations(extras).iter().map(|duration| duration.real()).sum();
                 let slowest = self.events_of(ends, q).min_by(|a, b| speed(a).total_cmp(&speed(b)));
-                let turn = slowest.and_then(|(guard, Moment { mode, t, x, .. })| {
+                let turn = slowest.and_then(|(_, guard, Moment { mode, t, x, .. })| {
                     let (time, x) = virtual_point(system, (guard, mode), (t, x), p, within)?;
                     Some(-system.guard(guard, mode, time, &x, p))
                 });
                 turn.unwrap_or_else(T::zero)
+            }
+            DECISION => {
+                let margins =
+                    self.events_of(ends, q).filter_map(|(leg, _, at)| self.margin(leg, at));
+                margins.fold(infinite, least)
             }
             SHORTEST => self.durations(extras).iter().copied().fold(infinite, least),
             own => {

@@ -5,8 +5,10 @@
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation ([`from_cycle`]).
 
 mod birth;
+mod decided;
 mod departed;
 mod equations;
+mod following;
 mod hybrid;
 mod itinerary;
 mod map_cycle;

@@ -30,6 +30,16 @@ pub(super) struct Choice {
 }
 
 impl Choice {
+    /// The modes, in the order in which the functions select them.
+    pub fn modes(&self) -> &[usize] {
+        &self.modes
+    }
+
+    /// The function that selects the mode at a position.
+    pub fn function(&self, position: usize) -> &Tape {
+        &self.functions[position]
+    }
+
     /// The mode that follows at `(t, x, p)`: the last one if no function is positive.
     pub fn at(&self, t: f64, x: &[f64], p: &[f64]) -> usize {
         let positive = self.functions.iter().position(|function| function.value(t, x, p) > 0.0);

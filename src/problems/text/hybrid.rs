@@ -213,6 +213,23 @@ impl HybridSystem for Hybrid {
         }
     }
 
+    fn may_follow(&self, guard: usize, mode: usize) -> Vec<usize> {
+        self.event(guard, mode).map_or(Vec::new(), |event| event.next.modes().to_vec())
+    }
+
+    fn decision<T: Scalar>(
+        &self,
+        position: usize,
+        guard: usize,
+        mode: usize,
+        t: T,
+        x: &[T],
+        p: &[T],
+    ) -> T {
+        let function = self.event(guard, mode).map(|event| event.next.function(position));
+        function.map_or(T::constant(f64::NAN), |function| function.value(t, x, p))
+    }
+
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         self.event(guard, mode).map_or(mode, |event| event.next.at(t, x, p))
     }

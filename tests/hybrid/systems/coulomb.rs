@@ -73,15 +73,25 @@ impl HybridSystem for Coulomb {
             after[1] = T::zero();
         }
     }
-    fn next_mode(&self, guard: usize, _mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        let sticks = ((p[0] * t).cos() - x[0]).abs() <= p[1];
+    fn may_follow(&self, guard: usize, _mode: usize) -> Vec<usize> {
         match guard {
-            Self::PULL => Self::FORWARD,
-            Self::PUSH => Self::BACKWARD,
-            _ if sticks => Self::STICK,
-            Self::HIGH => Self::BACKWARD,
-            _ => Self::FORWARD,
+            Self::PULL => vec![Self::FORWARD],
+            Self::PUSH => vec![Self::BACKWARD],
+            _ => vec![Self::FORWARD, Self::BACKWARD, Self::STICK],
         }
+    }
+    /// The force beyond friction, forwards and backwards.
+    fn decision<T: Scalar>(
+        &self,
+        position: usize,
+        _guard: usize,
+        _mode: usize,
+        t: T,
+        x: &[T],
+        p: &[T],
+    ) -> T {
+        let force = (p[0] * t).cos() - x[0];
+        if position == 0 { force - p[1] } else { -force - p[1] }
     }
     fn forcing(&self) -> Forcing {
         Forcing::Periodic { phase: TAU }

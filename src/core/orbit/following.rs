@@ -1,0 +1,175 @@
+//! What follows an event at once: legs that last no time.
+
+use super::hybrid::HybridOrbit;
+use super::itinerary::Leg;
+use crate::core::chunk::Chunk;
+use crate::core::condition::Failure;
+use crate::core::hybrid::{Moment, guard_scale, time_scale};
+use crate::core::vector::dot;
+use num_dual::{Dual, Dual64};
+
+/// What decides about an event is this far from zero beside it, in units of its scale.
+pub(super) const NUDGE: f64 = 1e-6;
+/// A leg that lasts longer beside the event, in units of the scale of time, does not vanish at it.
+const AT_ONCE: f64 = 1e-2;
+/// A guard, or its rate, is zero if it is smaller, in units of its scale.
+const ZERO: f64 = 1e-9;
+/// A function changes across a guard by states if this part of its gradient is across it.
+const ACROSS: f64 = 1e-6;
+/// No more events than this follow at once.
+const MOST_LEGS: usize = 32;
+
+/// An event whose consequences are decided by rounding: the event itself, and one beside it at which they are not.
+pub(super) struct Onset {
+    pub guard: usize,
+    pub mode: usize,
+    /// The mode that follows, if it is known; it is decided beside the event if not.
+    pub next: Option<usize>,
+    /// Time and state at the event.
+    pub at: (f64, Vec<f64>),
+    /// Time and state beside it.
+    pub near: (f64, Vec<f64>),
+}
+
+/// A leg that lasts no time, and the state with which it begins.
+pub(super) type Instant = (Leg, Vec<f64>);
+
+impl HybridOrbit {
+    /// The legs that follow an event at once until motion goes on in a mode, and the state with which it does. Which
+    /// events come next is decided beside the event; the states are those at it.
+    pub(super) fn following(
+        &self,
+        onset: Onset,
+        until: usize,
+        p: &[f64],
+    ) -> Result<(Vec<Instant>, Vec<f64>), Failure> {
+        let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = onset;
+        let ((mut time, mut near), system) = (near, self.system());
+        let mut legs = Vec::<Instant>::new();
+        loop {
+            let decided = || system.next_mode(guard, last, time, &near, p);
+            let mode = next.take().unwrap_or_else(decided);
+            let reset = |t: f64, x: &[f64]| {
+                let mut after = vec![0.0; self.modes[mode].states.len()];
+                system.reset(guard, (last, mode), t, x, p, &mut after);
+                after
+            };
+            (limit, near) = (reset(t, &limit), reset(time, &near));
+            if mode == until {
+                return Ok((legs, limit));
+            }
+            let soonest = self.soonest(Moment { system, mode, t: time, x: &near, p });
+            let Some((duration, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
+                return Err(Failure::Undetermined(format!(
+                    "after the event `{}`, motion does not come back to mode `{}` at once: start the branch from \
+                     a simulated cycle (`orbit::from_cycle`)",
+                    self.guards[guard].name, self.modes[until].name
+                )));
+            };
+            legs.push((Leg { mode, exit: Some(exit) }, limit.clone()));
+            near = self.moved(Moment { system, mode, t: time, x: &near, p }, duration);
+            time += duration;
+            (guard, last) = (exit, mode);
+        }
+    }
+
+    /// The state a short time later, by the midpoint rule.
+    fn moved(&self, Moment { system, mode, t, x, p }: Moment<f64>, duration: f64) -> Vec<f64> {
+        let mut f = vec![0.0; x.len()];
+        let step = |f: &[f64], h: f64| x.iter().zip(f).map(|(x, f)| x + h * f).collect::<Vec<_>>();
+        system.field(mode, t, x, p, &mut f);
+        let middle = step(&f, 0.5 * duration);
+        system.field(mode, t + 0.5 * duration, &middle, p, &mut f);
+        step(&f, duration)
+    }
+
+    /// The guard of a mode that falls to zero first, and when, if that is at once.
+    fn soonest(&self, at: Moment<f64>) -> Option<(f64, usize)> {
+        let Moment { system, mode, t, x, p } = at;
+        let unit = time_scale(system, p);
+        let times = self.guards_in(mode).filter_map(|guard| {
+            let zero = ZERO * guard_scale(system, (guard, mode), (t, x), p);
+            let time = falls(course(at, guard), [zero, zero / unit]);
+            time.filter(|time| *time <= AT_ONCE * unit).map(|time| (time, guard))
+        });
+        times.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// A place beside an event, still on the guard, at which a function is larger by `change`: along the part of its
+    /// gradient by the states across that of the guard; by time as well where states do not change it. The same place where
+    /// nothing does.
+    pub(super) fn nudged(
+        &self,
+        guard: usize,
+        at: Moment<f64>,
+        function: impl Fn(Moment<Dual64>) -> Dual64,
+        change: f64,
+    ) -> (f64, Vec<f64>) {
+        let Moment { system, mode, t, x, p } = at;
+        let (n, unit) = (x.len(), time_scale(system, p));
+        let mut sizes = system.scales_of(mode, p);
+        sizes.resize(n, 1.0);
+        sizes.push(unit);
+        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let place: Vec<f64> = x.iter().copied().chain([t]).collect();
+        let (mut normal, mut slope) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+        for i in 0..=n {
+            let mut place: Vec<Dual64> = place.iter().map(|x| Dual64::from(*x)).collect();
+            place[i].eps = sizes[i];
+            let changed = Moment { system, mode, t: place[n], x: &place[..n], p: &p };
+            (normal[i], slope[i]) = (changed.guard(guard).eps, function(changed).eps);
+        }
+        let across = |m: usize| {
+            let (normal, mut slope) = (&normal[..m], slope[..m].to_vec());
+            let share = dot(&slope, normal) / dot(normal, normal).max(f64::MIN_POSITIVE);
+            slope.iter_mut().zip(normal).for_each(|(s, n)| *s -= share * n);
+            slope
+        };
+        let whole = dot(&slope, &slope);
+        let changes = |slope: &Vec<f64>| dot(slope, slope) > ACROSS * ACROSS * whole;
+        let Some(slope) = [n, n + 1].map(across).into_iter().find(changes) else {
+            return (t, x.to_vec());
+        };
+        let size = dot(&slope, &slope);
+        let steps = slope.iter().zip(&sizes).map(|(slope, unit)| change * slope * unit / size);
+        let mut moved = place;
+        moved.iter_mut().zip(steps).for_each(|(x, step)| *x += step);
+        let time = moved.pop().unwrap_or(t);
+        (time, moved)
+    }
+}
+
+/// A guard along the motion, with its first three derivatives by time.
+fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
+    let Moment { system, mode, t, x, p } = at;
+    let moving = |value: f64, rate: f64| {
+        let mut number = Chunk::from(value);
+        number.eps[0] = rate;
+        number
+    };
+    let mut f = vec![0.0; x.len()];
+    system.field(mode, t, x, p, &mut f);
+    let x: Vec<Chunk> = x.iter().zip(&f).map(|(x, f)| moving(*x, *f)).collect();
+    let p: Vec<Chunk> = p.iter().map(|p| Chunk::from(*p)).collect();
+    let later = Moment { system, mode, t: moving(t, 1.0), x: &x, p: &p };
+    let rate: Dual<Chunk> = later.along(|later| later.rate(guard));
+    [at.guard(guard), rate.re.re, rate.eps.re, rate.eps.eps[0]]
+}
+
+/// When a function falls through zero first that is not negative now, from its derivatives: at once if it is `zero` and its
+/// rate negative.
+fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> {
+    // A zero now is divided out.
+    match value.abs() <= zero[0] {
+        true if rate < -zero[1] => Some(0.0),
+        true => falling_root([rate.max(0.0), second / 2.0, third / 6.0]),
+        false => falling_root([value.max(0.0), rate, second / 2.0]),
+    }
+}
+
+/// The first positive zero of a polynomial of degree 2 with falling values, the first coefficient of which is not negative.
+fn falling_root([c, b, a]: [f64; 3]) -> Option<f64> {
+    let root = (b * b - 4.0 * a * c).sqrt();
+    let time = if b < 0.0 { 2.0 * c / (root - b) } else { (b + root) / (-2.0 * a) };
+    Some(time).filter(|time| time.is_finite() && *time >= 0.0)
+}
