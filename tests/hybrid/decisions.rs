@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, SpecialPoint};
 use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
-use tangency::core::orbit::{HybridOrbit, IntoHybrid, Itinerary};
+use tangency::core::orbit::{HybridOrbit, IntoHybrid, Itinerary, from_cycle};
+use tangency::scene::{Scene, execute};
 
 /// Frequency, a friction at which motion does not stop, its amplitude there, and the friction from which on it sticks.
 const MOTIONS: [[f64; 4]; 3] = [
@@ -196,4 +197,85 @@ fn what_is_decided_without_a_function_ends_a_branch() {
         let before = |parameter: f64| parameter <= sticks + 1e-9;
         assert!(branch.points.iter().all(|point| before(point.parameters[1])));
     }
+}
+
+/// Orbits with the itinerary of a simulated motion.
+fn settled(p: [f64; 2]) -> (BoundarySystem, Vec<f64>) {
+    let mut flow = HybridFlow::new(&Coulomb, HybridSettings::default()).unwrap();
+    let start = HybridState { mode: Coulomb::FORWARD, time: 0.0, x: vec![0.0, 0.1] };
+    let search = CycleSearch { transient: 2000.0, ..CycleSearch::default() };
+    let cycle = search.find(&mut flow, start, &p).unwrap();
+    from_cycle(Coulomb, &cycle, &p, Shooting::default(), 2).unwrap()
+}
+
+/// At low frequencies motion stops twice on each way: further stops begin where it touches its stop on the way, and where
+/// rest touches the end of what holds it. On both ways at a time, and in directions in which the equations are singular.
+#[test]
+fn further_stops_begin_on_both_ways() {
+    let beta = 0.22;
+    for (friction, range, [born, other]) in [
+        (0.25, [0.2, 0.5], [0.272873565284, 0.355000129488]),
+        (0.5, [0.3, 0.6], [0.355000129488, 0.272873565284]),
+    ] {
+        let (mut orbits, z) = settled([beta, friction]);
+        let run = Continuation::of(&mut orbits).from(&z).at("frequency", beta);
+        let run = run.at("friction", friction).along("friction", range[0]..=range[1]);
+        let two = run.trace().unwrap();
+        assert_eq!(two.itinerary.matches("stick").count(), 2);
+        let grazing = two.of_kind(Kind::G).next().unwrap();
+        close(grazing.parameters[1], born, 1e-10);
+        assert!(
+            two.ends.iter().any(|end| matches!(end, End::Grazing { name } if name == "distance"))
+        );
+        let run = Continuation::of(&mut orbits).restart(&two, grazing.label).switch();
+        let four = run.mark("friction", 0.32).along("friction", 0.2..=0.5).trace().unwrap();
+        assert_eq!(four.itinerary.matches("stick").count(), 4, "{}", four.itinerary);
+        assert!(four.points.iter().all(|point| point.admissible), "from {born}");
+        let values = || four.points.iter().map(|point| point.parameters[1]);
+        let range = [born.min(other), born.max(other)];
+        close(values().fold(f64::MAX, f64::min), range[0], 1e-8);
+        close(values().fold(f64::MIN, f64::max), range[1], 1e-8);
+        let mark = four.of_kind(Kind::UZ).next().unwrap();
+        let (legs, largest) = simulated([beta, 0.32]);
+        assert_eq!(legs.len(), 8);
+        close(value(&four, mark, "max_displacement"), largest, 1e-8);
+    }
+}
+
+/// A text model between two stops: both are touched together, and hit together beyond.
+const WALLS: &str = r#"HybridEquations(
+    modes: [(name: "free", states: [("x", "v"), ("v", "A*cos(0.8*t) - 0.1*v - x")])],
+    guards: [
+        (name: "right", modes: ["free"], function: "1 - x", reset: [("v", "-0.8*v")]),
+        (name: "left", modes: ["free"], function: "1 + x", reset: [("v", "-0.8*v")]),
+    ],
+    period: "2*pi/0.8",
+    parameters: [("A", 0.2)],
+)"#;
+
+#[test]
+fn both_stops_are_hit_where_both_are_touched() {
+    let scene = format!(
+        r#"Scene(
+            title: "Two walls", problem: {WALLS}, parameters: [], settings: (max_step: 0.05), plot: (x: "A", y: "max_x"),
+            runs: [
+                (name: "free", start: Simulated(transient: 100), along: [(name: "A", low: 0, high: 3)]),
+                (name: "both", start: From(run: "free", kind: G, switch: true), along: [(name: "A", low: 0, high: 1)]),
+            ],
+        )"#
+    );
+    let outcome = execute(&Scene::parse(&scene).unwrap(), None, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let [free, both] = &outcome.document.branches[..] else { panic!("two branches") };
+    // Of the linear oscillator.
+    let touches = (0.36_f64 * 0.36 + 0.08 * 0.08).sqrt();
+    close(free.of_kind(Kind::G).next().unwrap().parameters[0], touches, 1e-10);
+    assert_eq!(both.itinerary.matches("free:").count(), 2, "{}", both.itinerary);
+    assert!(both.itinerary.contains("free:left") && both.itinerary.contains("free:right"));
+    close(
+        both.points[0].parameters[0].min(both.points.last().unwrap().parameters[0]),
+        touches,
+        1e-9,
+    );
+    assert!(both.points.len() > 5 && both.points.iter().all(|point| point.admissible));
 }

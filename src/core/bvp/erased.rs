@@ -195,12 +195,15 @@ pub struct Birth<P = Arc<dyn Equations>> {
     pub starts: Vec<f64>,
     /// The extras.
     pub extras: Vec<f64>,
+    /// The same two of what lies beside it to first order, in the direction in which the solutions emanate, where the
+    /// equations are singular and do not determine it.
+    pub beside: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl<P: IntoEquations> Birth<P> {
     /// The same with the problem behind its object-safe face.
     pub fn erased(self) -> Birth {
-        let Birth { problem, starts, extras } = self;
-        Birth { problem: problem.into_equations(), starts, extras }
+        let Birth { problem, starts, extras, beside } = self;
+        Birth { problem: problem.into_equations(), starts, extras, beside }
     }
 }

@@ -86,7 +86,7 @@ impl<'a> Continuation<'a> {
             None => stepper.first_tangent(&mut unknowns, known.as_deref())?,
         };
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
-        let tangent = stepper.scaled(tangent);
+        let tangent = stepper.scaled(tangent, matches!(start, Start::Direction(_)));
         let mut place = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
         // Where a branch is born its solutions graze: what its events lead to is decided by rounding.
         if start != Start::Birth {
@@ -96,7 +96,7 @@ impl<'a> Continuation<'a> {
             stepper.forget_stability_at(&mut place);
         }
         stepper.departure = parent.map(|parent| stepper.departure(&place, parent));
-        let slopes = stepper.forget_levels_at(&mut place, start == Start::Birth);
+        let slopes = stepper.forget_levels_at(&mut place, &start);
         if !from_branch_point {
             stepper.equations.follow(&mut place.unknowns, &mut [&mut place.tangent]);
         }
@@ -294,14 +294,15 @@ impl Stepper<'_> {
     }
 
     /// Takes over the scales at the start, and the tangent there: of scaled length 1, the last released
-    /// parameter growing.
-    fn scaled(&mut self, mut tangent: Vec<f64>) -> Vec<f64> {
+    /// parameter growing, unless the direction is known.
+    fn scaled(&mut self, mut tangent: Vec<f64>, known: bool) -> Vec<f64> {
         self.weights = self.metric.weights(self.equations.names());
         // What the first correction has learned about the equations was in other scales.
         self.newton = Newton::default();
         let (n, last) = (self.equations.dimension(), tangent.len() - 1);
         let size = scaled_norm(&tangent, &self.weights);
         let sign = match tangent[last] {
+            _ if known => 1.0,
             // A vertical start (a fold, a pitchfork) grows in its largest unknown, the first of those that are equal
             // but for rounding, as the two halves of a doubled orbit are.
             p if p.abs() * self.weights[last].sqrt() < 1e-9 * size => {
@@ -332,7 +333,9 @@ impl Stepper<'_> {
         let start = if from_branch_point {
             // The tangent of the matrix is not unique there.
             self.equations.assemble(&unknowns)?;
-            let (point, spectrum) = self.record(stability)?;
+            // Nor need multipliers be determined.
+            let recorded = self.record(stability).or_else(|_| self.record(false));
+            let (point, spectrum) = recorded?;
             let tests = self.tests(&unknowns, &tangent, 0.0, spectrum.as_ref(), &point)?;
             Place { unknowns, tangent, tests, point, spectrum }
         } else {

@@ -3,12 +3,13 @@
 use super::departure::Departure;
 use super::event::{Event, MakeCondition};
 use super::metric::Metric;
-use super::{Point, Settings};
+use super::{Kind, Point, Settings};
 use crate::core::condition::{At, Condition, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
+use crate::core::solution::Start;
 use crate::core::test_function::Test;
 use crate::core::vector::{advanced, difference, dot};
 use crate::core::zero::Spectrum;
@@ -200,17 +201,27 @@ impl Stepper<'_> {
     /// how fast each level's test function grows along the curve at the start.
     ///
     /// A curve that is born on a level misses it by as much as the discretisation errs.
-    pub fn forget_levels_at(&mut self, start: &mut Place, born: bool) -> Vec<f64> {
+    pub fn forget_levels_at(&mut self, start: &mut Place, from: &Start) -> Vec<f64> {
+        let (born, emanates) = (*from == Start::Birth, matches!(from, Start::Direction(_)));
         let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
-            if born && self.events[i].test == Test::Itinerary {
+            if (born || emanates) && self.events[i].test == Test::Itinerary {
                 // What the events of legs of no length lead to is decided by rounding.
                 start.tests[i] = None;
             }
             let Some((quantity, level)) = self.events[i].test.level() else { continue };
             slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
-            let rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
+            let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
+            if let (true, Kind::G, Quantity::Monitor(m)) = (emanates, self.events[i].kind, quantity)
+            {
+                // Where it vanishes to second order its sign and that of its slope are rounding: the first step tells.
+                let p = &start.point.parameters;
+                let zero = VANISHES * self.equations.system().grazing_scale(m, p);
+                if start.tests[i].is_some_and(|test| test.abs() <= zero) {
+                    (rounding, slopes[i]) = (zero, 0.0);
+                }
+            }
             if start.tests[i].is_some_and(|test| test.abs() <= rounding) {
                 start.tests[i] = Some(0.0);
             }

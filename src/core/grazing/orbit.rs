@@ -262,6 +262,11 @@ impl BoundaryProblem for LocalOrbit {
         problem.impacts[touched] = true;
         let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
         extras[touched] = 0.0;
-        Ok(Some(Birth { problem: problem.into_equations(), starts: starts.to_vec(), extras }))
+        Ok(Some(Birth {
+            problem: problem.into_equations(),
+            starts: starts.to_vec(),
+            extras,
+            beside: None,
+        }))
     }
 }

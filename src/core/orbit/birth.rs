@@ -5,7 +5,7 @@
 //! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
 
 use super::departed::VANISHES;
-use super::following::{Instant, NUDGE, Onset};
+use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::{HybridOrbit, IntoHybrid};
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Equations, Residual};
@@ -23,6 +23,24 @@ struct Touch {
     since: f64,
     value: f64,
     x: Vec<f64>,
+}
+
+/// An event where an orbit had none.
+struct Passed {
+    leg: usize,
+    guard: usize,
+    /// The time since the leg's beginning.
+    since: f64,
+    /// How far the orbit is from the guard.
+    distance: f64,
+    following: Following,
+}
+
+impl Passed {
+    /// The time since the leg's beginning at which the leg goes on.
+    fn resumed(&self) -> f64 {
+        self.since + self.following.legs.iter().map(|(.., duration)| duration).sum::<f64>()
+    }
 }
 
 /// A guard along a segment.
@@ -46,6 +64,13 @@ impl Watchable<f64> for OnLeg<'_> {
     }
 }
 
+/// How much sooner than a touch an event comes that shows in which direction a branch leaves, in units of the scale of time.
+const SOONER: f64 = 1e-3;
+/// By how much sooner another one comes, of which the error is smaller by the square of this.
+const NEARER: f64 = 4.0;
+/// Errors of states, in units of their scales, that are rounding.
+const ROUNDING: f64 = 1e-11;
+
 impl HybridOrbit {
     /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
     ///
@@ -68,50 +93,64 @@ impl HybridOrbit {
             Some(0) => durations.collect(),
             Some(_) => std::iter::once(cycle.start).chain(durations).collect(),
         };
-        Ok(Birth { problem, starts, extras })
+        Ok(Birth { problem, starts, extras, beside: None })
     }
 
     /// The orbits that are born where this one touches guards, all at a time. They begin after the nearest touch.
     pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
-        let (legs, touches) = (self.legs(), self.touches(starts, q)?);
-        let nearest = touches.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
-        let nearest = nearest.map(|touch| (touch.leg, touch.since));
-        let (mut all, mut first) = (Vec::<(Instant, f64)>::new(), 0);
+        let touches = self.touches(starts, q)?;
+        let passed: Vec<Passed> =
+            touches.iter().map(|touch| self.passed(touch, q)).collect::<Result<_, _>>()?;
+        let pairs = touches.iter().zip(&passed);
+        let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed, starts, q));
+        let sooner: Option<Vec<Passed>> = sooner.collect();
+        let birth = self.with_passed(passed, starts, q);
+        let beside = sooner.map(|passed| self.with_passed(passed, starts, q));
+        let beside = beside.map(|beside| (beside.starts, beside.extras));
+        Ok(Birth { beside, ..birth })
+    }
+
+    /// This orbit with the legs of what it passes, of which there is one at least.
+    fn with_passed(&self, passed: Vec<Passed>, starts: &[f64], q: &[f64]) -> Birth<Self> {
+        let legs = self.legs();
+        let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
+        let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
         for leg in 0..legs.len() {
             let (mut begin, mut since) = (starts[self.of_leg(leg)].to_vec(), 0.0);
-            for touch in touches.iter().filter(|touch| touch.leg == leg) {
-                let ended = Leg { exit: Some(touch.guard), ..legs[leg] };
-                all.push(((ended, begin), touch.since - since));
-                if nearest == Some((leg, touch.since)) {
-                    first = all.len();
+            for it in passed.iter().filter(|it| it.leg == leg) {
+                all.push((Leg { exit: Some(it.guard), ..legs[leg] }, begin, it.since - since));
+                if first.is_none() && it.distance <= nearest {
+                    (first, begins) = (Some(all.len()), self.time(leg, q) + it.since);
                 }
-                let (following, _) = self.following_touch(touch, q)?;
-                all.extend(following.into_iter().map(|instant| (instant, 0.0)));
-                (begin, since) = (touch.x.clone(), touch.since);
+                all.extend(it.following.legs.iter().cloned());
+                (begin, since) = (it.following.state.clone(), it.resumed());
             }
-            all.push(((legs[leg], begin), self.duration_of(leg, q) - since));
+            all.push((legs[leg], begin, self.duration_of(leg, q) - since));
         }
+        let first = first.unwrap_or_default();
         all.rotate_left(first);
         if self.smooth() {
             // The start is no event: what goes on there is one leg.
             let joint = all.len() - first;
-            let ((ended, _), duration) = all.remove(joint);
-            let ((leg, _), before) = &mut all[joint - 1];
-            *leg = ended;
-            *before += duration;
+            let (ended, _, after) = all.remove(joint);
+            let (leg, _, duration) = &mut all[joint - 1];
+            (*leg, *duration) = (ended, *duration + after);
         }
-        let begins = nearest.map_or(0.0, |(leg, since)| self.time(leg, q) + since);
-        Ok(self.with_legs(all, begins))
+        self.with_legs(all, begins)
     }
 
-    /// Orbits with these legs, by the states with which they begin, and their durations.
-    pub(super) fn with_legs(&self, legs: Vec<(Instant, f64)>, begins: f64) -> Birth<Self> {
+    /// Orbits with these legs, the first of which begins at a time.
+    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Birth<Self> {
         // The time of the start comes first where it is an unknown.
-        let begins = self.forced.then_some(begins);
-        let extras = begins.into_iter().chain(legs.iter().map(|leg| leg.1)).collect();
-        let (legs, starts): (Vec<Leg>, Vec<Vec<f64>>) = legs.into_iter().map(|leg| leg.0).unzip();
+        let mut extras: Vec<f64> = self.forced.then_some(begins).into_iter().collect();
+        let (mut legs, mut starts) = (Vec::new(), Vec::new());
+        for (leg, start, duration) in all {
+            legs.push(leg);
+            starts.extend(start);
+            extras.push(duration);
+        }
         let problem = self.like(Itinerary { legs, periods: self.itinerary.periods });
-        Birth { problem, starts: starts.concat(), extras }
+        Birth { problem, starts, extras, beside: None }
     }
 
     /// How long a leg lasts.
@@ -160,6 +199,12 @@ impl HybridOrbit {
             ControlFlow::Continue(())
         });
         outcome?;
+        if !self.smooth() {
+            // What is as near to an event as that is one with it.
+            let unit = time_scale(self.system(), self.split(q).0);
+            let apart = |place: f64| place.min(1.0 - place) * duration > VANISHES * unit;
+            found.retain(|(place, _)| apart(*place));
+        }
         let touch = |(place, value): (f64, f64)| {
             let (mut x, since) = (start.to_vec(), place * duration);
             flow.advance(&field, 0.0, since, &mut x, q)?;
@@ -168,13 +213,8 @@ impl HybridOrbit {
         found.into_iter().map(touch).collect()
     }
 
-    /// The legs that follow a touch at once, until motion goes on in the mode that was touched: decided at a small approach
-    /// speed.
-    fn following_touch(
-        &self,
-        touch: &Touch,
-        q: &[f64],
-    ) -> Result<(Vec<Instant>, Vec<f64>), Failure> {
+    /// A touch as an event: what follows is decided at a small approach speed.
+    fn passed(&self, touch: &Touch, q: &[f64]) -> Result<Passed, Failure> {
         let (system, mode, guard) = (self.system(), self.legs()[touch.leg].mode, touch.guard);
         let p = self.split(q).0;
         let t = self.time(touch.leg, q) + touch.since;
@@ -183,6 +223,67 @@ impl HybridOrbit {
         let speed = NUDGE * scale / time_scale(system, p);
         let near = self.nudged(guard, at, |at| at.rate(guard), -speed);
         let onset = Onset { guard, mode, next: None, at: (t, touch.x.clone()), near };
-        self.following(onset, mode, p)
+        let [following, _] = self.following(onset, mode, p)?;
+        let Touch { leg, since, value, .. } = *touch;
+        Ok(Passed { leg, guard, since, distance: value.abs(), following })
+    }
+
+    /// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows as if nothing had
+    /// happened: the branch leaves in this direction then, in which the equations are singular. So it is where motion
+    /// touches what only stops it, and where it slides to the end of what holds it. `None` where an event changes motion, as
+    /// impacts do.
+    fn passed_sooner(
+        &self,
+        touch: &Touch,
+        passed: &Passed,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Option<Passed> {
+        let unit = time_scale(self.system(), self.split(q).0);
+        let [(near, error), (_, less)] = [SOONER, SOONER / NEARER]
+            .map(|sooner| self.sooner(touch, sooner * unit, &starts[self.of_leg(touch.leg)], q))
+            .into_iter()
+            .collect::<Option<Vec<_>>>()?
+            .try_into()
+            .ok()?;
+        let same = near.following.itinerary().eq(passed.following.itinerary());
+        // What an event changes grows like the time, what is left out of it like its square.
+        let second_order = less <= error * 2.0 / (NEARER * NEARER) + ROUNDING;
+        (same && second_order && !passed.following.legs.is_empty()).then_some(near)
+    }
+
+    /// The event that comes so long before a touch, and how far from the motion that touches it ends, in units of the scales.
+    fn sooner(
+        &self,
+        touch: &Touch,
+        sooner: f64,
+        start: &[f64],
+        q: &[f64],
+    ) -> Option<(Passed, f64)> {
+        let (system, p) = (self.system(), self.split(q).0);
+        let (mode, guard) = (self.legs()[touch.leg].mode, touch.guard);
+        let (numbers, begins) = (self.numbers_of(touch.leg, q), self.time(touch.leg, q));
+        let field = Residual::<f64>::on_segment(self, touch.leg, &numbers);
+        let mut flow = Flow::<f64>::default();
+        let mut at = |since: f64| {
+            let mut x = start.to_vec();
+            flow.advance(&field, 0.0, since, &mut x, &numbers).ok().map(|_| x)
+        };
+        let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
+        let (t, x) = (begins + since, at(since)?);
+        let place = (t, self.onto(guard, Moment { system, mode, t, x: &x, p }));
+        let onset = Onset { guard, mode, next: None, at: place.clone(), near: place };
+        let [_, following] = self.following(onset, mode, p).ok()?;
+        let distance = touch.value.abs();
+        let passed = Passed { leg: touch.leg, guard, since, distance, following };
+        let meant =
+            at(passed.resumed()).filter(|_| passed.resumed() < self.duration_of(touch.leg, q))?;
+        let mut sizes = system.scales_of(mode, p);
+        sizes.resize(meant.len(), 1.0);
+        let state = &passed.following.state;
+        let differences =
+            state.iter().zip(&meant).zip(&sizes).map(|((a, b), size)| (a - b).abs() / size);
+        let error = differences.fold(0.0, f64::max);
+        Some((passed, error))
     }
 }

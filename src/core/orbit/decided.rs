@@ -1,7 +1,7 @@
 //! Decisions: what selects the mode after an event, and the orbits on the other side of where that vanishes.
 
 use super::departed::VANISHES;
-use super::following::{Instant, NUDGE, Onset};
+use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use crate::core::bvp::Birth;
@@ -79,12 +79,12 @@ impl HybridOrbit {
             return Ok(None);
         }
         let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
-        let (mut all, mut changed) = (Vec::<(Instant, f64)>::new(), false);
+        let (mut all, mut changed) = (Vec::<Lasting>::new(), false);
         for leg in 0..legs.len() {
-            all.push(((legs[leg], starts[self.of_leg(leg)].to_vec()), durations[leg]));
+            all.push((legs[leg], starts[self.of_leg(leg)].to_vec(), durations[leg]));
             let inserted = self.inserted_after(leg, starts, q)?;
             changed |= inserted.is_some();
-            all.extend(inserted.into_iter().flatten().map(|instant| (instant, 0.0)));
+            all.extend(inserted.into_iter().flatten());
         }
         if !changed {
             return Ok(None);
@@ -98,7 +98,7 @@ impl HybridOrbit {
         leg: usize,
         starts: &[f64],
         q: &[f64],
-    ) -> Result<Option<Vec<Instant>>, Failure> {
+    ) -> Result<Option<Vec<Lasting>>, Failure> {
         let Some(Decision { guard, mode, modes }) = self.decision_after(leg) else {
             return Ok(None);
         };
@@ -126,7 +126,7 @@ impl HybridOrbit {
         let function = |at: Moment<_>| at.system.decision(k, guard, mode, at.t, at.x, at.p);
         let near = self.nudged(guard, at, function, change);
         let onset = Onset { guard, mode, next: Some(next), at: (t, x.clone()), near };
-        let (legs, state) = self.following(onset, chosen, p)?;
+        let [Following { legs, state }, _] = self.following(onset, chosen, p)?;
         self.check_continuous((leg, next), &state, starts, p)?;
         Ok(Some(legs))
     }

@@ -42,7 +42,7 @@ impl HybridOrbit {
         let begins = self.forced.then(|| self.time(kept[0], q));
         let starts = kept.iter().flat_map(|&leg| &starts[self.of_leg(leg)]).copied().collect();
         let extras = begins.into_iter().chain(kept.iter().map(|&leg| durations[leg])).collect();
-        Ok(Some(Birth { problem: self.like(itinerary), starts, extras }))
+        Ok(Some(Birth { problem: self.like(itinerary), starts, extras, beside: None }))
     }
 
     /// Time and state where a leg ends.

@@ -31,21 +31,34 @@ pub(super) struct Onset {
     pub near: (f64, Vec<f64>),
 }
 
-/// A leg that lasts no time, and the state with which it begins.
-pub(super) type Instant = (Leg, Vec<f64>);
+/// A leg with the state with which it begins, and how long it lasts.
+pub(super) type Lasting = (Leg, Vec<f64>, f64);
+
+/// What follows an event at once until motion goes on in a mode: the legs, and the state with which it does.
+pub(super) struct Following {
+    pub legs: Vec<Lasting>,
+    pub state: Vec<f64>,
+}
+
+impl Following {
+    /// The modes and events.
+    pub(super) fn itinerary(&self) -> impl Iterator<Item = Leg> + '_ {
+        self.legs.iter().map(|(leg, ..)| *leg)
+    }
+}
 
 impl HybridOrbit {
-    /// The legs that follow an event at once until motion goes on in a mode, and the state with which it does. Which
-    /// events come next is decided beside the event; the states are those at it.
+    /// What follows an event at once until motion goes on in a mode, at the event and beside it. Which events come next is
+    /// decided beside it.
     pub(super) fn following(
         &self,
         onset: Onset,
         until: usize,
         p: &[f64],
-    ) -> Result<(Vec<Instant>, Vec<f64>), Failure> {
+    ) -> Result<[Following; 2], Failure> {
         let Onset { mut guard, mode: mut last, mut next, at: (t, mut limit), near } = onset;
         let ((mut time, mut near), system) = (near, self.system());
-        let mut legs = Vec::<Instant>::new();
+        let [mut there, mut beside] = [Vec::<Lasting>::new(), Vec::new()];
         loop {
             let decided = || system.next_mode(guard, last, time, &near, p);
             let mode = next.take().unwrap_or_else(decided);
@@ -56,17 +69,20 @@ impl HybridOrbit {
             };
             (limit, near) = (reset(t, &limit), reset(time, &near));
             if mode == until {
-                return Ok((legs, limit));
+                let [there, beside] = [(there, limit), (beside, near)];
+                return Ok([there, beside].map(|(legs, state)| Following { legs, state }));
             }
             let soonest = self.soonest(Moment { system, mode, t: time, x: &near, p });
-            let Some((duration, exit)) = soonest.filter(|_| legs.len() < MOST_LEGS) else {
+            let Some((duration, exit)) = soonest.filter(|_| there.len() < MOST_LEGS) else {
                 return Err(Failure::Undetermined(format!(
                     "after the event `{}`, motion does not come back to mode `{}` at once: start the branch from \
                      a simulated cycle (`orbit::from_cycle`)",
                     self.guards[guard].name, self.modes[until].name
                 )));
             };
-            legs.push((Leg { mode, exit: Some(exit) }, limit.clone()));
+            let leg = Leg { mode, exit: Some(exit) };
+            there.push((leg, limit.clone(), 0.0));
+            beside.push((leg, near.clone(), duration));
             near = self.moved(Moment { system, mode, t: time, x: &near, p }, duration);
             time += duration;
             (guard, last) = (exit, mode);
@@ -93,6 +109,22 @@ impl HybridOrbit {
             time.filter(|time| *time <= AT_ONCE * unit).map(|time| (time, guard))
         });
         times.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The nearest state, in units of the scales, at which a guard vanishes, to first order.
+    pub(super) fn onto(&self, guard: usize, at: Moment<f64>) -> Vec<f64> {
+        let Moment { system, mode, t, x, p } = at;
+        let mut sizes = system.scales_of(mode, p);
+        sizes.resize(x.len(), 1.0);
+        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let slope = |i: usize| {
+            let mut x: Vec<Dual64> = x.iter().map(|x| Dual64::from(*x)).collect();
+            x[i].eps = sizes[i];
+            Moment { system, mode, t: t.into(), x: &x, p: &p }.guard(guard).eps
+        };
+        let normal: Vec<f64> = (0..x.len()).map(slope).collect();
+        let part = at.guard(guard) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
+        x.iter().zip(normal.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
     }
 
     /// A place beside an event, still on the guard, at which a function is larger by `change`: along the part of its

@@ -121,10 +121,14 @@ impl BoundarySystem {
             let reason = "no other branch is known where solutions of this problem graze";
             return Err(Failure::Unsupported(reason.into()));
         };
-        let method = self.equations.method.clone();
+        let (method, beside) = (self.equations.method.clone(), birth.beside.clone());
         let z;
         (*self, z) = birth.discretised(p, method, self.meshes()[0].intervals())?;
-        Ok(Adopted { z, start: Start::Birth })
+        let Some((starts, extras)) = beside else { return Ok(Adopted { z, start: Start::Birth }) };
+        let near = self.flowed(&starts, &extras, p)?;
+        let mut direction: Vec<f64> = near.iter().zip(&z).map(|(near, z)| near - z).collect();
+        direction.resize(z.len() + p.len(), 0.0);
+        Ok(Adopted { z, start: Start::Direction(direction) })
     }
 
     /// The unknowns `z` of trajectories that flow from the states where segments begin.
@@ -284,7 +288,7 @@ impl<P: IntoEquations> Birth<P> {
         method: impl Into<Method>,
         intervals: usize,
     ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-        let Birth { problem, starts, extras } = self.erased();
+        let Birth { problem, starts, extras, .. } = self.erased();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         let system = BoundarySystem::new(problem, method, meshes)?;
         let z = system.flowed(&starts, &extras, p)?;
