@@ -42,7 +42,10 @@ pub enum Start {
         tangent: Option<Vec<f64>>,
     },
     /// Where the curve is born, at a level that defines its birth.
-    Birth,
+    Birth {
+        /// Its direction, to that side only, where the equations are singular there.
+        along: Option<Vec<f64>>,
+    },
     /// At a branch point, whose tangents solve the algebraic bifurcation equations.
     BranchPoint {
         /// The direction of the branch that leads to it, where it is known.

@@ -242,40 +242,55 @@ fn further_stops_begin_on_both_ways() {
     }
 }
 
-/// A text model between two stops: both are touched together, and hit together beyond.
-const WALLS: &str = r#"HybridEquations(
-    modes: [(name: "free", states: [("x", "v"), ("v", "A*cos(0.8*t) - 0.1*v - x")])],
-    guards: [
-        (name: "right", modes: ["free"], function: "1 - x", reset: [("v", "-0.8*v")]),
-        (name: "left", modes: ["free"], function: "1 + x", reset: [("v", "-0.8*v")]),
-    ],
-    period: "2*pi/0.8",
-    parameters: [("A", 0.2)],
-)"#;
-
-#[test]
-fn both_stops_are_hit_where_both_are_touched() {
-    let scene = format!(
+/// The linear oscillator `x'' + 0.1 x' + x = A cos 0.8 t` in one mode, as text, with what happens at its stops.
+fn oscillator(modes: &str, guards: &str) -> [Branch; 2] {
+    let text = format!(
         r#"Scene(
-            title: "Two walls", problem: {WALLS}, parameters: [], settings: (max_step: 0.05), plot: (x: "A", y: "max_x"),
+            title: "Stops",
+            problem: HybridEquations(
+                modes: [(name: "free", states: [("x", "v"), ("v", "A*cos(0.8*t) - 0.1*v - x")]), {modes}],
+                guards: [{guards}],
+                period: "2*pi/0.8",
+            ),
+            parameters: [("A", 0.2)], settings: (max_step: 0.05), plot: (x: "A", y: "max_x"),
             runs: [
                 (name: "free", start: Simulated(transient: 100), along: [(name: "A", low: 0, high: 3)]),
-                (name: "both", start: From(run: "free", kind: G, switch: true), along: [(name: "A", low: 0, high: 1)]),
+                (name: "born", start: From(run: "free", kind: G, switch: true), along: [(name: "A", low: 0, high: 0.6)]),
             ],
         )"#
     );
-    let outcome = execute(&Scene::parse(&scene).unwrap(), None, &mut ());
+    let outcome = execute(&Scene::parse(&text).unwrap(), None, &mut ());
     assert!(outcome.error.is_none(), "{:?}", outcome.error);
-    let [free, both] = &outcome.document.branches[..] else { panic!("two branches") };
-    // Of the linear oscillator.
-    let touches = (0.36_f64 * 0.36 + 0.08 * 0.08).sqrt();
+    let [free, born] = <[Branch; 2]>::try_from(outcome.document.branches).expect("two branches");
+    // The amplitude is 1.
+    let touches = 0.36_f64.hypot(0.08);
     close(free.of_kind(Kind::G).next().unwrap().parameters[0], touches, 1e-10);
-    assert_eq!(both.itinerary.matches("free:").count(), 2, "{}", both.itinerary);
-    assert!(both.itinerary.contains("free:left") && both.itinerary.contains("free:right"));
-    close(
-        both.points[0].parameters[0].min(both.points.last().unwrap().parameters[0]),
-        touches,
-        1e-9,
-    );
-    assert!(both.points.len() > 5 && both.points.iter().all(|point| point.admissible));
+    let amplitudes = born.points.iter().map(|point| point.parameters[0]);
+    close(amplitudes.fold(f64::MAX, f64::min), touches, 1e-9);
+    assert!(born.points.len() > 5 && born.points.iter().all(|point| point.admissible));
+    [free, born]
+}
+
+/// Between two stops both are touched together, and hit together beyond.
+#[test]
+fn both_stops_are_hit_where_both_are_touched() {
+    let guards = r#"(name: "right", modes: ["free"], function: "1 - x", reset: [("v", "-0.8*v")]),
+        (name: "left", modes: ["free"], function: "1 + x", reset: [("v", "-0.8*v")])"#;
+    let [_, both] = oscillator("", guards);
+    let mut legs: Vec<&str> = both.itinerary.split(' ').collect();
+    legs.sort_unstable();
+    assert_eq!(legs, ["free:left", "free:right"]);
+}
+
+/// A stop that gives way is pressed for a time that is zero at the touch; no force jumps.
+#[test]
+fn soft_stops_are_pressed_where_they_are_touched() {
+    let modes = r#"(name: "pressed", states: [("x", "v"), ("v", "A*cos(0.8*t) - 0.1*v - x - 10*(x - 1)")])"#;
+    let guards = r#"(name: "touch", modes: ["free"], function: "1 - x", next: "pressed"),
+        (name: "leave", modes: ["pressed"], function: "x - 1", next: "free")"#;
+    let [_, pressed] = oscillator(modes, guards);
+    assert_eq!(pressed.itinerary, "pressed:leave free:touch");
+    // By shooting on the exact flows of both modes.
+    let doubling = pressed.of_kind(Kind::PD).next().unwrap();
+    close(doubling.parameters[0], 0.3719829351853, 1e-9);
 }

@@ -195,8 +195,8 @@ pub struct Birth<P = Arc<dyn Equations>> {
     pub starts: Vec<f64>,
     /// The extras.
     pub extras: Vec<f64>,
-    /// The same two of what lies beside it to first order, in the direction in which the solutions emanate, where the
-    /// equations are singular and do not determine it.
+    /// Starts and extras of a neighbour to first order, which gives the direction of the branch where the equations are
+    /// singular; `None` where they determine it.
     pub beside: Option<(Vec<f64>, Vec<f64>)>,
 }
 

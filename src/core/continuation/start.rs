@@ -58,7 +58,7 @@ impl<'a> Continuation<'a> {
                 known.as_ref().filter(|_| same_curve)
             }
             Start::Direction(known) => Some(known),
-            Start::Birth => None,
+            Start::Birth { along } => along.as_ref().filter(|_| self.held.is_empty()),
         };
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
         let mut equations = Extended::of(self.system, &self.x, released);
@@ -78,18 +78,19 @@ impl<'a> Continuation<'a> {
         let [leaving, parent] =
             stepper.departing(&start, &unknowns, known.as_deref(), &self.origin)?;
         let from_branch_point = leaving.is_some();
+        let to_one_side = matches!(start, Start::Birth { .. }) && from_branch_point;
         // Both sides are the same where a branch of cycles emanates.
-        let one_sided =
-            matches!(start, Start::BranchPoint { one_sided: true, .. } | Start::Direction(_));
+        let one_sided = to_one_side
+            || matches!(start, Start::BranchPoint { one_sided: true, .. } | Start::Direction(_));
         let tangent = match leaving {
             Some(direction) => direction,
             None => stepper.first_tangent(&mut unknowns, known.as_deref())?,
         };
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
-        let tangent = stepper.scaled(tangent, matches!(start, Start::Direction(_)));
+        let tangent = stepper.scaled(tangent, to_one_side);
         let mut place = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
         // Where a branch is born its solutions graze: what its events lead to is decided by rounding.
-        if start != Start::Birth {
+        if !matches!(start, Start::Birth { .. }) {
             stepper.check_first(&place)?;
         }
         if one_sided {
@@ -180,12 +181,12 @@ impl Stepper<'_> {
         origin: &Origin,
     ) -> Result<[Option<Vec<f64>>; 2], Failure> {
         match start {
-            Start::Direction(_) => Ok([known.map(<[f64]>::to_vec), None]),
+            Start::Direction(_) | Start::Birth { .. } => Ok([known.map(<[f64]>::to_vec), None]),
             Start::BranchPoint { .. } => {
                 let (tangent, from) = self.leaving(unknowns, known, origin)?;
                 Ok([Some(tangent), from])
             }
-            Start::Point { .. } | Start::Birth => Ok([None, None]),
+            Start::Point { .. } => Ok([None, None]),
         }
     }
 
@@ -294,7 +295,7 @@ impl Stepper<'_> {
     }
 
     /// Takes over the scales at the start, and the tangent there: of scaled length 1, the last released
-    /// parameter growing, unless the direction is known.
+    /// parameter growing, unless its sign is known.
     fn scaled(&mut self, mut tangent: Vec<f64>, known: bool) -> Vec<f64> {
         self.weights = self.metric.weights(self.equations.names());
         // What the first correction has learned about the equations was in other scales.

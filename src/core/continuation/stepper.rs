@@ -202,18 +202,19 @@ impl Stepper<'_> {
     ///
     /// A curve that is born on a level misses it by as much as the discretisation errs.
     pub fn forget_levels_at(&mut self, start: &mut Place, from: &Start) -> Vec<f64> {
-        let (born, emanates) = (*from == Start::Birth, matches!(from, Start::Direction(_)));
+        let born = matches!(from, Start::Birth { .. });
+        let vertical = matches!(from, Start::Birth { along: Some(_) });
         let near = if born { AT_BIRTH } else { AT_START };
         let mut slopes = vec![0.0; self.events.len()];
         for i in 0..self.events.len() {
-            if (born || emanates) && self.events[i].test == Test::Itinerary {
+            if born && self.events[i].test == Test::Itinerary {
                 // What the events of legs of no length lead to is decided by rounding.
                 start.tests[i] = None;
             }
             let Some((quantity, level)) = self.events[i].test.level() else { continue };
             slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
             let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
-            if let (true, Kind::G, Quantity::Monitor(m)) = (emanates, self.events[i].kind, quantity)
+            if let (true, Kind::G, Quantity::Monitor(m)) = (vertical, self.events[i].kind, quantity)
             {
                 // Where it vanishes to second order its sign and that of its slope are rounding: the first step tells.
                 let p = &start.point.parameters;

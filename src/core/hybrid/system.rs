@@ -106,7 +106,8 @@ pub struct Passage<'a, T> {
 ///
 /// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the event; of
 /// several that vanish together the one stated first counts. The state just before it is `x`; motion goes on in
-/// the mode [`next_mode`](Self::next_mode), from the state that [`reset`](Self::reset) gives. Guards are numbered as
+/// the mode [`next_mode`](Self::next_mode), from the state that [`reset`](Self::reset) gives. Where one of several modes
+/// [`may_follow`](Self::may_follow), stick or slip, [`decision`](Self::decision) functions select it. Guards are numbered as
 /// [`guards`](Self::guards) lists them, modes as [`modes`](Self::modes) does.
 ///
 /// ```
@@ -191,7 +192,7 @@ pub trait HybridSystem: Send + Sync {
     /// ```
     /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
     /// use tangency::core::scalar::Scalar;
-    /// /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where the spring holds it no more.
+    /// /// A block pulled by a spring, `x'' = −x − F sgn x'`, that sticks where friction holds it.
     /// struct Block;
     /// impl HybridSystem for Block {
     ///     fn modes(&self) -> Vec<Mode> {
@@ -248,7 +249,8 @@ pub trait HybridSystem: Send + Sync {
     /// [`decision`](Self::decision) functions select, and the same mode where none [`may_follow`](Self::may_follow). Where
     /// events accumulate, [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
     ///
-    /// A system that states it without decision functions has them checked nowhere but at points of branches.
+    /// Where it is stated without decision functions it is compared with the itinerary at each point of a branch of orbits, and
+    /// the place where it changes is bracketed.
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let modes = self.may_follow(guard, mode);
         let Some((last, others)) = modes.split_last() else { return mode };

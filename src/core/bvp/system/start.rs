@@ -124,11 +124,12 @@ impl BoundarySystem {
         let (method, beside) = (self.equations.method.clone(), birth.beside.clone());
         let z;
         (*self, z) = birth.discretised(p, method, self.meshes()[0].intervals())?;
-        let Some((starts, extras)) = beside else { return Ok(Adopted { z, start: Start::Birth }) };
-        let near = self.flowed(&starts, &extras, p)?;
-        let mut direction: Vec<f64> = near.iter().zip(&z).map(|(near, z)| near - z).collect();
-        direction.resize(z.len() + p.len(), 0.0);
-        Ok(Adopted { z, start: Start::Direction(direction) })
+        let near = beside.map(|(starts, extras)| self.flowed(&starts, &extras, p)).transpose()?;
+        let along = near.map(|near| {
+            let across = near.iter().zip(&z).map(|(near, z)| near - z);
+            across.chain(p.iter().map(|_| 0.0)).collect()
+        });
+        Ok(Adopted { z, start: Start::Birth { along } })
     }
 
     /// The unknowns `z` of trajectories that flow from the states where segments begin.
