@@ -68,6 +68,8 @@ impl Watchable<f64> for OnLeg<'_> {
 const SOONER: f64 = 1e-3;
 /// By how much sooner another one comes, of which the error is smaller by the square of this.
 const NEARER: f64 = 4.0;
+/// Resets at a touch that move the state no farther, in units of its scales, leave it where it was.
+const UNMOVED: f64 = 1e-6;
 /// Errors of states, in units of their scales, that are rounding.
 const ROUNDING: f64 = 1e-11;
 
@@ -224,8 +226,26 @@ impl HybridOrbit {
         let near = self.nudged(guard, at, |at| at.rate(guard), -speed);
         let onset = Onset { guard, mode, next: None, at: (t, touch.x.clone()), near };
         let [following, _] = self.following(onset, mode, p)?;
+        self.unmoved(touch, &following.state, p)?;
         let Touch { leg, since, value, .. } = *touch;
         Ok(Passed { leg, guard, since, distance: value.abs(), following })
+    }
+
+    /// Refuses a touch after which motion goes on elsewhere: the orbits with the event lie apart from those without.
+    fn unmoved(&self, touch: &Touch, after: &[f64], p: &[f64]) -> Result<(), Failure> {
+        let mode = self.legs()[touch.leg].mode;
+        let mut sizes = self.system().scales_of(mode, p);
+        sizes.resize(after.len(), 1.0);
+        let moved = |i: &usize| {
+            let (before, after) = (touch.x[*i], after[*i]);
+            (after - before).abs() > UNMOVED * sizes[*i].max(before.abs())
+        };
+        let Some(i) = (0..after.len()).find(moved) else { return Ok(()) };
+        Err(Failure::Undetermined(format!(
+            "at the touch the event {} takes {} from {:.6e} to {:.6e}: no branch of orbits with the event begins \
+             where its reset jumps; start it from a simulated cycle (`orbit::from_cycle`)",
+            self.guards[touch.guard].name, self.modes[mode].states[i], touch.x[i], after[i]
+        )))
     }
 
     /// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows as if nothing had
