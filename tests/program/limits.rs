@@ -243,7 +243,7 @@ fn pictures_are_checked_before_the_work() {
     for name in ["mita-diagram", "mita-near-grazing-1", "mita-histories", "mita-basins"] {
         let mut scene = scene(name);
         assert_eq!(scene.check_plot(), Ok(()), "{name}");
-        scene.plot.panels.push(("displacement".into(), "velocty".into()));
+        scene.plot.panels.push(("velocty".into(), "velocty".into()));
         let message = scene.check_plot().unwrap_err().to_string();
         assert!(message.contains("unknown column `velocty`"), "{name}: {message}");
     }

@@ -56,5 +56,4 @@ pub use settings::{Scheme, Settings};
 pub(in crate::core) use step::RealStep;
 pub use step::Step;
 pub(in crate::core) use up_crossings::UpCrossings;
-pub(crate) use work::uncounted;
-pub use work::{Work, work};
+pub use work::{Work, uncounted, work};

@@ -31,7 +31,15 @@ pub fn work() -> Work {
 }
 
 /// Follows flows that are not counted: a trial whose length is that of a clock.
-pub(crate) fn uncounted<R>(flows: impl FnOnce() -> R) -> R {
+///
+/// ```
+/// use tangency::core::flow::{Flow, Settings, uncounted, work};
+/// let (before, mut flow) = (work(), Flow::<f64>::new(Settings::default()).unwrap());
+/// let lure = tangency::problems::classic::Lure;
+/// uncounted(|| flow.advance(&lure, 0.0, 1.0, &mut [0.1, 0.0, 0.0], &[0.8, 1.0])).unwrap();
+/// assert_eq!(work(), before);
+/// ```
+pub fn uncounted<R>(flows: impl FnOnce() -> R) -> R {
     let before = WORK.get();
     let result = flows();
     WORK.set(before);

@@ -72,7 +72,13 @@ fn largest(coordinate: &String) -> String {
 
 impl LocalOrbit {
     /// The monitors that orbits may have in these coordinates.
-    pub(crate) fn columns(coordinates: &[String]) -> Vec<String> {
+    ///
+    /// ```
+    /// use tangency::core::grazing::LocalOrbit;
+    /// let columns = LocalOrbit::columns(&["phase".into()]);
+    /// assert_eq!(columns, ["max_phase", "penetration", "depth", "distance"]);
+    /// ```
+    pub fn columns(coordinates: &[String]) -> Vec<String> {
         coordinates.iter().map(largest).chain(ENDS.map(String::from)).collect()
     }
 
