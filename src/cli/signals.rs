@@ -4,6 +4,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
+use std::time::Duration;
 
 /// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP; looked at after every point and run. A
 /// second signal ends the program at once.
@@ -18,6 +19,8 @@ static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
         let _ = register_conditional_shutdown(signal, 128 + signal, Arc::clone(&flag))
             .and_then(|_| register(signal, Arc::clone(&flag)));
     }
+    let seen = Arc::clone(&flag);
+    std::thread::spawn(move || answer(&seen));
     flag
 });
 
@@ -30,6 +33,21 @@ pub fn interrupted() -> bool {
 pub fn handle() {
     LazyLock::force(&INTERRUPTED);
 }
+
+/// Answers a signal that does not end the program soon: what another crate computes, as the factors of a matrix with
+/// thousands of rows, is not interrupted.
+fn answer(interrupted: &AtomicBool) {
+    while !interrupted.load(Ordering::SeqCst) {
+        std::thread::sleep(SOON);
+    }
+    std::thread::sleep(SOON);
+    eprintln!(
+        "warning: interrupted; the program ends with the computation under way, and saves what is done: a second signal ends it at once"
+    );
+}
+
+/// How often signals are looked for, and how soon the program ends as a rule.
+const SOON: Duration = Duration::from_millis(200);
 
 /// Whether a signal is ignored, as SIGHUP is under `nohup`: a run that is to outlive its terminal does.
 #[cfg(unix)]
