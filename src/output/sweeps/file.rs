@@ -149,6 +149,21 @@ fn write<T: npyz::AutoSerialize>(
     zip.write_all(&bytes).map_err(|error| error.to_string())
 }
 
+/// The longest header of an array that is looked at.
+const HEADER: usize = 1 << 16;
+
+/// Refuses an array of several axes, which no column is: the reader multiplies their lengths, and the product may be more than a
+/// number holds.
+fn one_axis(bytes: &[u8]) -> Result<(), &'static str> {
+    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(HEADER)]);
+    let shape = header.split_once("shape").and_then(|(_, rest)| rest.split_once('('));
+    let lengths = shape.and_then(|(_, rest)| rest.split_once(')')).map_or("", |(shape, _)| shape);
+    match lengths.split(',').filter(|length| !length.trim().is_empty()).count() {
+        0 | 1 => Ok(()),
+        _ => Err("a column has one axis, and this array has several"),
+    }
+}
+
 impl Archive<'_> {
     /// Reads an entry.
     fn read<T: npyz::Deserialize>(&mut self, name: &str) -> Result<Vec<T>, FormatError> {
@@ -160,6 +175,7 @@ impl Archive<'_> {
         entry.take(more).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
         let left = self.left.checked_sub(bytes.len() as u64);
         self.left = left.ok_or(FormatError::Unpacked { limit: self.limit })?;
+        one_axis(&bytes).map_err(|error| failed(&error))?;
         let array = NpyFile::new(&bytes[..]).map_err(|error| failed(&error))?;
         array.into_vec().map_err(|error| failed(&error))
     }
