@@ -1,6 +1,4 @@
-//! Random numbers, the same for the same seed on every machine: shared by programs, of which each uses some.
-
-#![allow(dead_code)]
+//! Random numbers, the same for the same seed on every machine.
 
 /// A generator (splitmix64 of G. L. Steele, D. Lea and C. H. Flood).
 pub struct Random(u64);
@@ -17,15 +15,5 @@ impl Random {
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
-    }
-
-    /// A number below `count`; 0 if that is 0.
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.number() % count.max(1) as u64) as usize
-    }
-
-    /// A number from 0 to 1.
-    pub fn part(&mut self) -> f64 {
-        (self.number() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }

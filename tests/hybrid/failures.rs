@@ -106,8 +106,8 @@ fn zeno_without_contact() {
         ) {
             BouncingBall.reset(g, modes, t, x, p, after);
         }
-        fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-            BouncingBall.next_mode(guard, mode, t, x, p)
+        fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+            BouncingBall::FLIGHT
         }
     }
     match refused(&Restless, at(0, 0.0, &[0.5, 0.0]), &[0.0, 0.7]) {

@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         if *more == 0 {
             break;
         }
-        let count = (1 + random.below(3) as u64).min(*more);
+        let count = (1 + random.number() % 3).min(*more);
         let mut case = Case::new(&commands[turn / 3 % 2], *signal, &mut random);
         *more -= (0..count).take_while(|_| case.kill(&mut random)).count() as u64;
         table.add(case.end());

@@ -1,5 +1,6 @@
 //! Promises of the program: commands, scenes, documents and figures.
 
+mod archives;
 mod command;
 mod command_line;
 mod fidelity;

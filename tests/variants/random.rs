@@ -43,7 +43,8 @@ fn drawn(scene: &Scene, random: &mut Random) -> (Scene, String) {
     let mut drawn = scene.clone();
     let mut words = Vec::new();
     for (name, _) in scene.problem.parameters() {
-        let factor = 1.0 + FAR * (2.0 * random.part() - 1.0);
+        let part = random.number() as f64 / u64::MAX as f64;
+        let factor = 1.0 + FAR * (2.0 * part - 1.0);
         let along = scene.runs.iter().flat_map(|run| &run.along);
         let varies = along.into_iter().any(|range| range.name == name);
         let Some(value) = scene.value(&name).filter(|value| *value != 0.0 && !varies) else {

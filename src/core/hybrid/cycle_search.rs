@@ -1,7 +1,8 @@
 //! Periodic motions found by simulation: what they go through, and where.
 //!
 //! Under a forcing of period `T` a motion is sampled once in every period, and is periodic where mode and state are
-//! those of `q` periods before, and the same events came in both. Without forcing it is sampled just after the events of
+//! those of `q` periods before, and the same events came in both; where events come just at the sampling, it is sampled
+//! later in the period. Without forcing it is sampled just after the events of
 //! one guard. As long as no event has come, it is sampled on a section through a point `x₀` of it, across the motion
 //! there,
 //!
@@ -17,14 +18,15 @@ use super::erased::HybridEquations;
 use super::error::HybridError;
 use super::event::{Event, HybridObserver};
 use super::repetition::{Nearness, Repetition, StateScales, is_least};
-use super::scales::time_scale;
+use super::section::Section;
 use super::simulation::{HybridFlow, HybridState};
 use crate::core::field::Forcing;
-use crate::core::flow::{Roots, Sign, Step};
-use crate::core::scalar::Scalar;
+use crate::core::flow::Step;
 use crate::core::scalar_field::FieldIn;
-use crate::core::watch::Watch;
 use std::ops::ControlFlow;
+
+/// An event that is nearer than this part of the period to where motion is sampled comes just there.
+const AT_EVENT: f64 = 1e-3;
 
 /// Why a simulation has found no periodic motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -157,7 +159,7 @@ impl CycleSearch {
         period: f64,
         p: &[f64],
     ) -> Result<Cycle, CycleSearchError> {
-        let phase = state.time;
+        let mut phase = state.time;
         let skipped = (self.transient / period).max(0.0) as usize;
         let scales = &StateScales::of(flow.system(), p);
         let mut repetition = Repetition::new(self.max_period, self.tolerance, scales.clone());
@@ -168,6 +170,12 @@ impl CycleSearch {
             let mut sample = Sample::new(&before, scales);
             flow.advance(&mut state, period, p, &mut sample)?;
             if k < skipped {
+                continue;
+            }
+            if let Some(later) = sample.later(period) {
+                flow.advance(&mut state, later, p, &mut ())?;
+                phase = state.time;
+                repetition = Repetition::new(self.max_period, self.tolerance, scales.clone());
                 continue;
             }
             let Sample { guards, largest, diameter, .. } = sample;
@@ -227,6 +235,8 @@ struct Sample<'a> {
     start: &'a HybridState<f64>,
     scales: &'a StateScales,
     guards: Vec<usize>,
+    /// When the events come.
+    times: Vec<f64>,
     /// The size of the largest state after an event.
     largest: f64,
     /// The largest distance from the start before the first event.
@@ -235,7 +245,24 @@ struct Sample<'a> {
 
 impl<'a> Sample<'a> {
     fn new(start: &'a HybridState<f64>, scales: &'a StateScales) -> Self {
-        Sample { start, scales, guards: Vec::new(), largest: 0.0, diameter: 0.0 }
+        let (guards, times) = Default::default();
+        Sample { start, scales, guards, times, largest: 0.0, diameter: 0.0 }
+    }
+
+    /// How much later motion should be sampled, if an event comes just where it is sampled now, and rounding decides in which
+    /// period: in the middle of the longest time without events.
+    fn later(&self, period: f64) -> Option<f64> {
+        let (first, last) = (*self.times.first()?, *self.times.last()?);
+        let near = AT_EVENT * period;
+        let start = self.start.time;
+        if first - start > near && start + period - last > near {
+            return None;
+        }
+        let inner = self.times.windows(2).map(|pair| (pair[1] - pair[0], pair[0]));
+        let gaps = inner.chain([(first + period - last, last)]);
+        let (longest, since) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let later = (since + longest / 2.0 - start).rem_euclid(period);
+        (longest / 2.0 > near).then_some(later)
     }
 }
 
@@ -249,82 +276,9 @@ impl HybridObserver<f64> for Sample<'_> {
 
     fn event(&mut self, event: &Event<f64>) -> ControlFlow<()> {
         self.guards.push(event.guard);
+        self.times.push(event.time);
         self.largest = self.largest.max(self.scales.size(event.next, &event.after));
         ControlFlow::Continue(())
-    }
-}
-
-/// A plane across the motion through a state of it, as a function that falls through zero where motion crosses it in the
-/// direction that it has in that state.
-#[derive(Clone)]
-struct Across {
-    base: Vec<f64>,
-    normal: Vec<f64>,
-    scale: f64,
-}
-
-impl Watch for Across {
-    fn value<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
-        let parts = x.iter().zip(&self.base).zip(&self.normal).map(|((x, b), n)| (-*x + *b) * *n);
-        parts.fold(T::zero(), |sum, part| sum + part)
-    }
-
-    fn scale(&self) -> f64 {
-        self.scale
-    }
-}
-
-/// A section across the motion, and the crossings of it.
-struct Section {
-    start: HybridState<f64>,
-    scales: StateScales,
-    roots: Roots<f64, Across>,
-    /// The largest distance of the motion from the start.
-    diameter: f64,
-    /// The distances of the crossings from the start, in units of the diameter.
-    distances: Vec<f64>,
-}
-
-impl Section {
-    fn through(
-        system: &dyn HybridEquations,
-        p: &[f64],
-        start: HybridState<f64>,
-        scales: StateScales,
-    ) -> Self {
-        let mut normal = vec![0.0; start.x.len()];
-        system.field(start.mode, start.time, &start.x, p, &mut normal);
-        let scale = scales.size(start.mode, &normal).powi(2) * time_scale(system, p);
-        let units = scales.of_mode(start.mode);
-        normal.iter_mut().zip(units).for_each(|(normal, unit)| *normal /= unit * unit);
-        let across = Across { base: start.x.clone(), normal, scale };
-        let mut roots = Roots::of(across.clone());
-        // Motion counts as having crossed it where it begins.
-        roots.resume(across, Sign::Fallen);
-        Section { start, scales, roots, diameter: f64::MIN_POSITIVE, distances: Vec::new() }
-    }
-
-    /// The state in which motion crosses the section in a step, as far as the fraction `end` of it.
-    fn crossing<F: FieldIn<f64>>(
-        &mut self,
-        step: &mut Step<F, f64>,
-        end: f64,
-    ) -> Option<HybridState<f64>> {
-        let Section { start, scales, roots, diameter, distances } = self;
-        let from_start = |x: &[f64]| scales.distance(start.mode, x, &start.x);
-        *diameter = diameter.max(from_start(step.end()));
-        let mut found = None;
-        let _ = roots.search(step, |step, root| {
-            let mut x = start.x.clone();
-            step.state(root.fraction, &mut x);
-            let crossing = HybridState { mode: start.mode, time: step.time(root.fraction), x };
-            found = Some(crossing).filter(|_| root.fraction <= end);
-            ControlFlow::Break(())
-        });
-        if let Some(crossing) = &found {
-            distances.push(from_start(&crossing.x) / *diameter);
-        }
-        found
     }
 }
 

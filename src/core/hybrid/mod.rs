@@ -21,6 +21,7 @@ mod measured;
 mod passing;
 mod repetition;
 mod scales;
+mod section;
 mod simulation;
 mod support;
 mod system;

@@ -11,7 +11,7 @@ use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
 /// Modes `flight` and `contact`, in which the ball moves with the table; parameters `acceleration` Γ and
-/// `restitution` e.
+/// `restitution` e. Without restitution it is in contact at once where the table presses.
 #[derive(Clone, Copy, Debug)]
 pub struct BouncingBall;
 
@@ -63,8 +63,9 @@ impl HybridSystem for BouncingBall {
             after[1] = if guard == Self::IMPACT { table - p[1] * (x[1] - table) } else { table };
         }
     }
-    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        Self::FLIGHT
+    fn next_mode(&self, guard: usize, _mode: usize, t: f64, _x: &[f64], p: &[f64]) -> usize {
+        let sticks = guard == Self::IMPACT && p[1] == 0.0 && p[0] * t.sin() < 1.0;
+        if sticks { Self::CONTACT } else { Self::FLIGHT }
     }
     fn forcing(&self) -> Forcing {
         Forcing::Periodic { phase: TAU }
