@@ -122,7 +122,13 @@ pub struct FieldRef<'a, T: Scalar> {
     pub numbers: usize,
 }
 
-impl<T: Scalar> FieldRef<'_, T> {
+impl<'a, T: Scalar> FieldRef<'a, T> {
+    /// A field that is one in all scalars.
+    pub(in crate::core) fn of<F: Fields<T> + Fields<Wide<T>> + RealFields>(field: &'a F) -> Self {
+        let start = T::zero();
+        FieldRef { fields: field, wide: Some(field), real: field, index: 0, start, numbers: 0 }
+    }
+
     /// The numbers on which the field depends.
     #[inline]
     fn own<'p, S>(&self, p: &'p [S]) -> &'p [S] {

@@ -218,7 +218,7 @@ fn settled<S: HybridSystem>(
     }
     p[stop] = nearest.0;
     let (guard, mode, following) = (0, 0, Vec::new());
-    let legs = vec![(Leg { mode: 0, exit: Some(0) }, period)];
+    let legs = vec![(Leg::new(0, Some(0)), period)];
     GrazingPoint { guard, mode, time: nearest.1, x: nearest.2, p, following, legs, periods: 1 }
 }
 
@@ -298,7 +298,7 @@ fn without_forcing() {
         x: vec![2.00862, 0.0],
         p: vec![2.00862, 0.6, 1.0],
         following: Vec::new(),
-        legs: vec![(Leg { mode: 0, exit: Some(0) }, 6.66329)],
+        legs: vec![(Leg::new(0, Some(0)), 6.66329)],
         periods: 1,
     };
     let point = point.located(&Bounded, "stop").unwrap();

@@ -5,11 +5,15 @@ use crate::common::close;
 use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
 use std::f64::consts::TAU;
 use tangency::core::attractor::{Attractor, AttractorSearch, PeriodMap};
+use tangency::core::bvp::Shooting;
+use tangency::core::continuation::{Continuation, Kind, TraceError};
 use tangency::core::hybrid::{
     CycleSearch, CycleSearchError, Guard, HybridError, HybridFlow, HybridSettings, HybridState,
     HybridSystem, Mode,
 };
+use tangency::core::orbit::from_cycle;
 use tangency::core::scalar::Scalar;
+use tangency::scene::{Scene, execute};
 
 fn thrown(velocity: f64) -> HybridState<f64> {
     HybridState { mode: BouncingBall::FLIGHT, time: 0.0, x: vec![0.0, velocity] }
@@ -87,6 +91,99 @@ fn chatter_forgets_everything() {
         close(ended.before[0], gamma * ended.time.sin(), 1e-15);
         close(ended.before[1], gamma * ended.time.cos(), 1e-15);
     }
+}
+
+/// The ball by its height over the table, in text.
+const OVER_THE_TABLE: &str = r#"Scene(
+    title: "Ball",
+    problem: HybridEquations(
+        modes: [
+            (name: "flight", states: [("height", "velocity"), ("velocity", "-1 + amplitude*sin(t)")]),
+            (name: "rest", states: [("height", 0)]),
+        ],
+        guards: [
+            (
+                name: "impact", modes: ["flight"], function: "height", next: "flight",
+                reset: [("velocity", "-restitution*velocity")], accumulates_to: "rest",
+            ),
+            (name: "leave", modes: ["rest"], function: "1 - amplitude*sin(t)", next: "flight", reset: [("velocity", 0)]),
+        ],
+        parameters: [("restitution", 0.5)],
+        period: "2*pi",
+        initial: [("velocity", 0.5)],
+    ),
+    parameters: [("amplitude", 1.15)],
+    settings: (max_step: 0.3),
+    runs: [(name: "rest", start: Simulated(transient: 200), along: [(name: "amplitude", low: 1.05, high: 1.25)])],
+)"#;
+
+/// How long the ball rests in a period, and its velocity over the table before the first impact, by bisection of its flights,
+/// which are parabolas: `h'' = −1 + Γ sin t`.
+fn rests(gamma: f64, e: f64) -> [f64; 2] {
+    let leaves = bouncing_ball::leave(gamma);
+    let (mut t, mut v, mut first) = (leaves, 0.0, None);
+    loop {
+        // The velocity over the ground is that over the table, and the table's.
+        let (begin, ground) = (t, v + gamma * t.cos());
+        let height = |s: f64| ground * s - 0.5 * s * s - gamma * ((begin + s).sin() - begin.sin());
+        let pull = 1.0 - gamma * begin.sin();
+        let mut high = if v == 0.0 { 4.0 } else { 3.0 * v / pull.max(0.3) };
+        let mut low = if v == 0.0 { 1.0 } else { 0.5 * v };
+        assert!(height(low) > 0.0 && height(high) < 0.0, "{low} {high}");
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if height(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        t = begin + low;
+        let velocity = ground - low - gamma * t.cos();
+        first.get_or_insert(velocity);
+        v = -e * velocity;
+        if v < 1e-6 {
+            // From here on the pull is that of now: a geometric series.
+            let rest = t + 2.0 * v / (1.0 - gamma * t.sin()) / (1.0 - e);
+            return [leaves + TAU - rest, first.unwrap()];
+        }
+    }
+}
+
+/// Orbits with complete chatter are a branch: the ball rests, is thrown off, and chatters.
+#[test]
+fn branches_begin_at_orbits_with_an_accumulation() {
+    for e in [0.05, 0.3, 0.5, 0.7] {
+        let mut scene = Scene::parse(OVER_THE_TABLE).unwrap();
+        scene.set("restitution", &e.to_string()).unwrap();
+        scene.runs[0].marks =
+            (0..20).map(|k| ("amplitude".into(), 1.055 + 0.01 * f64::from(k))).collect();
+        let outcome = execute(&scene, None, &mut ());
+        assert_eq!(outcome.error, None);
+        let branch = &outcome.document.branches[0];
+        let words: Vec<&str> = branch.itinerary.split(' ').collect();
+        assert_eq!((words[0], words[words.len() - 1]), ("rest:leave", "flight:impact+"));
+        assert!(branch.points.iter().all(|point| point.admissible && point.unstable == Some(0)));
+        assert_eq!((branch.of_kind(Kind::UZ).count(), branch.special.len()), (20, 22));
+        for mark in branch.of_kind(Kind::UZ) {
+            let gamma = mark.value(branch.column("amplitude").unwrap()).unwrap();
+            let [duration, fastest] = rests(gamma, e);
+            // The unknowns end with the durations of the legs.
+            close(mark.state[mark.state.len() - words.len()], duration, 1e-9);
+            close(mark.value(branch.column("min_velocity").unwrap()).unwrap(), fastest, 1e-10);
+        }
+    }
+}
+
+/// Where the height is that over the ground, rounding tells the times of the last impacts to few digits: a branch that does
+/// not begin says so.
+#[test]
+fn chatter_that_rounding_hides_is_an_error() {
+    let (gamma, e) = (1.15, 0.7);
+    let mut flow = HybridFlow::new(&BouncingBall, HybridSettings::default()).unwrap();
+    let cycle = CycleSearch::default().find(&mut flow, thrown(1.0), &[gamma, e]).unwrap();
+    assert!(cycle.legs.iter().any(|leg| leg.accumulation));
+    let (mut orbits, z) =
+        from_cycle(BouncingBall, &cycle, &[gamma, e], Shooting::default(), 1).unwrap();
+    let run = Continuation::of(&mut orbits).from(&z).at("acceleration", gamma);
+    let traced = run.at("restitution", e).along("acceleration", 1.1..=1.2).trace();
+    assert!(matches!(traced, Err(TraceError::Start { .. })), "{traced:?}");
 }
 
 /// The stable orbit with one impact a period attracts in a spiral, and comes near after two periods first.

@@ -1,6 +1,7 @@
 //! Promise: an itinerary without a meaning, one that does not close, and a motion that has none are refused with
 //! what is wrong.
 
+use crate::common::close;
 use crate::program::scenarios::with;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
@@ -21,6 +22,13 @@ fn itineraries_are_read() {
     let text = "2* forward:rest stick:front forward:rest stick:front";
     let itinerary = Itinerary::read(text, &Actuator).unwrap();
     assert_eq!((itinerary.legs.len(), itinerary.periods), (4, 2));
+    assert_eq!(itinerary.written(&Actuator), text);
+    let text = "contact:leave stick:front forward:front+";
+    let itinerary = Itinerary::read(text, &Actuator).unwrap();
+    assert_eq!(
+        itinerary.legs.iter().map(|leg| leg.accumulates).collect::<Vec<_>>(),
+        [false, false, true]
+    );
     assert_eq!(itinerary.written(&Actuator), text);
     let refused = |text| Itinerary::read(text, &Actuator).unwrap_err();
     assert!(matches!(refused(""), ItineraryError::Empty(_)));
@@ -96,19 +104,37 @@ fn an_itinerary_that_does_not_close_is_refused() {
     assert!(error.contains("leads to `caught`, not to `flight`"), "{error}");
 }
 
-/// Complete chatter has infinitely many events: it is found by simulation, and is no itinerary.
+/// Complete chatter has infinitely many events, the last of which are one leg of an itinerary.
 #[test]
-fn complete_chatter_is_no_itinerary() {
+fn complete_chatter_is_an_itinerary() {
+    let text = r#"Scene(
+        title: "t",
+        problem: Mita(method: shooting),
+        parameters: [("voltage", 0.88)],
+        runs: [(
+            name: "chatter", start: Simulated(transient: 300), marks: [("voltage", 0.885)],
+            along: [(name: "voltage", low: 0.88, high: 0.885)],
+        )],
+    )"#;
+    let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
+    assert_eq!(outcome.error, None);
+    let branch = &outcome.document.branches[0];
+    assert!(branch.itinerary.starts_with("contact:leave"), "{}", branch.itinerary);
+    assert!(branch.itinerary.ends_with("forward:front+"), "{}", branch.itinerary);
+    assert!(branch.points.iter().all(|point| point.admissible && point.unstable == Some(0)));
+    // The fastest impact of a simulation at its end is that of the branch.
     let mut p = Actuator::DEFAULTS;
-    p[0] = 0.875;
+    p[0] = 0.885;
     let mut flow = HybridFlow::new(&Actuator, HybridSettings::default()).unwrap();
     let start = HybridState { mode: Actuator::STICK, time: 0.0, x: vec![0.0, 0.0] };
-    let cycle =
-        CycleSearch { transient: 2000.0, ..CycleSearch::default() }.find(&mut flow, start, &p);
-    let cycle = cycle.unwrap();
-    assert!(cycle.legs.iter().any(|leg| leg.accumulation));
-    let refused = HybridOrbit::of_cycle(Actuator, &cycle).err().expect("refused").to_string();
-    assert!(refused.contains("chatters completely"), "{refused}");
+    let search = CycleSearch { transient: 2000.0, ..CycleSearch::default() };
+    let cycle = search.find(&mut flow, start, &p).unwrap();
+    let fastest = cycle.legs.iter().filter(|leg| leg.mode == Actuator::STICK);
+    let fastest = fastest.map(|leg| leg.end[1]).fold(0.0, f64::max);
+    let (last, column) =
+        (branch.special.last().unwrap(), branch.column("impact_velocity").unwrap());
+    close(last.parameters[0], 0.885, 1e-12);
+    close(last.value(column).unwrap(), fastest, 1e-8);
 }
 
 /// A branch starts from the motion on which a simulation settles: an impact a period, with its fold and its

@@ -25,9 +25,16 @@ pub trait Residual<T: Scalar>: Fields<T> {
     /// The left sides of the boundary conditions, written into `b`.
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
 
-    /// Where a leg that ends at time `t` with the states `x` leads, for problems with [`Legs`]: the states with which the
-    /// next one begins are written into `after`; what is returned vanishes.
-    fn leg_end_in(&self, _segment: usize, _t: T, _x: &[T], _p: &[T], _after: &mut [T]) -> T {
+    /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for problems with [`Legs`]: the
+    /// states with which the next one begins are written into `after`; what is returned vanishes.
+    fn leg_end_in(
+        &self,
+        _segment: usize,
+        _times: (T, T),
+        _x: &[T],
+        _p: &[T],
+        _after: &mut [T],
+    ) -> T {
         T::zero()
     }
 

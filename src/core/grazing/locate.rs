@@ -32,7 +32,7 @@ impl GrazingPoint {
     ///     x: vec![0.5, 0.0],
     ///     p: p.to_vec(),
     ///     following: Vec::new(),
-    ///     legs: vec![(Leg { mode: Actuator::STICK, exit: None }, std::f64::consts::PI / 0.5)],
+    ///     legs: vec![(Leg::new(Actuator::STICK, None), std::f64::consts::PI / 0.5)],
     ///     periods: 1,
     /// };
     /// let point = rough.located(&Actuator, "voltage")?;

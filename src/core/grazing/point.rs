@@ -59,9 +59,10 @@ impl GrazingPoint {
         let fits = |holds: bool, refused: &dyn Fn() -> String| {
             if holds { Ok(()) } else { Err(GrazingError::Foreign(refused())) }
         };
-        let touch = Leg { mode: self.mode, exit: Some(self.guard) };
+        let touch = Leg::new(self.mode, Some(self.guard));
         let legs = self.legs.iter().map(|(leg, _)| leg).chain(&self.following);
-        for &Leg { mode, exit } in legs.chain([&touch]) {
+        for &Leg { mode, exit, accumulates } in legs.chain([&touch]) {
+            fits(!accumulates, &|| "infinitely many events of its orbit accumulate".into())?;
             fits(mode < modes.len(), &|| format!("there is no mode {mode} of {}", modes.len()))?;
             let (Some(exit), ended) = (exit, &modes[mode].name) else { continue };
             let guard = guards.get(exit).map_or("", |guard| &guard.name);

@@ -38,8 +38,9 @@ impl Orbit<'_> {
 
     /// The point at which a leg ends by an event without a speed, if it does.
     fn ending(&self, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
-        let Leg { mode, exit } = self.problem.legs()[leg];
-        let Some(guard) = exit else { return Ok(None) };
+        let Leg { mode, exit: Some(guard), accumulates: false } = self.problem.legs()[leg] else {
+            return Ok(None);
+        };
         let ((begins, durations), p) = (self.times(), self.problem.split(self.q).0);
         let last = leg + 1 == durations.len();
         // The end of the last leg is the beginning of the first one.

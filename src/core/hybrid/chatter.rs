@@ -9,7 +9,8 @@
 //! ```
 //!
 //! with an error that shrinks as `r^{2n}` where the acceleration changes: two estimates give the better one
-//! `E_n + (E_n − E_{n−1}) r²/(1 − r²)`. The state at the accumulation is extrapolated alike.
+//! `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of these `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like
+//! `r^{4n}`. The state at the accumulation is extrapolated alike.
 
 use crate::core::scalar::Scalar;
 
@@ -44,10 +45,9 @@ pub(super) struct Series<T> {
     pub ratio: T,
     /// The state before the last one.
     state: Vec<T>,
-    /// Where the last event alone would have them accumulate: time and state.
-    estimate: (T, Vec<T>),
-    /// The state at the accumulation.
-    pub limit: Vec<T>,
+    /// Where the events so far would have them accumulate, estimated by each of the formulas: time and state.
+    estimates: [(T, Vec<T>); 3],
+    work: [(T, Vec<T>); 2],
 }
 
 impl<T: Scalar> Series<T> {
@@ -60,8 +60,8 @@ impl<T: Scalar> Series<T> {
             speed: zero,
             ratio: zero,
             state: Vec::new(),
-            estimate: (zero, Vec::new()),
-            limit: Vec::new(),
+            estimates: std::array::from_fn(|_| (zero, Vec::new())),
+            work: std::array::from_fn(|_| (zero, Vec::new())),
         }
     }
 
@@ -74,20 +74,21 @@ impl<T: Scalar> Series<T> {
         let at_once = known > 0 && interval.real() <= INSTANT * tolerance;
         let mut accumulation = if at_once { Accumulation::Here } else { Accumulation::None };
         if self.events > 1 {
-            let rest = ratio / (T::one() - ratio);
-            let limit = time + interval * rest;
-            if self.events > 3 && (interval * rest).real() <= tolerance {
-                accumulation = Accumulation::At(self.extrapolated(limit, rest, ratio, state));
+            self.estimate(time, ratio, state);
+            let rest = interval * rest(ratio);
+            if self.events > 3 && rest.real() <= tolerance {
+                accumulation = Accumulation::At(self.estimates[2].0);
             }
-            let states = state.iter().zip(&self.state);
-            self.estimate.1.clear();
-            self.estimate.1.extend(states.map(|(new, old)| extrapolate(*new, *old, rest)));
-            self.estimate.0 = limit;
         }
         (self.time, self.interval, self.speed, self.ratio) = (time, interval, speed, ratio);
         self.state.clear();
         self.state.extend_from_slice(state);
         accumulation
+    }
+
+    /// The state at the accumulation.
+    pub fn limit(&self) -> &[T] {
+        &self.estimates[2].1
     }
 
     /// Whether an event goes on with the series.
@@ -97,17 +98,32 @@ impl<T: Scalar> Series<T> {
         r > 0.0 && r < 1.0 && (self.events < 2 || agrees.abs() <= AGREEMENT * r)
     }
 
-    /// The time of the accumulation, and the state into `limit`, from this estimate and the one before.
-    fn extrapolated(&mut self, limit: T, rest: T, ratio: T, state: &[T]) -> T {
-        let square = ratio * ratio;
-        let rest_of_estimates = square / (T::one() - square);
-        let states = state.iter().zip(&self.state).zip(&self.estimate.1);
-        self.limit.clear();
-        self.limit.extend(states.map(|((new, old), before)| {
-            extrapolate(extrapolate(*new, *old, rest), *before, rest_of_estimates)
-        }));
-        extrapolate(limit, self.estimate.0, rest_of_estimates)
+    /// Estimates the accumulation by each formula, as soon as there are events enough for it.
+    fn estimate(&mut self, time: T, ratio: T, state: &[T]) {
+        let Series { work: [new, old], estimates, .. } = self;
+        (new.0, old.0) = (time, self.time);
+        new.1.clear();
+        new.1.extend_from_slice(state);
+        old.1.clone_from(&self.state);
+        let mut power = ratio;
+        for (k, estimate) in estimates.iter_mut().enumerate() {
+            if self.events > k + 1 {
+                let rest = rest(power);
+                new.0 = extrapolate(new.0, old.0, rest);
+                let states = new.1.iter_mut().zip(&old.1);
+                states.for_each(|(new, old)| *new = extrapolate(*new, *old, rest));
+            }
+            std::mem::swap(old, estimate);
+            estimate.0 = new.0;
+            estimate.1.clone_from(&new.1);
+            power *= ratio;
+        }
     }
+}
+
+/// The sum of all later members of a geometric sequence, in units of this one.
+fn rest<T: Scalar>(ratio: T) -> T {
+    ratio / (T::one() - ratio)
 }
 
 /// The limit of a geometric sequence from its last two members, with `rest = r/(1 − r)`.

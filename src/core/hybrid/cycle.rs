@@ -17,7 +17,8 @@ pub struct CycleLeg {
     pub start: Vec<f64>,
     /// The state at its end.
     pub end: Vec<f64>,
-    /// Whether it stands for the rest of a series of infinitely many events, up to their accumulation.
+    /// Whether it stands for the rest of a series of infinitely many events, up to their accumulation. The state at its end is
+    /// that before the last event, in whichever mode that comes.
     pub accumulation: bool,
 }
 
@@ -38,7 +39,7 @@ impl CycleLeg {
     /// The leg between two events, the second of which is to come so much later.
     pub(super) fn between(from: &Event<f64>, to: &Event<f64>, later: f64) -> Self {
         CycleLeg {
-            mode: to.mode,
+            mode: from.next,
             exit: Some(to.guard),
             duration: to.time + later - from.time,
             start: from.after.clone(),

@@ -7,6 +7,7 @@
 //! A [`HybridFlow`] follows such motions from event to event. Of guards that vanish together the one stated first
 //! counts. Where the events of one guard accumulate (complete chatter), the motion goes on from their accumulation.
 
+mod accumulated;
 mod beyond;
 mod chatter;
 mod cycle;
@@ -26,6 +27,7 @@ mod simulation;
 mod support;
 mod system;
 
+pub(in crate::core) use accumulated::ChatterNumber;
 pub use beyond::virtual_point;
 pub use cycle::{Cycle, CycleLeg};
 pub use cycle_search::{CycleSearch, CycleSearchError};

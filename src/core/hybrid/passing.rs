@@ -110,7 +110,7 @@ where
     ) -> Result<ControlFlow<()>, HybridError> {
         let Event { guard, mode, .. } = self.event;
         let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
-        let before = if here { &self.event.before } else { &self.series[series].limit };
+        let before = if here { &self.event.before[..] } else { self.series[series].limit() };
         self.x.clear();
         self.x.extend(before.iter().map(T::real));
         if !here && self.another_comes_before(time.real()) {
@@ -133,7 +133,7 @@ where
     /// and would not be if the series were cut off: a body in contact keeps its distance until it is released.
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
-        let limit = &self.series[series].limit;
+        let limit = self.series[series].limit();
         let change = Surface { system: self.system, guard, mode, t: time }.to_rest(limit, p);
         // No more than the rest of the series, which the extrapolation does not know better than that.
         let bounds = limit.iter().zip(&self.event.before).map(|(a, b)| (*a - *b).real().abs());

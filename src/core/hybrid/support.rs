@@ -1,4 +1,4 @@
-//! States at rest on a surface.
+//! States on a surface, and at rest on it.
 
 use super::erased::{EventNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
@@ -28,6 +28,16 @@ where
     /// The change, least in units of the scales, after which a state is at rest on the surface: the guard and its rate
     /// along the motion vanish, with their derivatives.
     pub fn to_rest(self, x: &[T], p: &[T]) -> Vec<T> {
+        self.change(x, p, true)
+    }
+
+    /// The change, least in units of the scales, after which a state is on the surface, with its derivatives.
+    pub fn onto(self, x: &[T], p: &[T]) -> Vec<T> {
+        self.change(x, p, false)
+    }
+
+    /// The change after which the guard vanishes, and where asked its rate.
+    fn change(self, x: &[T], p: &[T], and_rate: bool) -> Vec<T> {
         let mut sizes =
             self.system.scales_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
         sizes.resize(x.len(), 1.0);
@@ -43,7 +53,7 @@ where
                 break;
             }
             let determinant = hh * rr - hr * hr;
-            let shares = match determinant > APART * hh * rr {
+            let shares = match and_rate && determinant > APART * hh * rr {
                 true => {
                     let [h, r] = values;
                     [(h * rr - r * hr) / determinant, (r * hh - h * hr) / determinant]

@@ -6,12 +6,12 @@
 
 use super::departed::VANISHES;
 use super::following::{Following, Lasting, NUDGE, Onset};
-use super::hybrid::{HybridOrbit, IntoHybrid};
+use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, Equations, Residual};
+use crate::core::bvp::{Birth, Residual};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{Cycle, GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
+use crate::core::hybrid::{GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
 use crate::core::watch::{WatchIn, Watchable};
 use std::ops::ControlFlow;
 
@@ -74,30 +74,6 @@ const UNMOVED: f64 = 1e-6;
 const ROUNDING: f64 = 1e-11;
 
 impl HybridOrbit {
-    /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them.
-    ///
-    /// # Errors
-    /// [`Failure`] if the cycle holds a series of infinitely many events, which is no itinerary.
-    pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Birth<Self>, Failure> {
-        if cycle.legs.iter().any(|leg| leg.accumulation) {
-            let reason =
-                "the simulated motion chatters completely: infinitely many events are no itinerary";
-            return Err(Failure::Unsupported(reason.into()));
-        }
-        let legs = cycle.legs.iter().map(|leg| Leg { mode: leg.mode, exit: leg.exit }).collect();
-        let itinerary = Itinerary { legs, periods: cycle.periods };
-        let starts = cycle.legs.iter().flat_map(|leg| leg.start.clone()).collect();
-        let durations = cycle.legs.iter().map(|leg| leg.duration);
-        let problem = HybridOrbit::of(system, itinerary);
-        // The time of the start comes first where it is an unknown.
-        let extras = match problem.extras().len().checked_sub(cycle.legs.len()) {
-            None => Vec::new(),
-            Some(0) => durations.collect(),
-            Some(_) => std::iter::once(cycle.start).chain(durations).collect(),
-        };
-        Ok(Birth { problem, starts, extras, beside: None })
-    }
-
     /// The orbits that are born where this one touches guards, all at a time. They begin after the nearest touch.
     pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
         let touches = self.touches(starts, q)?;
@@ -167,7 +143,7 @@ impl HybridOrbit {
     /// nearest to one.
     fn touches(&self, starts: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
         let mut found: Vec<(Touch, f64)> = Vec::new();
-        for leg in 0..self.legs().len() {
+        for leg in (0..self.legs().len()).filter(|leg| !self.legs()[*leg].accumulates) {
             let (mode, p) = (self.legs()[leg].mode, self.split(q).0);
             let start = &starts[self.of_leg(leg)];
             for guard in self.guards_in(mode) {

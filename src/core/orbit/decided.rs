@@ -22,7 +22,9 @@ struct Decision {
 impl HybridOrbit {
     /// The decision at the end of a leg, if there is one.
     fn decision_after(&self, leg: usize) -> Option<Decision> {
-        let Leg { mode, exit: Some(guard) } = self.legs()[leg] else { return None };
+        let Leg { mode, exit: Some(guard), accumulates: false } = self.legs()[leg] else {
+            return None;
+        };
         let modes = self.system().may_follow(guard, mode);
         let first = *modes.first()?;
         modes.iter().any(|mode| *mode != first).then_some(Decision { guard, mode, modes })
@@ -34,7 +36,7 @@ impl HybridOrbit {
     }
 
     /// The mode that follows a leg.
-    fn mode_after(&self, leg: usize) -> usize {
+    pub(super) fn mode_after(&self, leg: usize) -> usize {
         self.legs()[(leg + 1) % self.legs().len()].mode
     }
 

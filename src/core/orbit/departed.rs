@@ -68,7 +68,9 @@ impl HybridOrbit {
         q: &[f64],
     ) -> Result<bool, Failure> {
         let (p, system) = (self.split(q).0, self.system());
-        let Leg { mode, exit: Some(guard) } = self.legs()[leg] else { return Ok(false) };
+        let Leg { mode, exit: Some(guard), accumulates: false } = self.legs()[leg] else {
+            return Ok(false);
+        };
         let (t, x) = self.end_of(leg, starts, q)?;
         let slow =
             VANISHES * guard_scale(system, (guard, mode), (t, &x), p) / time_scale(system, p);

@@ -1,5 +1,6 @@
 //! The boundary-value problem of hybrid orbits.
 
+use super::accumulation::Still;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::measures::{APPROACH, DECISION, SHORTEST};
@@ -10,7 +11,7 @@ use crate::core::bvp::{
 use crate::core::condition::Failure;
 use crate::core::domain::OutOfDomain;
 use crate::core::hybrid::{
-    EventNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, guard_scale, time_scale,
+    ChatterNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, guard_scale, time_scale,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
@@ -43,17 +44,20 @@ impl Domains for HybridOrbit {
     }
 }
 
-impl<T: EventNumber> Fields<T> for HybridOrbit {
+impl<T: ChatterNumber> Fields<T> for HybridOrbit {
     fn field_of(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
         self.on_segment(segment, q).slope(t, x, q, f);
     }
 }
 
-impl<T: EventNumber> Residual<T> for HybridOrbit {
-    /// The field of the leg's mode, whose time begins with the leg.
+impl<T: ChatterNumber> Residual<T> for HybridOrbit {
+    /// The field of the leg's mode, whose time begins with the leg. Nothing moves while infinitely many events come.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        let (mode, numbers) = (self.legs()[segment].mode, self.parameters.len());
-        FieldRef { numbers, ..T::in_mode(&*self.system, mode, self.begin(q)) }
+        let (leg, numbers) = (self.legs()[segment], self.parameters.len());
+        match leg.accumulates {
+            true => FieldRef::of(&Still),
+            false => FieldRef { numbers, ..T::in_mode(&*self.system, leg.mode, self.begin(q)) },
+        }
     }
 
     fn duration_in(&self, _segment: usize, q: &[T]) -> T {
@@ -69,12 +73,21 @@ impl<T: EventNumber> Residual<T> for HybridOrbit {
         b.iter_mut().zip(ends).for_each(|(b, (start, end))| *b = *start - *end);
     }
 
-    fn leg_end_in(&self, segment: usize, t: T, x: &[T], p: &[T], after: &mut [T]) -> T {
-        let legs = self.legs();
-        let Leg { mode, exit: Some(exit) } = legs[segment] else { return T::zero() };
-        let modes = (mode, legs[(segment + 1) % legs.len()].mode);
-        self.system.reset(exit, modes, t, x, p, after);
-        self.system.guard(exit, mode, t, x, p)
+    /// A leg ends where its guard vanishes, or lasts until the events of its guard accumulate.
+    fn leg_end_in(&self, segment: usize, times: (T, T), x: &[T], p: &[T], after: &mut [T]) -> T {
+        let (legs, t) = (self.legs(), times.0 + times.1);
+        let Leg { mode, exit: Some(exit), accumulates } = legs[segment] else { return T::zero() };
+        let next = legs[(segment + 1) % legs.len()].mode;
+        if !accumulates {
+            self.system.reset(exit, (mode, next), t, x, p, after);
+            return self.system.guard(exit, mode, t, x, p);
+        }
+        let Some(last) = self.accumulation(segment, times, x, p) else {
+            after.fill(T::from(f64::NAN));
+            return T::from(f64::NAN);
+        };
+        self.system.reset(exit, (last.mode, next), last.time, &last.before, p, after);
+        t - last.time
     }
 
     fn cycle_in(&self, p: &[T]) -> T {
@@ -245,33 +258,45 @@ impl Equations for HybridOrbit {
         Ok(Some(birth.erased()))
     }
 
-    /// Every event must lead to the mode that the itinerary says. At an event that is tangent, or virtual,
-    /// nothing can be told.
+    /// Every event, and every accumulation, must lead to the mode that the itinerary says.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
         let mut time = self.time(0, q);
-        for (s, leg) in legs.iter().enumerate() {
-            let Some(guard) = leg.exit else { continue };
-            time += self.durations(extras)[s];
-            let x = &ends.end[self.of_leg(s)];
-            let at = Moment { system: self.system(), mode: leg.mode, t: time, x, p };
-            let approach = -at.rate(guard);
-            let meant = legs[(s + 1) % legs.len()].mode;
-            let next = self.system().next_mode(guard, leg.mode, time, x, p);
-            let sure = || {
-                let scale = guard_scale(self.system(), (guard, leg.mode), (time, x), p);
-                approach > SURE * scale / time_scale(self.system(), p)
-            };
-            if next != meant && sure() {
-                let (event, mode) = (&self.guards[guard].name, &self.modes[leg.mode].name);
-                let [next, meant] = [next, meant].map(|mode| &self.modes[mode].name);
-                return Err(Failure::Mismatch(format!(
-                    "the event `{event}` of mode `{mode}`, leg {s}, at t = {time:.6e} leads to `{next}`, not to \
-                     `{meant}` as the itinerary says: write an itinerary that closes, or let a \
-                     simulation find it"
-                )));
+        for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| leg.exit.is_some()) {
+            let (duration, x) = (self.durations(extras)[s], &ends.end[self.of_leg(s)]);
+            let times = (time, duration);
+            time += duration;
+            match leg.accumulates {
+                true => self.check_accumulation(s, times, x, p)?,
+                false => {
+                    let at = Moment { system: self.system(), mode: leg.mode, t: time, x, p };
+                    self.check_event(s, at)?;
+                }
             }
         }
         Ok(())
+    }
+}
+
+impl HybridOrbit {
+    /// At an event that is tangent, or virtual, nothing can be told.
+    fn check_event(&self, leg: usize, at: Moment<f64>) -> Result<(), Failure> {
+        let Moment { system, mode, t, x, p } = at;
+        let Some(guard) = self.legs()[leg].exit else { return Ok(()) };
+        let (approach, meant) = (-at.rate(guard), self.mode_after(leg));
+        let next = system.next_mode(guard, mode, t, x, p);
+        let sure = || {
+            let scale = guard_scale(system, (guard, mode), (t, x), p);
+            approach > SURE * scale / time_scale(system, p)
+        };
+        if next == meant || !sure() {
+            return Ok(());
+        }
+        let (event, mode) = (&self.guards[guard].name, &self.modes[mode].name);
+        let [next, meant] = [next, meant].map(|mode| &self.modes[mode].name);
+        Err(Failure::Mismatch(format!(
+            "the event `{event}` of mode `{mode}`, leg {leg}, at t = {t:.6e} leads to `{next}`, not to `{meant}` as the \
+             itinerary says: write an itinerary that closes, or let a simulation find it"
+        )))
     }
 }

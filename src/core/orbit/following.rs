@@ -80,7 +80,7 @@ impl HybridOrbit {
                     self.guards[guard].name, self.modes[until].name
                 )));
             };
-            let leg = Leg { mode, exit: Some(exit) };
+            let leg = Leg::new(mode, Some(exit));
             there.push((leg, limit.clone(), 0.0));
             beside.push((leg, near.clone(), duration));
             near = self.moved(Moment { system, mode, t: time, x: &near, p }, duration);

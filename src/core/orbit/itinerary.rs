@@ -6,17 +6,28 @@ use crate::core::names::{UnknownName, position};
 /// A leg of an itinerary: motion in a mode until a guard vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Leg {
-    /// The mode.
+    /// The mode, in which the leg begins.
     pub mode: usize,
     /// The guard at which the leg ends; `None` if nothing happens on the whole orbit.
     pub exit: Option<usize>,
+    /// Whether it begins just behind an event of this guard, and lasts for the infinitely many that follow, up to their
+    /// accumulation.
+    pub accumulates: bool,
+}
+
+impl Leg {
+    /// Motion in a mode until a guard vanishes.
+    pub fn new(mode: usize, exit: Option<usize>) -> Self {
+        Leg { mode, exit, accumulates: false }
+    }
 }
 
 /// What a hybrid orbit goes through in one cycle: legs, each ended by an event, the last of which leads to the
 /// first; and, under forcing, how many of its periods that takes.
 ///
 /// It is written as one word for each leg, `mode:event`, and a number of periods if there are several:
-/// `2* slip:rest stick:impact`. An orbit without events is its mode alone.
+/// `2* slip:rest stick:impact`. An orbit without events is its mode alone. `flight:impact+` stands for the infinitely many
+/// impacts that follow one before, up to their accumulation.
 ///
 /// ```
 /// use tangency::core::orbit::Itinerary;
@@ -34,6 +45,9 @@ pub struct Itinerary {
     /// The periods of the forcing that a cycle takes.
     pub periods: usize,
 }
+
+/// Behind the name of an event: infinitely many of them.
+const ALL: &str = "+";
 
 /// Why an itinerary has no meaning.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -56,7 +70,7 @@ pub enum ItineraryError {
 impl Itinerary {
     /// An orbit in one mode without events.
     pub fn smooth(mode: usize, periods: usize) -> Self {
-        Itinerary { legs: vec![Leg { mode, exit: None }], periods }
+        Itinerary { legs: vec![Leg::new(mode, None)], periods }
     }
 
     /// Whether there are no events.
@@ -100,7 +114,8 @@ impl Itinerary {
         let (modes, guards) = (system.modes(), system.guards());
         let periods = (self.periods != 1).then(|| format!("{}*", self.periods));
         let word = |leg: &Leg| {
-            let exit = leg.exit.map(|guard| format!(":{}", guards[guard].name));
+            let all = if leg.accumulates { ALL } else { "" };
+            let exit = leg.exit.map(|guard| format!(":{}{all}", guards[guard].name));
             modes[leg.mode].name.clone() + &exit.unwrap_or_default()
         };
         periods.into_iter().chain(self.legs.iter().map(word)).collect::<Vec<_>>().join(" ")
@@ -113,10 +128,14 @@ fn read_leg(word: &str, modes: &[Mode], guards: &[Guard]) -> Result<Leg, Itinera
         None => (word, None),
     };
     let mode = position("mode", name, modes.iter().map(|mode| &mode.name))?;
-    let exit = event.map(|event| {
-        let own: Vec<usize> = (0..guards.len()).filter(|k| guards[*k].ends(mode)).collect();
+    let known = |event: &str| guards.iter().any(|guard| guard.name == event);
+    let all = event.and_then(|event| event.strip_suffix(ALL)).filter(|_| !event.is_some_and(known));
+    let exit = all.or(event).map(|event| {
+        // Where infinitely many accumulate the last ones may be in another mode.
+        let own = |k: &usize| all.is_some() || guards[*k].ends(mode);
+        let own: Vec<usize> = (0..guards.len()).filter(own).collect();
         let names = own.iter().map(|k| &guards[*k].name);
         position(&format!("event of mode `{name}`"), event, names).map(|k| own[k])
     });
-    Ok(Leg { mode, exit: exit.transpose()? })
+    Ok(Leg { mode, exit: exit.transpose()?, accumulates: all.is_some() })
 }

@@ -3,7 +3,7 @@
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
 use crate::core::hybrid::{
-    EventNumber, FieldNumber, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
+    EventNumber, FieldNumber, Guard, GuardNumber, MeasureNumber, Moment, Passage, virtual_point,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
@@ -56,17 +56,21 @@ impl HybridOrbit {
     pub(super) fn watched_guards(&self) -> Vec<(Watched, [bool; 2])> {
         let legs = self.legs();
         let mut watched = Vec::new();
-        for (s, leg) in legs.iter().enumerate() {
-            let entry = legs[(s + legs.len() - 1) % legs.len()].exit.map(|g| &self.guards[g].name);
+        for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
+            let before = legs[(s + legs.len() - 1) % legs.len()];
+            let entry = before.exit.map(|g| &self.guards[g].name);
             for guard in self.guards_in(leg.mode) {
-                let own = [entry == Some(&self.guards[guard].name), leg.exit == Some(guard)];
+                let Guard { name, accumulates_to, .. } = &self.guards[guard];
+                // Motion that is released from rest on a surface begins there, whatever released it.
+                let rested = *accumulates_to == Some(before.mode);
+                let own = [rested || entry == Some(name), leg.exit == Some(guard)];
                 watched.push((Watched::function(s, guard), own));
             }
         }
         watched
     }
 
-    /// The leg that each event ends, its guard, and time and state at which it is reached.
+    /// The leg that each event ends, its guard, and time and state at which it is reached; none of those that accumulate.
     fn events_of<'a, T: Scalar>(
         &'a self,
         ends: Ends<'a, T>,
@@ -78,7 +82,8 @@ impl HybridOrbit {
         self.legs().iter().enumerate().filter_map(move |(s, leg)| {
             t += durations[s];
             let x = &ends.end[self.of_leg(s)];
-            Some((s, leg.exit?, Moment { system, mode: leg.mode, t, x, p }))
+            let guard = leg.exit.filter(|_| !leg.accumulates)?;
+            Some((s, guard, Moment { system, mode: leg.mode, t, x, p }))
         })
     }
 }

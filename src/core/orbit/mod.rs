@@ -4,6 +4,7 @@
 //! with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on the branch.
 //! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation ([`from_cycle`]).
 
+mod accumulation;
 mod birth;
 mod decided;
 mod departed;
@@ -14,6 +15,7 @@ mod itinerary;
 mod map_cycle;
 mod measures;
 mod periodic;
+mod simulated;
 mod smooth;
 
 pub(in crate::core) use departed::VANISHES;

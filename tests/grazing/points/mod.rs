@@ -21,8 +21,8 @@ pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
         time: phase / frequency,
         x: vec![p[2], 0.0],
         p: p.to_vec(),
-        following: vec![Leg { mode: Actuator::FORWARD, exit: Some(Actuator::REST) }],
-        legs: vec![(Leg { mode: Actuator::STICK, exit: Some(front) }, PI / frequency)],
+        following: vec![Leg::new(Actuator::FORWARD, Some(Actuator::REST))],
+        legs: vec![(Leg::new(Actuator::STICK, Some(front)), PI / frequency)],
         periods: 1,
     }
 }

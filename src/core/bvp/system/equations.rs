@@ -205,8 +205,9 @@ impl Discretised {
         for (s, (leg, duration)) in layout.segments.iter().zip(durations).enumerate() {
             let (next, x) = (layout.after(s), &end[leg.ends..leg.ends + leg.states]);
             let next = next.ends..next.ends + next.states;
+            let times = (time, *duration);
+            b[layout.states + s] = problem.leg_end_in(s, times, x, p, &mut b[next.clone()]);
             time += *duration;
-            b[layout.states + s] = problem.leg_end_in(s, time, x, p, &mut b[next.clone()]);
             let starts = b[next.clone()].iter_mut().zip(&start[next]);
             starts.for_each(|(b, start)| *b = *start - *b);
         }

@@ -30,7 +30,7 @@ impl Discretised {
         let (p, own) = q.split_at(self.layout.parameters);
         let (problem, next) = (T::residual(&*self.problem), self.layout.after(leg).states);
         let (after, rest) = r.split_at_mut(next);
-        rest[0] = problem.leg_end_in(leg, own[0] + own[1], unknowns, p, after);
+        rest[0] = problem.leg_end_in(leg, (own[0], own[1]), unknowns, p, after);
         &r[..=next]
     }
 

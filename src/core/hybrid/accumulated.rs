@@ -1,0 +1,84 @@
+//! Infinitely many events in a finite time as one map, with derivatives.
+
+use super::erased::{EventNumber, HybridEquations};
+use super::event::Event;
+use super::leg::GuardOf;
+use super::simulation::{HybridFlow, HybridSettings, HybridState};
+use super::support::Surface;
+use crate::core::chunk::{Chunk, Narrow};
+use crate::core::watch::Watchable;
+use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use std::ops::ControlFlow;
+
+/// Events that would accumulate within this time, in units of its scale, are not followed: rounding tells the times of the
+/// last ones to fewer digits than their limit is known to.
+const REST: f64 = 1e-3;
+/// Events that do not accumulate within so many times as long as was expected do not accumulate.
+const LONGEST: f64 = 1e3;
+
+/// A scalar in which the map from one event to the accumulation of those that follow can be evaluated.
+pub(in crate::core) trait ChatterNumber: EventNumber {
+    /// The accumulation of the events of a guard after a state just behind one of them, within about the `expected` time;
+    /// `None` if they do not accumulate, and in scalars in which no motion is followed.
+    fn accumulated(
+        _system: &dyn HybridEquations,
+        _guard: usize,
+        _start: HybridState<Self>,
+        _expected: f64,
+        _p: &[Self],
+    ) -> Option<Event<Self>> {
+        None
+    }
+}
+
+macro_rules! numbers {
+    (followed: $($followed:ty)*; others: $($other:ty)*;) => {
+        $(impl ChatterNumber for $followed {
+            fn accumulated(
+                system: &dyn HybridEquations,
+                guard: usize,
+                start: HybridState<Self>,
+                expected: f64,
+                p: &[Self],
+            ) -> Option<Event<Self>> {
+                follow(system, guard, start, expected, p)
+            }
+        })*
+        $(impl ChatterNumber for $other {})*
+    };
+}
+
+numbers! {
+    followed: f64 Dual64 Narrow Chunk Dual<Chunk>;
+    others: HyperDual64 HyperHyperDual64 Dual2<Chunk>;
+}
+
+/// Follows motion to an accumulation.
+fn follow<'a, T: EventNumber>(
+    system: &'a dyn HybridEquations,
+    guard: usize,
+    mut start: HybridState<T>,
+    expected: f64,
+    p: &[T],
+) -> Option<Event<T>>
+where
+    GuardOf<'a>: Watchable<T>,
+{
+    let settings = HybridSettings { accumulation: REST, ..HybridSettings::default() };
+    let mut flow = HybridFlow::new(system, settings).ok()?;
+    // A state that has not converged yet may be behind the surface.
+    let surface = Surface { system, guard, mode: start.mode, t: start.time };
+    if flow.guards[guard].ends(start.mode) {
+        let change = surface.onto(&start.x, p);
+        start.x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
+    }
+    let mut found = None;
+    let longest = T::constant(LONGEST * expected.abs());
+    let outcome = flow.advance(&mut start, longest, p, &mut |event: &Event<T>| {
+        if event.accumulation && event.guard == guard {
+            found = Some(event.clone());
+        }
+        if found.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    outcome.ok().and(found)
+}

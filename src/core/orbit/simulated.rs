@@ -1,0 +1,81 @@
+//! Orbits as simulations find them.
+
+use super::hybrid::{HybridOrbit, IntoHybrid};
+use super::itinerary::{Itinerary, Leg};
+use crate::core::bvp::{Birth, Equations};
+use crate::core::condition::Failure;
+use crate::core::hybrid::{Cycle, CycleLeg};
+
+/// How many events before an accumulation belong to it at least: from as many a simulation sees that it comes, and when.
+const SERIES: usize = 4;
+/// And how many times as long as the rest that was not simulated they last.
+const LONGER: f64 = 30.0;
+
+impl HybridOrbit {
+    /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them. Where events accumulate, the last
+    /// ones of them are one leg.
+    ///
+    /// # Errors
+    /// [`Failure`] if the simulated cycle holds nothing but events that accumulate.
+    pub fn of_cycle(system: impl IntoHybrid, cycle: &Cycle) -> Result<Birth<Self>, Failure> {
+        let (start, cycle_legs) = gathered(cycle)?;
+        let leg =
+            |leg: &CycleLeg| Leg { accumulates: leg.accumulation, ..Leg::new(leg.mode, leg.exit) };
+        let legs = cycle_legs.iter().map(leg).collect();
+        let itinerary = Itinerary { legs, periods: cycle.periods };
+        let starts = cycle_legs.iter().flat_map(|leg| leg.start.clone()).collect();
+        let durations = cycle_legs.iter().map(|leg| leg.duration);
+        let problem = HybridOrbit::of(system, itinerary);
+        // The time of the start comes first where it is an unknown.
+        let extras = match problem.extras().len().checked_sub(cycle_legs.len()) {
+            None => Vec::new(),
+            Some(0) => durations.collect(),
+            Some(_) => std::iter::once(start).chain(durations).collect(),
+        };
+        Ok(Birth { problem, starts, extras, beside: None })
+    }
+}
+
+/// The legs of a cycle, and when the first one begins: those before an accumulation that belong to it are one with it.
+fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
+    let (mut start, mut legs) = (cycle.start, cycle.legs.clone());
+    let Some(last) = legs.iter().rposition(|leg| leg.accumulation) else {
+        return Ok((start, legs));
+    };
+    start += legs[..=last].iter().map(|leg| leg.duration).sum::<f64>();
+    legs.rotate_left(last + 1);
+    let mut gathered = Vec::<CycleLeg>::new();
+    for leg in legs {
+        let first = if leg.accumulation { begins(&gathered, &leg) } else { gathered.len() };
+        let before = gathered.split_off(first);
+        let begun = before.first().unwrap_or(&leg);
+        let (mode, start) = (begun.mode, begun.start.clone());
+        let duration = before.iter().map(|leg| leg.duration).sum::<f64>() + leg.duration;
+        gathered.push(CycleLeg { mode, start, duration, ..leg });
+    }
+    match gathered.iter().all(|leg| leg.accumulation) {
+        true => Err(Failure::Unsupported(
+            "the simulated cycle is nothing but events that accumulate".into(),
+        )),
+        false => Ok((start, gathered)),
+    }
+}
+
+/// Which of the legs before an accumulation is the first one that belongs to it: it follows one of its events, and the
+/// intervals between them shrink from there on.
+fn begins(legs: &[CycleLeg], accumulation: &CycleLeg) -> usize {
+    let (mut first, mut interval) = (legs.len(), accumulation.duration);
+    let ended = (0..legs.len())
+        .filter(|leg| legs[*leg].exit == accumulation.exit && !legs[*leg].accumulation);
+    let mut lasts = interval;
+    for (count, leg) in ended.rev().skip(1).enumerate() {
+        let before = legs[leg + 1..first].iter().map(|leg| leg.duration).sum::<f64>();
+        let another = legs[leg + 1..first].iter().any(|leg| leg.accumulation);
+        let enough = count >= SERIES && lasts > LONGER * accumulation.duration;
+        if before < interval || another || enough {
+            break;
+        }
+        (first, interval, lasts) = (leg + 1, before, lasts + before);
+    }
+    first
+}
