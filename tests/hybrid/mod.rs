@@ -3,6 +3,7 @@
 mod attractors;
 mod decisions;
 mod failures;
+mod fast_guards;
 mod fleets;
 mod grazing;
 mod integrals;

@@ -181,6 +181,9 @@ impl HybridSystem for Clockwork {
 /// have the derivatives of what they are the root of.
 #[test]
 fn events_that_come_together_come_in_order() {
+    let mut flow = HybridFlow::new(&Clockwork, settings(1e-13)).unwrap();
+    let statistics = flow.advance(&mut at(0, 0.0, &[0.0]), 1.0, &[1.0 / 3.0], &mut ()).unwrap();
+    assert_eq!((statistics.events, statistics.together), (2, 1));
     let p = [Dual64::from(1.0 / 3.0).derivative()];
     let (events, end) = followed(&Clockwork, at(0, 0.0, &[0.0]), 1.0.into(), &p);
     assert_eq!(

@@ -104,6 +104,10 @@ pub trait Equations:
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
     /// The typical size of a scalar along a segment.
     fn watch_scale(&self, watched: Watched, q: &[f64]) -> f64;
+    /// The longest step in time, of a flow along a segment, in which nothing that is watched there changes much.
+    fn longest_step(&self, _segment: usize) -> f64 {
+        f64::INFINITY
+    }
     /// The typical size of the further unknown numbers.
     fn extra_scale(&self, p: &[f64]) -> f64;
     /// What is recorded along a branch, by name.

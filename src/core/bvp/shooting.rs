@@ -76,9 +76,12 @@ impl Shooting {
         Settings { relative, absolute, ..self.settings }
     }
 
-    /// The settings with the error that is allowed at present.
-    fn present(&self) -> Settings {
-        self.allowing(self.allowed)
+    /// The settings with the error that is allowed at present, for the flow of an interval.
+    fn present<T: Number>(&self, interval: &Interval<T>) -> Settings {
+        let settings = self.allowing(self.allowed);
+        let longest = interval.problem.longest_step(interval.span.segment);
+        let length = interval.times().1.real().abs();
+        Settings { largest_step: settings.largest_step.min(longest / length), ..settings }
     }
 }
 
@@ -150,7 +153,7 @@ impl Shooting {
         x: &mut [T],
     ) -> Result<(), Failure> {
         x.copy_from_slice(&interval.nodes[..x.len()]);
-        work.settings = self.present();
+        work.settings = self.present(&interval);
         if place > 0.0 {
             let (start, length) = interval.times();
             let field = interval.field();
@@ -200,7 +203,7 @@ impl Shooting {
             return self.extrema(interval, functions, None, visit);
         }
         let n = interval.nodes.len() / 2;
-        let (settings, interval, block) = (self.present(), &interval, &mut block);
+        let (settings, interval, block) = (self.present(&interval), &interval, &mut block);
         for (i, row) in block.nodes.chunks_exact_mut(2 * n).enumerate() {
             row[n..].fill(0.0);
             row[n + i] = -1.0;
@@ -235,7 +238,7 @@ impl Shooting {
         residual: Option<&mut [f64]>,
         visit: &mut dyn FnMut(usize, f64, f64),
     ) -> Result<(), Failure> {
-        let settings = self.present();
+        let settings = self.present(&interval);
         let Shooting { plain, observers, x, .. } = self;
         plain.settings = settings;
         let (left, right) = interval.nodes.split_at(interval.nodes.len() / 2);
@@ -262,7 +265,7 @@ impl Shooting {
         visit: &mut dyn FnMut(T, T, &[T]),
     ) -> Result<(), Failure> {
         let mut x = interval.nodes[..interval.nodes.len() / 2].to_vec();
-        work.settings = self.present();
+        work.settings = self.present(&interval);
         let (start, length) = interval.times();
         let field = interval.field();
         work.observe(&field, start, length, &mut x, interval.q, |step| {

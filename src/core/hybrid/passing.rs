@@ -8,6 +8,7 @@ use super::event_locator::{INSTANT, LocatedEvent};
 use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridState, Run};
 use super::support::Surface;
+use crate::core::flow::NEGATIVE;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
@@ -35,6 +36,7 @@ where
         };
         self.real_event();
         let time_of_event = self.event.time.real();
+        run.statistics.together += usize::from(self.another_vanishes(time_of_event));
         let next = self.system.next_mode(guard, self.event.mode, time_of_event, &self.x, &self.p);
         if self.pass(next, state, run)?.is_break() {
             return Ok(ControlFlow::Break(()));
@@ -144,6 +146,16 @@ where
             true => *limit + change,
             false => *limit,
         }));
+    }
+
+    /// Whether another guard of the mode vanishes with the event, the real parts of the state before which are in `x`.
+    fn another_vanishes(&self, time: f64) -> bool {
+        let Event { guard, mode, .. } = self.event;
+        let mut others = self.watched[mode].iter().filter(|g| **g != guard);
+        others.any(|g| {
+            let value = self.system.guard(*g, mode, time, &self.x, &self.p);
+            value.abs() <= NEGATIVE * self.scale_of(*g, mode, time)
+        })
     }
 
     /// Whether another guard of the mode is negative at the accumulation, the real parts of which are in `x`.

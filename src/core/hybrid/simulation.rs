@@ -64,6 +64,8 @@ pub struct HybridStatistics {
     pub events: usize,
     /// The number of accumulations.
     pub accumulations: usize,
+    /// The number of events at which another guard of the mode vanished as well: which one is stated first decides.
+    pub together: usize,
 }
 
 /// The motion of a hybrid system in one scalar type, with all buffers.
@@ -273,7 +275,7 @@ where
         run: &mut Run<T, O>,
     ) -> Result<Option<LocatedEvent<T>>, HybridError> {
         let (system, mode, left) = (self.system, state.mode, run.end - state.time);
-        self.prepare_leg(left.real());
+        self.prepare_leg(mode, left.real());
         self.watch_guards(state);
         let HybridFlow { flow, roots, event, pace, p, watched, unit, .. } = self;
         let (watched, unit) = (&watched[mode], *unit);
@@ -334,14 +336,15 @@ where
         }
     }
 
-    /// Prepares the flow for a leg that lasts no longer than this.
-    pub(super) fn prepare_leg(&mut self, left: f64) {
+    /// Prepares the flow for a leg in a mode that lasts no longer than this.
+    pub(super) fn prepare_leg(&mut self, mode: usize, left: f64) {
         let period = match self.system.forcing() {
             Forcing::None => f64::INFINITY,
             Forcing::Periodic { .. } => self.system.period(&self.p),
         };
-        let largest = self.settings.flow.largest_step;
-        self.flow.settings.largest_step = largest.min(PART_OF_PERIOD * period / left);
+        let fastest = self.watched[mode].iter().filter_map(|guard| self.guards[*guard].changes_in);
+        let longest = fastest.fold(PART_OF_PERIOD * period, f64::min);
+        self.flow.settings.largest_step = self.settings.flow.largest_step.min(longest / left);
         // Fields of different modes have much in common: the forcing, and most of the forces.
         let pace = self.pace.map(|pace| (pace / left).min(1.0));
         self.flow.settings.first_step = pace.or(self.settings.flow.first_step);

@@ -25,7 +25,7 @@ impl Mode {
 }
 
 /// A surface at which modes end.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Guard {
     /// The event's name.
     pub name: String,
@@ -34,17 +34,32 @@ pub struct Guard {
     /// The mode that follows where events of this guard accumulate, infinitely many in a finite time (complete
     /// chatter); `None` if they are not expected to.
     pub accumulates_to: Option<usize>,
+    /// The shortest time in which it changes, where that is less than the field of its modes tells: steps are no longer.
+    pub changes_in: Option<f64>,
 }
 
 impl Guard {
     /// A guard of some modes: an impact is one event in whichever mode it comes.
     pub fn new(name: impl Into<String>, modes: impl IntoIterator<Item = usize>) -> Self {
-        Guard { name: name.into(), modes: modes.into_iter().collect(), accumulates_to: None }
+        let (name, modes) = (name.into(), modes.into_iter().collect());
+        Guard { name, modes, accumulates_to: None, changes_in: None }
     }
 
     /// Sets the mode that follows where events accumulate.
     pub fn accumulating_to(mut self, mode: usize) -> Self {
         self.accumulates_to = Some(mode);
+        self
+    }
+
+    /// Sets the shortest time in which it changes. A guard is watched in the steps of the flow, and these are as long as the
+    /// field allows: one that is faster, such as a narrow slot that a slow body passes, is missed without it.
+    ///
+    /// ```
+    /// use tangency::core::hybrid::Guard;
+    /// assert_eq!(Guard::new("slot", [0]).changing_in(1e-3).changes_in, Some(1e-3));
+    /// ```
+    pub fn changing_in(mut self, time: f64) -> Self {
+        self.changes_in = Some(time);
         self
     }
 

@@ -186,6 +186,11 @@ impl Equations for HybridOrbit {
         }
     }
 
+    fn longest_step(&self, segment: usize) -> f64 {
+        let guards = self.guards_in(self.legs()[segment].mode);
+        guards.filter_map(|guard| self.guards[guard].changes_in).fold(f64::INFINITY, f64::min)
+    }
+
     fn extra_scale(&self, p: &[f64]) -> f64 {
         time_scale(&*self.system, p)
     }

@@ -42,7 +42,7 @@ pub fn number(text: &str) -> Result<f64, ModelError> {
 }
 
 /// The value of a formula that must not depend on states, parameters or time.
-fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError> {
+pub(super) fn constant(scope: &Scope, phrase: &Phrase) -> Result<f64, ModelError> {
     let value = Assembling::new(scope).read(phrase)?;
     value.as_number().filter(|value| value.is_finite()).ok_or_else(|| {
         let (what, reason) =

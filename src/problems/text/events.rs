@@ -2,7 +2,7 @@
 
 use super::assembling::{Assembling, elements};
 use super::assembly::Value;
-use super::basis::plain;
+use super::basis::{constant, plain};
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{self, Next};
@@ -89,7 +89,9 @@ pub(super) fn add(
         return Err(source.fault_of(&stated.name, fault));
     }
     guards[known].modes.extend(&guard.modes);
-    guards[known].accumulates_to = guards[known].accumulates_to.or(guard.accumulates_to);
+    let own = &mut guards[known];
+    own.accumulates_to = own.accumulates_to.or(guard.accumulates_to);
+    own.changes_in = own.changes_in.into_iter().chain(guard.changes_in).reduce(f64::min);
     for (event, new) in events[known].iter_mut().zip(of_modes) {
         *event = event.take().or(new);
     }
@@ -140,8 +142,18 @@ fn understood(
         }
         events[mode] = Some(Event { function, next, accumulates_to, resets });
     }
-    let stated = Guard::new(name, modes);
-    Ok((accumulates.map_or(stated.clone(), |mode| stated.accumulating_to(mode)), events))
+    let changes_in = guard.changes_in.as_ref().map(|time| duration(source, time)).transpose()?;
+    Ok((Guard { accumulates_to: accumulates, changes_in, ..Guard::new(name, modes) }, events))
+}
+
+/// A time, above 0.
+fn duration(source: &Source, phrase: &Phrase) -> Result<f64, ModelError> {
+    let time = constant(&Scope::new(source.clone()), phrase)?;
+    if time > 0.0 {
+        return Ok(time);
+    }
+    let (what, reason) = ("the time in which a guard changes".into(), "it must be above 0".into());
+    Err(source.fault_of(phrase, Fault::Misplaced { what, reason }))
 }
 
 fn mode_of(source: &Source, name: &Phrase, scopes: &[ModeScope]) -> Result<usize, ModelError> {

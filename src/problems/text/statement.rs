@@ -138,6 +138,9 @@ pub struct Guard {
     /// The mode that follows where events accumulate.
     #[serde(default)]
     pub accumulates_to: Next,
+    /// The shortest time in which it changes, where that is less than the rates of states tell.
+    #[serde(default)]
+    pub changes_in: Option<Phrase>,
 }
 
 /// A mode that follows: the first one whose function is positive, or else the last one.

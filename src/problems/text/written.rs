@@ -122,7 +122,7 @@ fn hybrid(out: &mut Writer, stated: &HybridEquations) {
 }
 
 fn guard(out: &mut Writer, stated: &Guard) {
-    let Guard { name, modes, function, next, reset, accumulates_to } = stated;
+    let Guard { name, modes, function, next, reset, accumulates_to, changes_in } = stated;
     out.open("(");
     out.line(&format!("name: {},", quoted(name)));
     out.list("modes", modes.iter().map(quoted).collect());
@@ -130,6 +130,7 @@ fn guard(out: &mut Writer, stated: &Guard) {
     following(out, "next", next);
     out.pairs("reset", reset);
     following(out, "accumulates_to", accumulates_to);
+    out.optional("changes_in", changes_in.as_ref());
     out.close("),");
 }
 

@@ -67,6 +67,7 @@ impl Any {
             next: self.next(),
             reset: self.pairs(),
             accumulates_to: self.next(),
+            changes_in: self.maybe(),
         }
     }
 }

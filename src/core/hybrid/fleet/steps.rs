@@ -107,7 +107,7 @@ where
         let (left, mode, system) = (*end - state.time, state.mode, worker.system);
         worker.pace = *pace;
         worker.p.clone_from(real_p);
-        worker.prepare_leg(left.real());
+        worker.prepare_leg(mode, left.real());
         signs.clear();
         signs.resize(worker.watched[mode].len(), Sign::Unknown);
         let (field, span) = (T::in_mode(system, mode, T::zero()), [state.time, left]);
