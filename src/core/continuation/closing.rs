@@ -69,7 +69,7 @@ impl Stepper<'_> {
             let forward = dot(&row, tangent) >= 0.0;
             return if forward { self.passes(unknowns, from, step, 0.0) } else { None };
         };
-        if !self.may_pass(&reference.place, from, step) {
+        if !self.may_pass(&reference.place, saved, from, step) {
             return None;
         }
         let x = self.equations.load(&from.unknowns).to_vec();
@@ -84,10 +84,13 @@ impl Stepper<'_> {
     }
 
     /// Whether a step comes near a place as far as can be seen without its phase: by the parameters and the scalar
-    /// unknowns.
-    fn may_pass(&self, place: &Place, from: &Place, step: &Step) -> bool {
-        let names = self.equations.names();
-        let scalars = names.unknowns.iter().rev().take_while(|group| group.length == 1).count();
+    /// unknowns. Those of an itinerary depend on the leg and on the period of the forcing in which it begins.
+    fn may_pass(&self, place: &Place, saved: &Solution, from: &Place, step: &Step) -> bool {
+        let groups = &self.equations.names().unknowns;
+        let scalars = match saved.itinerary.is_empty() {
+            true => groups.iter().rev().take_while(|group| group.length == 1).count(),
+            false => 0,
+        };
         let first = self.equations.dimension() - scalars;
         let offset = difference(&place.unknowns[first..], &from.unknowns[first..]);
         scaled_norm(&offset, &self.weights[first..]) <= 1.5 * step.length

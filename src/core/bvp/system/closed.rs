@@ -170,7 +170,8 @@ impl BoundarySystem {
         let mut outcome = Ok(());
         from.plain.load(&from.equations.layout, |i| x[i]);
         let z = self.sampled(extras, |segment, tau, out| {
-            let tau = if count == 1 { wrapped(tau + shift, end) } else { tau };
+            // The states at the end of a leg are not those at its beginning.
+            let tau = if shift == 0.0 { tau } else { wrapped(tau + shift, end) };
             if let Err(cause) = from.loaded_states((segment + turn) % count, tau, out) {
                 outcome = Err(cause);
             }
