@@ -18,6 +18,8 @@ pub(super) struct Sighting {
 pub(super) struct Seen {
     pub largest: Sighting,
     pub smallest: Sighting,
+    /// The value at the beginning of the segment.
+    first: Option<f64>,
     /// The place visited last: at the end of all, the end of the segment.
     pub last: Option<Sighting>,
     /// Local minima inside: the one to which it falls from the beginning, the least one between two maxima,
@@ -26,6 +28,8 @@ pub(super) struct Seen {
     between: Option<Sighting>,
     trailing: Option<Sighting>,
     falling: bool,
+    /// Its typical size.
+    scale: f64,
     /// It falls or rises if it changes by more than this.
     depth: f64,
     /// Whether it has risen before the minimum visited last, or at all.
@@ -39,23 +43,29 @@ const DEPTH: f64 = 1e-12;
 /// polynomials make minima of their own, shallower than the error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
+/// A segment begins on a surface where a guard is no larger than this, in units of its scale.
+const ON: f64 = 1e-6;
+
 impl Seen {
     const NOTHING: Seen = {
         let nowhere = Sighting { interval: 0, place: 0.0, value: f64::NEG_INFINITY };
         Seen {
             largest: nowhere,
             smallest: Sighting { value: f64::INFINITY, ..nowhere },
+            first: None,
             last: None,
             leading: None,
             between: None,
             trailing: None,
             falling: false,
+            scale: 1.0,
             depth: DEPTH,
             risen: [false; 2],
         }
     };
 
     fn visit(&mut self, here: Sighting) {
+        self.first.get_or_insert(here.value);
         if here.value > self.largest.value {
             self.largest = here;
         }
@@ -88,8 +98,10 @@ impl Seen {
         }
     }
 
-    /// Local minima inside that count where the scalar vanishes in the events that begin or end the segment.
+    /// Local minima inside that count where the scalar vanishes in the events that begin or end the segment. A reset that
+    /// leads away from the surface, as that of a neuron that fires, begins a segment elsewhere.
     pub fn dips(self, [begins, ends]: [bool; 2]) -> impl Iterator<Item = Sighting> {
+        let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
         let leading = self.leading.filter(|_| !begins);
         let trailing = self.trailing.filter(|_| !ends && (self.risen[0] || !begins));
         leading.into_iter().chain(self.between).chain(trailing)
@@ -170,7 +182,7 @@ impl Extremes {
         {
             for ((&observable, scale), seen) in watched.iter().zip(scales).zip(seen) {
                 *scale = problem.watch_scale(Watched { segment, observable }, q);
-                *seen = Seen { depth: depth * *scale, ..Seen::NOTHING };
+                *seen = Seen { scale: *scale, depth: depth * *scale, ..Seen::NOTHING };
             }
         }
         self.risen.iter_mut().for_each(|risen| risen.fill(None));
