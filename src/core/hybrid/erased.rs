@@ -185,6 +185,7 @@ equations! {
         Wide<Dual<Chunk>> Wide<Dual2<Chunk>>;
     guards: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>
         Dual2_64 Dual<Dual64> Dual2<Dual64> Dual<Narrow> Dual2<Narrow>
+        Dual<HyperDual64> Dual<HyperHyperDual64> Dual<Dual2<Chunk>>
         Dual<Dual<Chunk>> Dual2<Dual<Chunk>> Dual<Lanes>
         Jet<16> Jet<128> Jet<1024>
         Dual<Jet<16>> Dual<Jet<128>> Dual<Jet<1024>>

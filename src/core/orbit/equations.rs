@@ -4,6 +4,7 @@ use super::accumulation::Still;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use super::measures::{APPROACH, DECISION, SHORTEST};
+use super::returning::mean_rate;
 use crate::core::bvp::{
     Birth, Ends, Equations, IntoEquations, Legs, Monitor, Residual, Return, Unknown, Watched,
     Watches,
@@ -16,6 +17,7 @@ use crate::core::hybrid::{
 use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
 use crate::core::watch::Observable;
+use num_dual::Dual;
 use std::sync::Arc;
 
 /// What follows an event that is approached faster, in units of the scales, is beyond doubt.
@@ -44,13 +46,19 @@ impl Domains for HybridOrbit {
     }
 }
 
-impl<T: ChatterNumber> Fields<T> for HybridOrbit {
+impl<T: ChatterNumber> Fields<T> for HybridOrbit
+where
+    Dual<T>: GuardNumber,
+{
     fn field_of(&self, segment: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
         self.on_segment(segment, q).slope(t, x, q, f);
     }
 }
 
-impl<T: ChatterNumber> Residual<T> for HybridOrbit {
+impl<T: ChatterNumber> Residual<T> for HybridOrbit
+where
+    Dual<T>: GuardNumber,
+{
     /// The field of the leg's mode, whose time begins with the leg. Nothing moves while infinitely many events come.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (leg, numbers) = (self.legs()[segment], self.parameters.len());
@@ -80,7 +88,11 @@ impl<T: ChatterNumber> Residual<T> for HybridOrbit {
         let next = legs[(segment + 1) % legs.len()].mode;
         if !accumulates {
             self.system.reset(exit, (mode, next), t, x, p, after);
-            return self.system.guard(exit, mode, t, x, p);
+            let end = Moment { system: self.system(), mode, t, x, p };
+            return match self.returning[segment] {
+                true => mean_rate(end, exit, times.1),
+                false => end.guard(exit),
+            };
         }
         let Some(last) = self.accumulation(segment, times, x, p) else {
             after.fill(T::from(f64::NAN));

@@ -1,6 +1,7 @@
 //! Hybrid orbits as boundary-value problems.
 
 use super::itinerary::{Itinerary, Leg};
+use super::returning::returning;
 use super::smooth::Smooth;
 use crate::core::field::VectorField;
 use crate::core::hybrid::{
@@ -36,6 +37,8 @@ pub struct HybridOrbit {
     pub(super) forced: bool,
     /// Where the states of each leg begin among those of all legs, and their number at the end.
     pub(super) places: Vec<usize>,
+    /// Of each leg, whether it ends on the surface on which it begins.
+    pub(super) returning: Vec<bool>,
     /// Whether the penetration is recorded.
     pub(super) penetration: bool,
 }
@@ -73,7 +76,9 @@ impl HybridOrbit {
         for leg in &itinerary.legs {
             places.push(places[places.len() - 1] + modes[leg.mode].states.len());
         }
+        let returning = returning(&*system, &itinerary, &modes);
         HybridOrbit {
+            returning,
             system,
             itinerary,
             modes,

@@ -15,6 +15,7 @@ mod itinerary;
 mod map_cycle;
 mod measures;
 mod periodic;
+mod returning;
 mod simulated;
 mod smooth;
 
