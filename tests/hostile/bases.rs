@@ -29,9 +29,10 @@ macro_rules! texts {
     };
 }
 
-const LIBRARY: [(&str, &str); 9] = texts!("scenes/library/" ".ron":
-    "bouncing-ball" "brusselator" "co-oxidation" "duffing" "fitzhugh-nagumo" "lorenz" "lure" "morris-lecar"
-    "swift-hohenberg");
+const LIBRARY: [(&str, &str); 17] = texts!("scenes/library/" ".ron":
+    "bang-bang" "bouncing-ball" "brusselator" "buck-converter" "co-oxidation" "duffing" "fitzhugh-nagumo"
+    "integrate-and-fire" "lorenz" "lure" "morris-lecar" "rocking-block" "simplest-walker" "soft-stop" "stick-slip"
+    "swift-hohenberg" "two-walls");
 
 const XPPAUT: [(&str, &str); 12] = texts!("tests/models/ode/" ".ode":
     "ball" "block" "chain" "choices" "clock" "discrete" "forced" "functions" "henon" "neurons" "quantities" "sums");

@@ -8,27 +8,31 @@ use tangency::core::continuation::{Branch, End, Kind, Point};
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Catalogue, Scene, Start, Way, execute};
 
-fn scene(name: &str) -> Scene {
+pub(super) fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/library");
     let text = std::fs::read_to_string(folder.join(format!("{name}.ron"))).unwrap();
     Catalogue::built_in().parse_in(&folder, &text).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn traced(name: &str) -> Document {
-    let outcome = execute(&scene(name), None, &mut ());
-    assert!(outcome.error.is_none(), "{name}: {:?}", outcome.error);
+    executed(&scene(name))
+}
+
+pub(super) fn executed(scene: &Scene) -> Document {
+    let outcome = execute(scene, None, &mut ());
+    assert!(outcome.error.is_none(), "{}: {:?}", scene.title, outcome.error);
     outcome.document
 }
 
 /// The values of a column at the special points of a kind.
-fn values(document: &Document, branch: &str, kind: Kind, column: &str) -> Vec<f64> {
+pub(super) fn values(document: &Document, branch: &str, kind: Kind, column: &str) -> Vec<f64> {
     let branch: &Branch = document.branch(branch).unwrap_or_else(|error| panic!("{error}"));
     let column = branch.column(column).expect("a column");
     branch.of_kind(kind).map(|point| point.value(column).expect("a value")).collect()
 }
 
 /// Each of some values is that of a special point.
-fn finds(
+pub(super) fn finds(
     document: &Document,
     (branch, kind, column): (&str, Kind, &str),
     expected: &[f64],

@@ -4,5 +4,7 @@ mod errors;
 mod fuzz;
 mod language;
 mod library;
+mod library_of_impacts;
 mod ode;
 mod restated;
+mod settling;

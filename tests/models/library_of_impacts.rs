@@ -1,0 +1,300 @@
+//! The scenes of the library with impacts, switches and steps. Digits without a formula are those of programs that share no
+//! code with this one: COCO's demonstrations, closed flows by numpy and scipy, and the literature (`docs/models.md`).
+
+use super::library::{executed, finds, scene, values};
+use crate::common::close;
+use std::f64::consts::{PI, TAU};
+use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
+use tangency::output::Document;
+use tangency::scene::{Scene, Simulated, Start};
+
+/// What a scene of the library finds. Every row of its tables has converged, and so have all branches.
+fn sound(scene: &Scene) -> Document {
+    let document = executed(scene);
+    for branch in &document.branches {
+        for special in &branch.special {
+            let numbers = (&special.parameters, special.error);
+            assert!(special.converged, "{}: {} {numbers:?}", branch.name, special.kind);
+        }
+        let failed = |end: &&End| matches!(end, End::StepTooSmall { .. } | End::PointLimit { .. });
+        assert_eq!(branch.ends.iter().find(failed), None, "{}", branch.name);
+    }
+    document
+}
+
+fn library(name: &str) -> Document {
+    sound(&scene(name))
+}
+
+fn only_first(name: &str, runs: usize) -> Scene {
+    let mut scene = scene(name);
+    scene.runs.truncate(runs);
+    scene
+}
+
+/// The values of a column at the only point of a kind.
+#[track_caller]
+fn only(document: &Document, branch: &str, kind: Kind, column: &str) -> f64 {
+    let [value] = values(document, branch, kind, column)[..] else {
+        panic!("{branch}: not one {kind}")
+    };
+    value
+}
+
+fn is_closed(branch: &Branch) -> bool {
+    branch.ends.iter().all(|end| matches!(end, End::Closed { .. }))
+}
+
+/// The six special points of COCO's demonstration, and an impact speed of 0.1.
+#[test]
+fn stick_slip() {
+    let document = library("stick-slip");
+    let (free, grazings) = ("without impacts", "grazings");
+    close(only(&document, free, Kind::LP, "V"), 0.5875367161733, 1e-11);
+    close(only(&document, free, Kind::G, "V"), 0.5875162504155, 1e-11);
+    close(only(&document, "one impact", Kind::UZ, "V"), 0.6358041862150, 1e-11);
+    finds(&document, (grazings, Kind::LP, "omega"), &[0.9082629046888], 1e-10);
+    finds(&document, (grazings, Kind::LP, "V"), &[0.5886342711666], 1e-11);
+    let doublings = [[0.6939956036083, 0.6139308193098], [0.6000193930193, 0.5817718172902]];
+    finds(&document, (grazings, Kind::PD, "omega"), &doublings[0], 1e-10);
+    finds(&document, (grazings, Kind::PD, "V"), &doublings[1], 1e-11);
+}
+
+/// Fold and grazing are 2e-5 apart, in one step or not: at the grazing one multiplier is outside of the unit circle.
+#[test]
+fn stick_slip_is_unstable_at_its_grazing_at_every_step() {
+    let mut scene = only_first("stick-slip", 1);
+    let first = scene.runs[0].clone();
+    scene.runs[0].marks = vec![("V".into(), 0.58)];
+    for max_step in ["0.02", "0.05", "0.1", "0.001"] {
+        let mut run = first.clone();
+        run.name = format!("steps up to {max_step}");
+        run.set = vec![("max_step".into(), max_step.into())];
+        (run.start, run.along[0].low) = (from(&first.name, Kind::UZ), Some(0.579));
+        scene.runs.push(run);
+    }
+    scene.settings.max_points = 5000;
+    let document = sound(&scene);
+    for branch in &document.branches {
+        // The first branch has the row of the grazing; the others end there.
+        let ends = |special: &&SpecialPoint| {
+            [Kind::G, Kind::EP].contains(&special.kind) && special.parameters[3] > 0.587
+        };
+        let grazing = branch.special.iter().find(ends).expect(&branch.name);
+        assert_eq!(grazing.unstable, Some(1), "{}", branch.name);
+        close(grazing.parameters[3], 0.5875162504155, 1e-11);
+    }
+}
+
+fn from(run: &str, kind: Kind) -> Start {
+    Start::From { run: run.into(), kind, nth: 0, switch: false, unconverged: false }
+}
+
+/// `I = 1/(1 − e^{−T}) ∓ A/√(1 + ω²)`, and the touch at `1 − A/√(1 + ω²)`. The firing family returns to its start one
+/// period later.
+#[test]
+fn integrate_and_fire() {
+    let (middle, share) = (1.0 / (1.0 - (-TAU / 4.0).exp()), 1.0 / 17.0_f64.sqrt());
+    let document = library("integrate-and-fire");
+    let folds = [middle - 0.1 * share, middle + 0.1 * share];
+    close(folds[0], 1.2381807469074, 1e-13);
+    close(folds[1], 1.2866878719147, 1e-13);
+    finds(&document, ("firing", Kind::LP, "I"), &folds, 1e-11);
+    close(only(&document, "silent", Kind::G, "I"), 1.0 - 0.1 * share, 1e-11);
+    let firing = document.branch("firing").unwrap();
+    assert!(is_closed(firing), "{:?}", firing.ends);
+    assert_eq!(firing.of_kind(Kind::LP).count(), 2);
+    for (name, sign) in [("upper folds", 1.0), ("lower folds", -1.0)] {
+        let branch = document.branch(name).unwrap();
+        for point in &branch.points {
+            let [_, current, amplitude] = point.parameters[..] else { panic!("three parameters") };
+            close(current, middle + sign * amplitude * share, 1e-10);
+        }
+    }
+    // There the voltage touches 1 half-way: orbits beyond would have fired before.
+    close(only(&document, "upper folds", Kind::G, "A"), touching(4.0), 1e-9);
+    let mut strong = only_first("integrate-and-fire", 1);
+    strong.parameters[1].1 = 0.5;
+    strong.runs[0].set[0].1 = "0.8".into();
+    strong.runs[0].along[0].low = Some(0.5);
+    close(only(&sound(&strong), "silent", Kind::G, "I"), 0.8787321874818, 1e-12);
+}
+
+/// The amplitude at which the voltage of the upper fold touches 1 before its spike, by bisection on the closed form.
+fn touching(omega: f64) -> f64 {
+    let period = TAU / omega;
+    let share = 1.0 / omega.hypot(1.0);
+    let start = -1.0 / (1.0 - (-period).exp());
+    // At the upper fold the wave is at its trough at the spike.
+    let voltage = |amplitude: f64, t: f64| {
+        let current = -start + amplitude * share;
+        current - amplitude * share * (omega * t).cos() + start * (-t).exp()
+    };
+    let largest = |amplitude: f64| {
+        let rate = |t: f64| amplitude * share * omega * (omega * t).sin() - start * (-t).exp();
+        let (mut low, mut high) = (0.25 * period, 0.75 * period);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if rate(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        voltage(amplitude, low)
+    };
+    let (mut low, mut high) = (0.1, 1.0);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if largest(middle) < 1.0 { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Symmetric rocking folds where its closed form says, and both halves of the pitchfork are traced, at several steps.
+#[test]
+fn rocking_block() {
+    for max_step in [0.02, 0.05, 0.2] {
+        let mut scene = scene("rocking-block");
+        scene.settings.max_step = max_step;
+        let document = sound(&scene);
+        close(only(&document, "symmetric", Kind::LP, "b"), 0.12455646469514, 1e-12);
+        // By shooting on the closed flows of half a period.
+        close(only(&document, "symmetric", Kind::BP, "b"), 9.523233868, 1e-9);
+        let doublings = values(&document, "asymmetric", Kind::PD, "b");
+        let [first, second] = doublings[..] else { panic!("{doublings:?}") };
+        close(first, 13.5312691719747, 1e-10);
+        close(second, first, 1e-10);
+        let branch = document.branch("asymmetric").unwrap();
+        let (most, least) = (branch.column("max_x").unwrap(), branch.column("min_x").unwrap());
+        let [one, other] = [0, 1].map(|k| branch.of_kind(Kind::PD).nth(k).unwrap());
+        close(one.value(most).unwrap(), -other.value(least).unwrap(), 1e-9);
+        // Where rocking on one corner begins to touch no other: `x = 1 − cos ωt`, at `b = 1 + ω²`.
+        let grazings = values(&document, "asymmetric", Kind::G, "b");
+        let [first, second] = grazings[..] else { panic!("{grazings:?}") };
+        close(first, 17.0, 1e-11);
+        close(second, 17.0, 1e-11);
+        close(only(&document, "doubled", Kind::G, "b"), 14.5832676158, 1e-9);
+        assert_eq!(values(&document, "doubled", Kind::PD, "b").len(), 1);
+    }
+}
+
+/// COCO's demonstration. The asymmetric orbits between two of the branch points are a closed curve, traced once.
+#[test]
+fn bang_bang() {
+    for max_step in [0.1, 0.2] {
+        let mut scene = scene("bang-bang");
+        scene.settings.max_step = max_step;
+        let document = sound(&scene);
+        let points = [1.0759679066012, 0.8543992737120, 0.7203219077];
+        finds(&document, ("symmetric", Kind::BP, "omega"), &points[..2], 1e-11);
+        finds(&document, ("symmetric", Kind::BP, "omega"), &points[2..], 1e-9);
+        let folds = [0.8194877656449, 1.1109707522970];
+        finds(&document, ("symmetric", Kind::LP, "omega"), &folds, 1e-11);
+        let doublings = [0.8693079238527, 0.9913124867355];
+        finds(&document, ("asymmetric", Kind::PD, "omega"), &doublings, 1e-11);
+        finds(&document, ("asymmetric", Kind::LP, "omega"), &[1.0158631981739], 1e-11);
+        // Each point and its mirror image, and no other.
+        let closed = document.branch("asymmetric").unwrap();
+        assert!(is_closed(closed), "{:?}", closed.ends);
+        let counts = [Kind::PD, Kind::LP, Kind::BP].map(|kind| closed.of_kind(kind).count());
+        assert_eq!(counts, [4, 4, 1]);
+        let slow = document.branch("slow").unwrap();
+        assert_eq!(slow.of_kind(Kind::PD).count(), 2);
+        assert!(slow.of_kind(Kind::EP).all(|end| (end.parameters[0] - 0.7).abs() < 1e-9));
+    }
+}
+
+/// The angle and the rate are those that Garcia et al. print; their doublings are at 0.0151 and 0.0177.
+#[test]
+fn simplest_walker() {
+    let document = library("simplest-walker");
+    let walk = document.branch("walk").unwrap();
+    let mark = walk.of_kind(Kind::UZ).next().unwrap();
+    let value = |name: &str| mark.value(walk.column(name).unwrap()).unwrap();
+    close(value("max_theta"), 0.200310900544287, 1e-12);
+    // Before and after the heel strikes, `θ⁺' = θ⁻' cos 2θ`.
+    let after = mark.state.iter().find(|x| (*x + 0.199832473004977).abs() < 1e-11);
+    assert!(after.is_some(), "{:?}", mark.state);
+    close(only(&document, "walk", Kind::PD, "gamma"), 0.0150884379411, 1e-12);
+    close(only(&document, "limp", Kind::PD, "gamma"), 0.0176693748625, 1e-12);
+    close(only(&document, "four steps", Kind::PD, "gamma"), 0.0181601195636, 1e-12);
+}
+
+/// The first doubling by exponentials of matrices; the second one is at 31.12 in the literature.
+#[test]
+fn buck_converter() {
+    let document = library("buck-converter");
+    close(only(&document, "period 1", Kind::PD, "E"), 24.51657282856342, 1e-10);
+    close(only(&document, "period 2", Kind::PD, "E"), 31.1179020067710, 1e-10);
+    close(only(&document, "period 2", Kind::G, "E"), 36.35323706408, 1e-10);
+    let curve = document.branch("doublings").unwrap();
+    let column = curve.column("E").unwrap();
+    let mut ends: Vec<f64> =
+        curve.of_kind(Kind::EP).map(|end| end.value(column).unwrap()).collect();
+    ends.sort_by(f64::total_cmp);
+    close(ends[0], BUCK_AT_50, 1e-9);
+    close(ends[1], BUCK_AT_10, 1e-9);
+}
+
+/// Where the period doubles with the loads 50 Ω and 10 Ω, by exponentials of matrices.
+const BUCK_AT_50: f64 = 24.113952896238633;
+const BUCK_AT_10: f64 = 26.204045101165796;
+
+/// Both walls are touched at once; the fold is that of the closed form.
+#[test]
+fn two_walls() {
+    let document = library("two-walls");
+    let born = 0.756637297521078;
+    close(only(&document, "free", Kind::G, "A"), born, 1e-12);
+    let ends = values(&document, "both walls", Kind::EP, "A");
+    assert!(ends.iter().any(|end| (end - born).abs() < 1e-11), "{ends:?}");
+    close(only(&document, "both walls", Kind::LP, "A"), 0.13754716112957, 1e-12);
+    close(only(&document, "both walls", Kind::BP, "A"), 0.8101339829819, 1e-11);
+    let halves = values(&document, "asymmetric", Kind::G, "A");
+    assert_eq!(halves.len(), 2);
+    close(halves[0], halves[1], 1e-10);
+}
+
+/// The amplitude is 1 at the touch, at every frequency. The branch that begins there ends there, if it comes from elsewhere.
+#[test]
+fn soft_stop() {
+    let mut scene = only_first("soft-stop", 1);
+    scene.parameters[0].1 = 0.8;
+    let document = sound(&scene);
+    assert_eq!(document.branches[0].itinerary, "free:touch pressed:leave");
+    close(only(&document, "free", Kind::G, "A"), 0.36_f64.hypot(0.08), 1e-12);
+    assert_eq!(values(&document, "free", Kind::PD, "A").len(), 2);
+    let document = library("soft-stop");
+    close(only(&document, "free", Kind::G, "A"), 0.3687817782917, 1e-12);
+    finds(&document, ("pressed", Kind::PD, "A"), &[0.3719829351853], 1e-10);
+    let ends = values(&document, "pressed", Kind::EP, "A");
+    assert!(ends.iter().any(|end| (end - 0.3687817782917).abs() < 1e-12), "{ends:?}");
+    for point in &document.branch("grazings").unwrap().points {
+        let [omega, _, amplitude] = point.parameters[..] else { panic!("three parameters") };
+        close(amplitude, (1.0 - omega * omega).hypot(0.1 * omega), 1e-10);
+    }
+}
+
+/// With `n` periods between impacts: a fold at `nπ(1 − e)/(1 + e)`, and a doubling beyond it.
+#[test]
+fn bouncing_ball_over_several_periods() {
+    for (n, e) in [(1.0, 0.5), (2.0, 0.5), (3.0, 0.5), (1.0, 0.8), (2.0, 0.8)] {
+        let fold: f64 = n * PI * (1.0 - e) / (1.0 + e);
+        let doubling = fold.hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2));
+        let amplitude = 0.5 * (fold + doubling);
+        // In flight at time 0, `flown` after an impact at the phase whose cosine is fold/amplitude.
+        let phase = (fold / amplitude).acos();
+        let flown = TAU * n - phase;
+        let height = amplitude * phase.sin() + n * PI * flown - 0.5 * flown * flown;
+        let velocity = n * PI - flown - amplitude;
+        let mut scene = only_first("bouncing-ball", 1);
+        scene.parameters = vec![("amplitude".into(), amplitude), ("restitution".into(), e)];
+        let run = &mut scene.runs[0];
+        let state = vec![("height".into(), height), ("velocity".into(), velocity)];
+        run.start = Start::Simulated(Simulated { state, ..Simulated::default() });
+        run.along[0].high = Some(doubling + 0.1);
+        let document = sound(&scene);
+        let itinerary = &document.branches[0].itinerary;
+        let expected = if n > 1.0 { format!("{n}* flight:impact") } else { "flight:impact".into() };
+        assert_eq!(*itinerary, expected);
+        finds(&document, ("one impact", Kind::LP, "amplitude"), &[fold], 1e-10);
+        finds(&document, ("one impact", Kind::PD, "amplitude"), &[doubling], 1e-10);
+    }
+}
