@@ -139,7 +139,7 @@ impl<'a> Case<'a> {
     pub fn new(command: &'a Command, signal: Signal, random: &mut Random) -> Self {
         let folder = command.folder();
         let out = folder.path().join("out");
-        if command.name == "trace" && random.number() % 2 == 0 {
+        if command.name == "trace" && random.number().is_multiple_of(2) {
             std::fs::create_dir(&out).unwrap();
             for (name, content) in &command.old {
                 std::fs::write(out.join(name), content).unwrap();
@@ -155,7 +155,7 @@ impl<'a> Case<'a> {
         let takes = &self.command.takes;
         let delay = takes.get().mul_f64(random.number() as f64 / u64::MAX as f64);
         // Some kills are aimed at the writing that is the next one then.
-        let aimed = random.number() % 3 == 0;
+        let aimed = random.number().is_multiple_of(3);
         let writing = || {
             let mut entries = out.read_dir().into_iter().flatten().flatten();
             entries.any(|entry| entry.file_name().to_string_lossy().ends_with(".tmp"))
