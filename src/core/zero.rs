@@ -331,6 +331,12 @@ pub trait Admissible {
     /// The typical size of a monitor of [`grazings`](Self::grazings), which tolerances are relative to.
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
 
+    /// What the field calls the solution `(z, p)` where a monitor of [`grazings`](Self::grazings) vanishes, such as
+    /// `grazing-sliding`; `None` if it has no name of its own.
+    fn kind_of_grazing(&self, _monitor: usize, _x: &[f64]) -> Option<&'static str> {
+        None
+    }
+
     /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
     fn itinerary(&self) -> String;
 }

@@ -57,6 +57,7 @@ fn special(label: usize, kind: Kind, event: &str, after: usize, u: f64) -> Speci
         unstable: Some(usize::from(u > 1.0 / 3.0)),
         eigenvalues: Vec::new(),
         numbers: Vec::new(),
+        subkind: None,
         multiplicity: 1,
         error: if kind == Kind::EP { 0.0 } else { 2.5e-15 },
         bracket: [neighbour(after), neighbour(after + 1)],

@@ -154,7 +154,7 @@ impl Screen {
         self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone())
     }
 
-    /// The line of one special point, with the numbers that belong to it; one that has not converged says so.
+    /// The line of one special point, with what the field calls it and the numbers that belong to it; one that has not converged says so.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable);
@@ -162,6 +162,9 @@ impl Screen {
         let mut line = self.assemble(first.map(String::as_str), |(column, _)| {
             point.value(*column).map_or(String::new(), |value| significant(value, 12))
         });
+        if let Some(subkind) = &point.subkind {
+            line.push_str(&format!("  {subkind}"));
+        }
         for (name, value) in &point.numbers {
             line.push_str(&format!("  {name} = {}", significant(*value, 12)));
         }

@@ -242,6 +242,7 @@ fn branch(
         unstable: None,
         eigenvalues: Vec::new(),
         numbers: Vec::new(),
+        subkind: None,
         multiplicity: 1,
         error: 0.0,
         bracket: [p[0]; 2],

@@ -69,7 +69,7 @@ fn motion_without_stops_ends_where_it_begins_to_stick() {
         close(grazing.parameters[1], sticks, 1e-10);
         close(grazing.parameters[1], end(beta), 1e-10);
         assert!(grazing.converged && grazing.error < 1e-9, "{}", grazing.error);
-        assert!(matches!(&marked.ends[1], End::Grazing { name } if name == "decision"));
+        assert!(matches!(&marked.ends[1], End::Grazing { name, .. } if name == "decision"));
         assert_eq!(marked.of_kind(Kind::G).count(), 1);
         assert!(marked.points.iter().all(|point| point.admissible));
         close(value(&marked, grazing, "decision"), 0.0, 1e-12);
@@ -225,7 +225,9 @@ fn further_stops_begin_on_both_ways() {
         let grazing = two.of_kind(Kind::G).next().unwrap();
         close(grazing.parameters[1], born, 1e-10);
         assert!(
-            two.ends.iter().any(|end| matches!(end, End::Grazing { name } if name == "distance"))
+            two.ends
+                .iter()
+                .any(|end| matches!(end, End::Grazing { name, .. } if name == "distance"))
         );
         let run = Continuation::of(&mut orbits).restart(&two, grazing.label).switch();
         let four = run.mark("friction", 0.32).along("friction", 0.2..=0.5).trace().unwrap();

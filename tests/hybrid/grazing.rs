@@ -26,7 +26,7 @@ fn to_grazing(start: &mut Start, grazing: f64) -> (Branch, usize) {
 /// The branch ends by grazing in a monitor.
 #[track_caller]
 fn grazes(end: &End, monitor: &str) {
-    assert!(matches!(end, End::Grazing { name } if name == monitor), "{end}");
+    assert!(matches!(end, End::Grazing { name, .. } if name == monitor), "{end}");
 }
 
 /// Special points but for ends are those expected, kind by kind, as near as closed forms promise.

@@ -36,7 +36,7 @@ fn problems() -> [(Reference, &'static str, Vec<f64>); 3] {
     [
         (Reference::DryImpact, "stick:impact up:turn down:turn", DryImpact::DEFAULTS.to_vec()),
         (Reference::ImpactOscillator, "flight:impact", vec![0.3, 1.7, 0.8, 0.1, 0.9]),
-        (Reference::Belt, "stick:slip slower:catch", vec![1.0, 0.6, 0.3]),
+        (Reference::Belt, "stick:slower slower:belt", vec![1.0, 0.6, 0.3]),
     ]
 }
 

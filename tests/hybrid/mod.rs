@@ -15,5 +15,6 @@ mod references;
 mod resting;
 mod scales;
 mod simulation;
+mod sliding;
 pub mod systems;
 mod watched;

@@ -125,6 +125,15 @@ pub trait Equations:
     }
     /// The branch that emanates where a solution touches a surface.
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    /// What the field calls the point where a monitor of [`grazings`](Self::grazings) vanishes, if it has a name of its own.
+    fn kind_of_grazing(
+        &self,
+        _monitor: usize,
+        _starts: &[f64],
+        _q: &[f64],
+    ) -> Option<&'static str> {
+        None
+    }
     /// Checks that each segment leads to the next one.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
 }

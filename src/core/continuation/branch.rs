@@ -49,6 +49,9 @@ pub struct SpecialPoint {
     pub kind: Kind,
     /// Which event it is, in words: `fold`, `frequency_ratio = 0.12`, `end of the branch`.
     pub event: String,
+    /// What the field calls it beyond its kind, if it has such a name: `grazing-sliding`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subkind: Option<String>,
     /// It lies behind `Branch::points[after]` and before the next point.
     pub after: usize,
     /// All parameters, in the order of [`Branch::parameters`].
@@ -107,10 +110,13 @@ pub enum End {
         value: f64,
     },
     /// The solution touches a surface, and would pass through it beyond.
-    #[error("the solution grazes: {name} vanishes")]
+    #[error("{}: {name} vanishes", subkind.as_deref().unwrap_or("the solution grazes"))]
     Grazing {
         /// The monitor that vanishes.
         name: String,
+        /// What the field calls such a point, if it has a name of its own: `grazing-sliding`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        subkind: Option<String>,
     },
     /// The curve is closed: it returned to its start.
     #[error("the curve closed after {points} points")]

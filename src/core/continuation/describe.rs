@@ -3,7 +3,7 @@
 use super::found::{Found, Located};
 use super::stepper::{Place, Stepper};
 use super::{End, Kind, Point, SpecialPoint};
-use crate::core::condition::At;
+use crate::core::condition::{At, Quantity};
 use crate::core::motion::{Critical, Stability, deciding, without_critical};
 use crate::core::vector::dot;
 use crate::core::zero::{Profile, Spectrum};
@@ -85,7 +85,11 @@ impl Stepper<'_> {
         let recorded = self.record(self.settings.stability);
         let (mut point, spectrum) = recorded.or_else(|_| self.record(false)).ok()?;
         let known = spectrum.as_ref().filter(|_| self.held.is_empty());
-        point.unstable = known.and_then(|all| self.own_count(event.critical, all, (from, to)));
+        point.unstable = match known {
+            Some(all) => self.own_count(event.critical, all, (from, to)),
+            None if spectrum.is_none() && event.kind == Kind::G => from.point.unstable,
+            None => None,
+        };
         let spectrum = spectrum.unwrap_or_default();
         if !converged {
             point.unstable = from.point.unstable.min(to.point.unstable);
@@ -102,9 +106,15 @@ impl Stepper<'_> {
             tangent: &tangent,
             profiles,
         });
+        let subkind = match event.test.level() {
+            Some((Quantity::Monitor(monitor), _)) if event.kind == Kind::G => {
+                self.subkind(monitor, (&special.state, &special.parameters))
+            }
+            _ => None,
+        };
         let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
         let numbers = names.iter().map(ToString::to_string).zip(own).collect();
-        let mut special = SpecialPoint { error, bracket, converged, numbers, ..special };
+        let mut special = SpecialPoint { subkind, error, bracket, converged, numbers, ..special };
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if event.condition.is_none() {
@@ -122,6 +132,13 @@ impl Stepper<'_> {
             special.error = unknowns[parameter].abs();
         }
         Some(Located { event: Some(index), along, special })
+    }
+
+    /// What the field calls a point where a monitor of grazings vanishes, from its solution and all parameters.
+    pub fn subkind(&mut self, monitor: usize, (z, p): (&[f64], &[f64])) -> Option<String> {
+        let x = [&z[..self.equations.dimension()], p].concat();
+        let system = self.equations.system();
+        Some(system.admissible()?.kind_of_grazing(monitor, &x)?.into())
     }
 
     /// The number of unstable eigenvalues at a special point, without those that are critical there. Where a branch of
@@ -154,6 +171,7 @@ impl Stepper<'_> {
             label: 0,
             kind,
             event: event.into(),
+            subkind: None,
             after: 0,
             parameters: point.parameters,
             monitors: point.monitors,

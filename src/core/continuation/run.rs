@@ -213,7 +213,8 @@ impl Tracer<'_> {
             return None;
         }
         if points == 0
-            && let Some(end) = self.leaves(&walk.start, |i| step.place.tests[i].unwrap_or(0.0))
+            && let Some(index) = self.leaves(&walk.start, |i| step.place.tests[i].unwrap_or(0.0))
+            && let Some(end) = self.bound_at(index, &walk.start)
         {
             return Some(end);
         }
@@ -325,23 +326,38 @@ impl Tracer<'_> {
     }
 
     /// The end of a half that starts on a bound and is about to leave.
-    pub fn leaves_at_once(&self, backward: bool) -> Option<End> {
+    pub fn leaves_at_once(&mut self, backward: bool) -> Option<End> {
         let way = if backward { -1.0 } else { 1.0 };
-        self.leaves(&self.start, |i| way * self.slopes[i])
+        let index = self.leaves(&self.start, |i| way * self.slopes[i])?;
+        let start = self.start.clone();
+        self.bound_at(index, &start)
     }
 
-    /// The end of a half that starts on a bound which such changes of the test functions lead beyond.
-    fn leaves(&self, start: &Place, change: impl Fn(usize) -> f64) -> Option<End> {
+    /// The bound of a half that starts on it which such changes of the test functions lead beyond.
+    fn leaves(&self, start: &Place, change: impl Fn(usize) -> f64) -> Option<usize> {
         let leaves =
             |i: &usize| start.tests[*i] == Some(0.0) && change(*i) * self.bounds[*i].side > 0.0;
-        (0..self.bounds.len()).find(leaves).and_then(|i| self.bound(i))
+        (0..self.bounds.len()).find(leaves)
     }
 
-    fn bound(&self, index: usize) -> Option<End> {
+    /// The end at a bound that a place is on.
+    fn bound_at(&mut self, index: usize, place: &Place) -> Option<End> {
+        let Event { kind, test, .. } = &self.stepper.events[index];
+        let subkind = match test.level()? {
+            (Quantity::Monitor(monitor), _) if *kind == Kind::G => {
+                self.stepper.subkind(monitor, place.solution())
+            }
+            _ => None,
+        };
+        self.bound(index, subkind)
+    }
+
+    /// The end at a bound; what the field calls it is known.
+    fn bound(&self, index: usize, subkind: Option<String>) -> Option<End> {
         let event = &self.stepper.events[index];
         let name = event.name.clone();
         Some(match event.test.level()? {
-            _ if event.kind == Kind::G => End::Grazing { name },
+            _ if event.kind == Kind::G => End::Grazing { name, subkind },
             (Quantity::Parameter(_), value) => End::ParameterBound { name, value },
             (Quantity::Monitor(_), value) => End::MonitorBound { name, value },
         })
@@ -379,8 +395,16 @@ impl Tracer<'_> {
         };
         let mut at = found.swap_remove(same.min_by_key(rank)?);
         found.truncate(first);
+        // Where the equations of a grazing are singular signs of determinants change that mean nothing.
+        if at.special.kind == Kind::G {
+            let bifurcation = |it: &Located| {
+                let test = it.event.map(|event| events[event].test);
+                it.special.kind != Kind::UZ && test.is_some_and(|test| test.level().is_none())
+            };
+            found.retain(|it| !bifurcation(it) || it.along < at.along - AT_START);
+        }
         let bound = at.event.filter(|event| *event < self.bounds.len());
-        let end = bound.and_then(|event| self.bound(event));
+        let end = bound.and_then(|event| self.bound(event, at.special.subkind.clone()));
         if let Some(end) = &end {
             at.special.event = end.to_string();
         }

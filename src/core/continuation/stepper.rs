@@ -27,6 +27,13 @@ pub(super) struct Place {
     pub spectrum: Option<Spectrum>,
 }
 
+impl Place {
+    /// The solution, before what else is unknown, and all parameters.
+    pub fn solution(&self) -> (&[f64], &[f64]) {
+        (&self.unknowns, &self.point.parameters)
+    }
+}
+
 /// The curve, the scales on it, and the events looked for.
 pub(super) struct Stepper<'a> {
     pub equations: Extended<'a>,

@@ -4,6 +4,7 @@
 //! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every system.
 
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
+use super::tangency::Tangency;
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
@@ -170,6 +171,7 @@ equations! {
     fn may_follow(guard: usize, mode: usize) -> Vec<usize>;
     fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
     fn mode_after_accumulation(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize>;
+    fn kind_of_tangency(tangency: Tangency, t: f64, x: &[f64], p: &[f64]) -> Option<&'static str>;
     fn in_lanes() -> bool;
     fn forcing() -> Forcing;
     fn scales(p: &[f64]) -> Scales;

@@ -1,5 +1,6 @@
 //! Hybrid systems as a user states them.
 
+use super::tangency::Tangency;
 use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::measure::Measure;
@@ -284,6 +285,18 @@ pub trait HybridSystem: Send + Sync {
         _p: &[f64],
     ) -> Option<usize> {
         self.guards()[guard].accumulates_to
+    }
+
+    /// What the field calls a place `(t, x)` where an orbit grazes, such as `grazing-sliding`: it is shown beside the point
+    /// (`G`). By default it has no name of its own.
+    fn kind_of_tangency(
+        &self,
+        _tangency: Tangency,
+        _t: f64,
+        _x: &[f64],
+        _p: &[f64],
+    ) -> Option<&'static str> {
+        None
     }
 
     /// Whether [`field`](Self::field) and [`guard`](Self::guard) may be evaluated for several motions at once, each in

@@ -16,13 +16,13 @@ use crate::core::watch::{WatchIn, Watchable};
 use std::ops::ControlFlow;
 
 /// Where an orbit comes nearest to a guard.
-struct Touch {
-    leg: usize,
-    guard: usize,
+pub(super) struct Touch {
+    pub leg: usize,
+    pub guard: usize,
     /// The time since the leg's beginning.
-    since: f64,
+    pub since: f64,
     value: f64,
-    x: Vec<f64>,
+    pub x: Vec<f64>,
 }
 
 /// An event where an orbit had none.
@@ -141,7 +141,7 @@ impl HybridOrbit {
 
     /// Where the orbit touches guards that it does not pass, in order; where it touches none, the place where it comes
     /// nearest to one.
-    fn touches(&self, starts: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
+    pub(super) fn touches(&self, starts: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
         let mut found: Vec<(Touch, f64)> = Vec::new();
         for leg in (0..self.legs().len()).filter(|leg| !self.legs()[*leg].accumulates) {
             let (mode, p) = (self.legs()[leg].mode, self.split(q).0);

@@ -6,7 +6,7 @@ use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use crate::core::bvp::Birth;
 use crate::core::condition::Failure;
-use crate::core::hybrid::{MeasureNumber, Moment, decision_scale};
+use crate::core::hybrid::{MeasureNumber, Moment, decision_scale, guard_scale, time_scale};
 
 /// Orbits with a leg in another mode begin where the one without it goes on, but for this part of the scales.
 const CONTINUOUS: f64 = 1e-4;
@@ -81,26 +81,47 @@ impl HybridOrbit {
             return Ok(None);
         }
         let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
-        let (mut all, mut changed) = (Vec::<Lasting>::new(), false);
+        let (mut all, mut near) = (Vec::<Lasting>::new(), Vec::<Lasting>::new());
+        let (mut changed, mut singular) = (false, false);
         for leg in 0..legs.len() {
-            all.push((legs[leg], starts[self.of_leg(leg)].to_vec(), durations[leg]));
-            let inserted = self.inserted_after(leg, starts, q)?;
-            changed |= inserted.is_some();
-            all.extend(inserted.into_iter().flatten());
+            let own = (legs[leg], starts[self.of_leg(leg)].to_vec(), durations[leg]);
+            all.push(own.clone());
+            near.push(own);
+            if let Some([there, beside]) = self.inserted_after(leg, starts, q)? {
+                changed = true;
+                singular |= self.any_slow(&there, self.time(leg, q) + durations[leg], q);
+                all.extend(there);
+                near.extend(beside);
+            }
         }
         if !changed {
             return Ok(None);
         }
-        Ok(Some(self.with_legs(all, self.time(0, q))))
+        let birth = self.with_legs(all, self.time(0, q));
+        // A leg that begins where its event has no speed may last no time in any orbit: its direction is known.
+        let beside = singular.then(|| self.with_legs(near, self.time(0, q)));
+        let beside = beside.map(|near| (near.starts, near.extras));
+        Ok(Some(Birth { beside, ..birth }))
     }
 
-    /// The legs of no length after a leg where its decision vanishes and is made otherwise; `None` where it does not vanish.
+    /// Whether the event of one of some legs of no length has no speed at a time.
+    fn any_slow(&self, legs: &[Lasting], t: f64, q: &[f64]) -> bool {
+        let (system, p) = (self.system(), self.split(q).0);
+        legs.iter().any(|(Leg { mode, exit, .. }, x, _)| {
+            let Some(guard) = *exit else { return false };
+            let scale = guard_scale(system, (guard, *mode), (t, x), p) / time_scale(system, p);
+            Moment { system, mode: *mode, t, x, p }.rate(guard).abs() < VANISHES * scale
+        })
+    }
+
+    /// The legs of no length after a leg where its decision vanishes and is made otherwise, and those beside; `None` where it
+    /// does not vanish.
     fn inserted_after(
         &self,
         leg: usize,
         starts: &[f64],
         q: &[f64],
-    ) -> Result<Option<Vec<Lasting>>, Failure> {
+    ) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
         let Some(Decision { guard, mode, modes }) = self.decision_after(leg) else {
             return Ok(None);
         };
@@ -128,9 +149,9 @@ impl HybridOrbit {
         let function = |at: Moment<_>| at.system.decision(k, guard, mode, at.t, at.x, at.p);
         let near = self.nudged(guard, at, function, change);
         let onset = Onset { guard, mode, next: Some(next), at: (t, x.clone()), near };
-        let [Following { legs, state }, _] = self.following(onset, chosen, p)?;
+        let [Following { legs, state }, beside] = self.following(onset, chosen, p)?;
         self.check_continuous((leg, next), &state, starts, p)?;
-        Ok(Some(legs))
+        Ok(Some([legs, beside.legs]))
     }
 
     /// Refuses another mode after a leg from which motion comes to another state than the next leg's.

@@ -275,6 +275,10 @@ impl Equations for HybridOrbit {
         Ok(Some(birth.erased()))
     }
 
+    fn kind_of_grazing(&self, monitor: usize, starts: &[f64], q: &[f64]) -> Option<&'static str> {
+        self.name_of_grazing(monitor, starts, q)
+    }
+
     /// Every event, and every accumulation, must lead to the mode that the itinerary says.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());

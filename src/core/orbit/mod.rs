@@ -18,6 +18,7 @@ mod periodic;
 mod returning;
 mod simulated;
 mod smooth;
+mod tangent;
 
 pub(in crate::core) use departed::VANISHES;
 #[cfg(feature = "scene")]

@@ -6,84 +6,42 @@
 //! belt carries it back over `2Δ`.
 
 use std::f64::consts::TAU;
-use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::hybrid::filippov::{Filippov, FilippovNames, FilippovSystem, Side};
 use tangency::core::scalar::Scalar;
 
-/// Modes `stick`, `slower` and `faster` than the belt; parameters `static_friction`, `kinetic_friction`,
-/// `belt`.
+/// Modes `faster` than the belt, `slower`, and `stick`; parameters `static_friction`, `kinetic_friction`, `belt`.
 #[derive(Clone, Copy, Debug)]
 pub struct Belt;
 
 impl Belt {
-    pub const STICK: usize = 0;
-    pub const SLOWER: usize = 1;
-    pub const FASTER: usize = 2;
+    pub const SLOWER: usize = Filippov::<Belt>::BELOW;
+    pub const STICK: usize = Filippov::<Belt>::SLIDING;
+    /// The belt's velocity is reached.
+    pub const CATCH: usize = 0;
     /// The spring pulls the mass off the belt backwards.
-    pub const SLIP: usize = 0;
-    /// The spring pushes the mass off the belt forwards.
-    pub const OVERTAKE: usize = 1;
-    /// The belt's velocity is reached from below.
-    pub const CATCH: usize = 2;
+    pub const SLIP: usize = 2;
 }
 
-impl HybridSystem for Belt {
-    fn modes(&self) -> Vec<Mode> {
-        let states = ["displacement", "velocity"];
-        let stick = Mode::new("stick", ["displacement"]);
-        vec![stick, Mode::new("slower", states), Mode::new("faster", states)]
-    }
-    fn guards(&self) -> Vec<Guard> {
-        vec![
-            Guard::new("slip", [Self::STICK]),
-            Guard::new("overtake", [Self::STICK]),
-            Guard::new("catch", [Self::SLOWER]),
-            Guard::new("slow", [Self::FASTER]),
-        ]
+impl FilippovSystem for Belt {
+    fn states(&self) -> Vec<String> {
+        ["displacement", "velocity"].map(String::from).into()
     }
     fn parameters(&self) -> Vec<String> {
         ["static_friction", "kinetic_friction", "belt"].map(String::from).into()
     }
-    fn field<T: Scalar>(&self, mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
-        let [kinetic, belt] = [p[1], p[2]];
-        if mode == Self::STICK {
-            f[0] = belt;
-            return;
-        }
-        f[0] = x[1];
-        f[1] = if mode == Self::SLOWER { kinetic - x[0] } else { -kinetic - x[0] };
+    fn names(&self) -> FilippovNames {
+        FilippovNames::new("faster", "slower", "stick", "belt")
     }
-    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
-        let [friction, belt] = [p[0], p[2]];
-        match guard {
-            Self::SLIP => friction - x[0],
-            Self::OVERTAKE => friction + x[0],
-            Self::CATCH => belt - x[1],
-            _ => x[1] - belt,
-        }
+    fn surface<T: Scalar>(&self, _t: T, x: &[T], p: &[T]) -> T {
+        x[1] - p[2]
     }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        (_, next): (usize, usize),
-        _t: T,
-        x: &[T],
-        p: &[T],
-        after: &mut [T],
-    ) {
-        after[0] = x[0];
-        if next != Self::STICK {
-            after[1] = p[2];
-        }
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let friction = if side == Side::Above { -p[1] } else { p[1] };
+        (f[0], f[1]) = (x[1], friction - x[0]);
     }
-    fn next_mode(&self, guard: usize, _mode: usize, _t: f64, x: &[f64], p: &[f64]) -> usize {
-        let sticks = x[0].abs() <= p[0];
-        match guard {
-            Self::SLIP => Self::SLOWER,
-            Self::OVERTAKE => Self::FASTER,
-            _ if sticks => Self::STICK,
-            Self::CATCH => Self::FASTER,
-            _ => Self::SLOWER,
-        }
+    /// By static friction.
+    fn holds<T: Scalar>(&self, side: Side, _t: T, x: &[T], p: &[T]) -> T {
+        if side == Side::Above { p[0] + x[0] } else { p[0] - x[0] }
     }
 }
 

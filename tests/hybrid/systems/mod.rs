@@ -9,6 +9,8 @@ pub mod impact_oscillator;
 pub mod orbits;
 pub mod piecewise;
 pub mod reference;
+pub mod settling;
+pub mod sliding;
 
 use num_dual::Dual64;
 use tangency::core::hybrid::HybridSystem;

@@ -6,6 +6,7 @@ use super::coulomb::Coulomb;
 use super::dry_impact::DryImpact;
 use super::piecewise::Piecewise;
 use tangency::core::field::Forcing;
+use tangency::core::hybrid::filippov::Filippov;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 use tangency::problems::classic::ImpactOscillator;
@@ -24,12 +25,13 @@ pub enum Reference {
 macro_rules! of {
     ($reference:expr, $system:ident => $answer:expr) => {
         of!($reference, $system => $answer,
-            [Belt, BouncingBall, Coulomb, DryImpact, ImpactOscillator, Piecewise])
+            [Belt = Filippov(Belt), BouncingBall = BouncingBall, Coulomb = Coulomb, DryImpact = DryImpact,
+             ImpactOscillator = ImpactOscillator, Piecewise = Piecewise])
     };
-    ($reference:expr, $system:ident => $answer:expr, [$($name:ident),*]) => {
+    ($reference:expr, $system:ident => $answer:expr, [$($name:ident = $value:expr),*]) => {
         match $reference {
             $(Reference::$name => {
-                let $system = $name;
+                let $system = $value;
                 $answer
             })*
         }

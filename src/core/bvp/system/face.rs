@@ -309,6 +309,12 @@ impl Admissible for BoundarySystem {
         self.equations.problem.grazing_scale(monitor, p)
     }
 
+    fn kind_of_grazing(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
+        let (z, p) = x.split_at(self.names().dimension());
+        let (starts, q) = self.starts_and_numbers(z, p);
+        self.problem().kind_of_grazing(monitor, &starts, &q)
+    }
+
     fn itinerary(&self) -> String {
         self.problem().itinerary()
     }

@@ -195,6 +195,10 @@ impl BoundarySystem {
         if let Some(cause) = singular.filter(|_| best.is_infinite()) {
             return Err(cause);
         }
+        // Where motion goes on behind an event of no speed as if it were none, every μ solves the equations.
+        if best > SINGULAR {
+            return Err(undetermined());
+        }
         let [p, q] = &self.pencil;
         let found = multipliers(p, q, k)?;
         // The determinant is that of the trial: the leading coefficient times all μ₀ − μ.
@@ -253,6 +257,9 @@ const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 
 /// A trial multiplier is far enough from all true ones if no entry of `Q` is larger.
 const MODERATE: f64 = 1e3;
+
+/// Where an entry of `Q` is larger for all trials the equations are singular for every multiplier, and none is known.
+const SINGULAR: f64 = 1e12;
 
 /// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
 /// multipliers mean nothing anyhow.

@@ -1,0 +1,167 @@
+//! Filippov systems: two fields, a switching surface between them, and sliding on it.
+
+mod modes;
+mod normal;
+
+pub use modes::Filippov;
+pub use normal::{convex_combination, held_by_field, normal_velocity};
+
+use super::system::Scales;
+use crate::core::domain::OutOfDomain;
+use crate::core::field::Forcing;
+use crate::core::measure::Measure;
+use crate::core::scalar::Scalar;
+
+/// A side of the switching surface `h = 0`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// `h > 0`.
+    Above,
+    /// `h < 0`.
+    Below,
+}
+
+impl Side {
+    /// The other side.
+    pub fn other(self) -> Self {
+        match self {
+            Side::Above => Side::Below,
+            Side::Below => Side::Above,
+        }
+    }
+}
+
+/// The names of modes and of the event on the surface. Events at which sliding ends have the name of the mode that follows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FilippovNames {
+    /// Motion above the surface.
+    pub above: String,
+    /// Motion below the surface.
+    pub below: String,
+    /// Motion on the surface.
+    pub sliding: String,
+    /// The event at which motion reaches the surface.
+    pub surface: String,
+}
+
+impl FilippovNames {
+    /// Modes `above`, `below` and `sliding`, and the event at which motion reaches the surface.
+    pub fn new(above: &str, below: &str, sliding: &str, surface: &str) -> Self {
+        let [above, below, sliding, surface] = [above, below, sliding, surface].map(String::from);
+        FilippovNames { above, below, sliding, surface }
+    }
+}
+
+impl Default for FilippovNames {
+    /// `above`, `below`, `sliding` and `surface`.
+    fn default() -> Self {
+        FilippovNames::new("above", "below", "sliding", "surface")
+    }
+}
+
+/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the surface where both fields point
+/// at it. [`Filippov`] is the hybrid system that it makes: what slides, what crosses, and where sliding ends are known from
+/// the normal velocities `L_f h = h_t + h_x f` of both fields, which come from automatic differentiation.
+///
+/// ```
+/// use tangency::core::hybrid::HybridSystem;
+/// use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
+/// use tangency::core::scalar::Scalar;
+/// /// A mass on a belt of velocity 1, `x'' + x = −F sgn(x' − 1)`.
+/// struct Belt;
+/// impl FilippovSystem for Belt {
+///     fn states(&self) -> Vec<String> {
+///         vec!["x".into(), "v".into()]
+///     }
+///     fn parameters(&self) -> Vec<String> {
+///         vec!["F".into()]
+///     }
+///     fn surface<T: Scalar>(&self, _t: T, x: &[T], _p: &[T]) -> T {
+///         x[1] - 1.0
+///     }
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+///         (f[0], f[1]) = (x[1], -x[0] + if side == Side::Above { -p[0] } else { p[0] });
+///     }
+/// }
+/// // On the belt the mass moves with it, as long as the spring pulls less than friction holds.
+/// let mut f = [0.0; 2];
+/// HybridSystem::field(&Filippov(Belt), Filippov::<Belt>::SLIDING, 0.0, &[0.3, 1.0], &[0.5], &mut f);
+/// assert_eq!(f, [1.0, 0.0]);
+/// let next = |x: f64| Filippov(Belt).next_mode(0, Filippov::<Belt>::BELOW, 0.0, &[x, 1.0], &[0.5]);
+/// assert_eq!((next(0.3), next(-0.7)), (Filippov::<Belt>::SLIDING, Filippov::<Belt>::ABOVE));
+/// ```
+pub trait FilippovSystem: Send + Sync {
+    /// The names of the states, which all modes have.
+    fn states(&self) -> Vec<String>;
+
+    /// The names of the parameters.
+    fn parameters(&self) -> Vec<String>;
+
+    /// The default values of all parameters, in order; empty if there are none.
+    fn defaults(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The names of modes and events.
+    fn names(&self) -> FilippovNames {
+        FilippovNames::default()
+    }
+
+    /// The switching surface: a function that vanishes on it, positive above and negative below. Its gradient must not
+    /// vanish there.
+    fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
+
+    /// The field on a side, written into `f` (as long as `x`). It is evaluated on the surface, too.
+    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
+
+    /// The field of sliding motion, written into `f`: by default Filippov's [`convex_combination`] of both fields. Another one
+    /// must keep motion on the surface: its [`normal_velocity`] must vanish there.
+    fn sliding<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        convex_combination(self, t, x, p, f);
+    }
+
+    /// What is positive where sliding is held against leaving to a side: by default the speed at which the field of the
+    /// side approaches the surface ([`held_by_field`]). Where it vanishes sliding ends; where motion arrives from the other side and it is
+    /// negative the surface is crossed. Static friction above the kinetic one holds longer.
+    fn holds<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T]) -> T {
+        held_by_field(self, side, t, x, p)
+    }
+
+    /// The forcing: by default there is none.
+    fn forcing(&self) -> Forcing {
+        Forcing::None
+    }
+
+    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in scenes.
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::one()
+    }
+
+    /// Typical sizes of times and states, where they are far from 1.
+    fn scales(&self, _p: &[f64]) -> Scales {
+        Scales::default()
+    }
+
+    /// The names of monitors.
+    fn monitors(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The value of a monitor, by its position among [`monitors`](Self::monitors).
+    fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
+        T::from(f64::NAN)
+    }
+
+    /// What is recorded of orbits: by default the extremes of every state, and mean and extremes of every monitor.
+    fn measures(&self) -> Vec<(String, Measure)> {
+        Measure::by_default(self.states(), self.monitors())
+    }
+
+    /// Refuses states at which the fields have no meaning.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] with the quantity, its value and the domain.
+    fn domain(&self, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
+        Ok(())
+    }
+}

@@ -1,0 +1,196 @@
+//! A Filippov system as a hybrid one: modes above, below and on the surface.
+
+use super::normal::project;
+use super::{FilippovNames, FilippovSystem, Side};
+use crate::core::domain::OutOfDomain;
+use crate::core::field::Forcing;
+use crate::core::hybrid::system::{Guard, HybridSystem, Mode, Scales};
+use crate::core::hybrid::tangency::Tangency;
+use crate::core::measure::Measure;
+use crate::core::scalar::Scalar;
+use num_dual::Dual64;
+
+/// The hybrid system that a [`FilippovSystem`] makes.
+///
+/// Its modes are those above, below and on the surface, all with the same states. The event on the surface leads across it,
+/// or to sliding; sliding ends where one of the fields leaves the surface, at the event of the name of that side's mode.
+#[derive(Clone, Copy, Debug)]
+pub struct Filippov<S>(pub S);
+
+/// Where motion reaches the surface, from either side.
+const SURFACE: usize = 0;
+
+impl<S> Filippov<S> {
+    /// The mode above the surface.
+    pub const ABOVE: usize = 0;
+    /// The mode below the surface.
+    pub const BELOW: usize = 1;
+    /// The mode on the surface.
+    pub const SLIDING: usize = 2;
+
+    /// The mode on a side.
+    fn mode(side: Side) -> usize {
+        match side {
+            Side::Above => Self::ABOVE,
+            Side::Below => Self::BELOW,
+        }
+    }
+
+    /// The side of a mode, or the one to which an exit of sliding leads, which are numbered alike.
+    fn side(number: usize) -> Side {
+        if number == Self::ABOVE { Side::Above } else { Side::Below }
+    }
+
+    /// The side to which an exit of sliding leads.
+    fn exit(guard: usize) -> Side {
+        Self::side(guard - 1)
+    }
+}
+
+impl<S: FilippovSystem> Filippov<S> {
+    /// How fast sliding comes to be held better against leaving to a side.
+    fn gain(&self, side: Side, t: f64, x: &[f64], p: &[f64]) -> f64 {
+        let mut f = vec![0.0; x.len()];
+        self.0.sliding(t, x, p, &mut f);
+        let x: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
+        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        self.0.holds(side, Dual64::new(t, 1.0), &x, &p).eps
+    }
+}
+
+impl<S: FilippovSystem> HybridSystem for Filippov<S> {
+    fn modes(&self) -> Vec<Mode> {
+        let FilippovNames { above, below, sliding, .. } = self.0.names();
+        [above, below, sliding].map(|name| Mode::new(name, self.0.states())).into()
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        let FilippovNames { above, below, surface, .. } = self.0.names();
+        let exit = |name| Guard::new(name, [Self::SLIDING]);
+        vec![Guard::new(surface, [Self::ABOVE, Self::BELOW]), exit(above), exit(below)]
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.0.parameters()
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.0.defaults()
+    }
+
+    #[inline]
+    fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        if mode == Self::SLIDING {
+            self.0.sliding(t, x, p, f);
+        } else {
+            self.0.field(Self::side(mode), t, x, p, f);
+        }
+    }
+
+    fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        match guard {
+            SURFACE if mode == Self::ABOVE => self.0.surface(t, x, p),
+            SURFACE => -self.0.surface(t, x, p),
+            exit => self.0.holds(Self::exit(exit), t, x, p),
+        }
+    }
+
+    /// Sliding begins and ends on the surface itself: what motion along it has drifted off is taken back.
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        (mode, next): (usize, usize),
+        t: T,
+        x: &[T],
+        p: &[T],
+        after: &mut [T],
+    ) {
+        after.copy_from_slice(x);
+        if mode == Self::SLIDING || next == Self::SLIDING {
+            let scales = self.0.scales(&p.iter().map(T::real).collect::<Vec<_>>());
+            let sizes: Vec<f64> = self.0.states().iter().map(|state| scales.of(state)).collect();
+            project(&self.0, (t, after, p), &sizes);
+        }
+    }
+
+    fn may_follow(&self, guard: usize, mode: usize) -> Vec<usize> {
+        match guard {
+            SURFACE => vec![Self::mode(Self::side(mode).other()), Self::SLIDING],
+            exit => vec![Self::mode(Self::exit(exit))],
+        }
+    }
+
+    /// The speed at which the field behind the surface leaves it.
+    fn decision<T: Scalar>(
+        &self,
+        _position: usize,
+        _guard: usize,
+        mode: usize,
+        t: T,
+        x: &[T],
+        p: &[T],
+    ) -> T {
+        -self.0.holds(Self::side(mode).other(), t, x, p)
+    }
+
+    /// As di Bernardo et al. name them (SIAM Review 50:629, 2008).
+    fn kind_of_tangency(
+        &self,
+        tangency: Tangency,
+        t: f64,
+        x: &[f64],
+        p: &[f64],
+    ) -> Option<&'static str> {
+        match tangency {
+            Tangency::Touch { guard, mode } | Tangency::Slow { guard, mode, .. } => match guard {
+                SURFACE => {
+                    let slides = self.0.holds(Self::side(mode).other(), t, x, p) > 0.0;
+                    slides.then_some("grazing-sliding")
+                }
+                _ => Some("adding-sliding"),
+            },
+            Tangency::Leg { before, mode, after } => match mode == Self::SLIDING {
+                true if before == after => Some("grazing-sliding"),
+                true => Some("crossing-sliding"),
+                false if after != Self::SLIDING => None,
+                false if before == Self::SLIDING => Some("adding-sliding"),
+                false => Some("switching-sliding"),
+            },
+            Tangency::Decision { mode, .. } => {
+                // Sliding that begins at the end of where it is held goes on along it, or leaves at once.
+                match self.gain(Self::side(mode).other(), t, x, p) > 0.0 {
+                    true => Some("switching-sliding"),
+                    false => Some("crossing-sliding"),
+                }
+            }
+        }
+    }
+
+    fn forcing(&self) -> Forcing {
+        self.0.forcing()
+    }
+
+    fn period<T: Scalar>(&self, p: &[T]) -> T {
+        self.0.period(p)
+    }
+
+    fn scales(&self, p: &[f64]) -> Scales {
+        self.0.scales(p)
+    }
+
+    fn monitors(&self) -> Vec<String> {
+        self.0.monitors()
+    }
+
+    fn monitor<T: Scalar>(&self, monitor: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
+        self.0.monitor(monitor, t, x, p)
+    }
+
+    fn measures(&self) -> Vec<(String, Measure)> {
+        self.0.measures()
+    }
+
+    fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        self.0.domain(x, p)
+    }
+}

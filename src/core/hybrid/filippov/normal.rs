@@ -1,0 +1,87 @@
+//! Fields across the surface, and along it.
+
+use super::{FilippovSystem, Side};
+use crate::core::scalar::Scalar;
+use num_dual::{Dual, Dual64};
+
+/// The rate of the surface's function along a direction `(1, f)` of time and states: `h_t + h_x f`.
+fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
+    system: &S,
+    (t, x, p): (T, &[T], &[T]),
+    f: &[T],
+) -> T {
+    let x: Vec<_> = x.iter().zip(f).map(|(x, f)| Dual::new(*x, *f)).collect();
+    let p: Vec<_> = p.iter().map(|p| Dual::new(*p, T::zero())).collect();
+    system.surface(Dual::new(t, T::one()), &x, &p).eps
+}
+
+/// How fast motion by the field of a side moves across the surface, upwards: `L_f h = h_t + h_x f`.
+pub fn normal_velocity<S: FilippovSystem + ?Sized, T: Scalar>(
+    system: &S,
+    side: Side,
+    t: T,
+    x: &[T],
+    p: &[T],
+) -> T {
+    let mut f = vec![T::zero(); x.len()];
+    system.field(side, t, x, p, &mut f);
+    lie_derivative(system, (t, x, p), &f)
+}
+
+/// How fast the field of a side approaches the surface: where it does not, it leaves.
+pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
+    system: &S,
+    side: Side,
+    t: T,
+    x: &[T],
+    p: &[T],
+) -> T {
+    let velocity = normal_velocity(system, side, t, x, p);
+    match side {
+        Side::Above => -velocity,
+        Side::Below => velocity,
+    }
+}
+
+/// Filippov's field of sliding motion, the convex combination of the fields `f⁺` above and `f⁻` below that is tangent to the
+/// surface, `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` with the normal velocities `L±`, written into `f`. It is not finite where both vanish.
+pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
+    system: &S,
+    t: T,
+    x: &[T],
+    p: &[T],
+    f: &mut [T],
+) {
+    let mut below = vec![T::zero(); x.len()];
+    system.field(Side::Above, t, x, p, f);
+    system.field(Side::Below, t, x, p, &mut below);
+    let [up, down] = [&*f, &below].map(|f| lie_derivative(system, (t, x, p), f));
+    let share = down / (down - up);
+    for (f, below) in f.iter_mut().zip(&below) {
+        *f = *below + (*f - *below) * share;
+    }
+}
+
+/// Moves a state that is on the surface but for an error onto it, by one step of Newton's in units of the states' sizes.
+/// Of states on the surface derivatives along it stay what they are.
+pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
+    system: &S,
+    (t, x, p): (T, &mut [T], &[T]),
+    sizes: &[f64],
+) {
+    let real = |values: &[T]| values.iter().map(|v| v.real().into()).collect::<Vec<Dual64>>();
+    let (place, numbers) = (real(x), real(p));
+    let slope = |i: usize| {
+        let mut place = place.clone();
+        place[i].eps = sizes[i];
+        system.surface(t.real().into(), &place, &numbers).eps
+    };
+    let slopes: Vec<f64> = (0..x.len()).map(slope).collect();
+    let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
+    if square > 0.0 {
+        let distance = system.surface(t, x, p) / square;
+        for (x, (slope, size)) in x.iter_mut().zip(slopes.iter().zip(sizes)) {
+            *x -= distance * (slope * size);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How the field calls the points where orbits graze.
+
+use super::departed::VANISHES;
+use super::hybrid::HybridOrbit;
+use super::itinerary::Leg;
+use super::measures::{APPROACH, DECISION};
+use crate::core::bvp::{Equations, Monitor};
+use crate::core::condition::Failure;
+use crate::core::hybrid::{Moment, Tangency, time_scale};
+
+/// What happens at a time, in a state.
+type Place = (Tangency, f64, Vec<f64>);
+
+impl HybridOrbit {
+    /// What the system calls the point where a monitor of grazings vanishes.
+    pub(super) fn name_of_grazing(
+        &self,
+        monitor: usize,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Option<&'static str> {
+        let place = match self.monitors().swap_remove(monitor).1 {
+            Monitor::Distance(_) => self.touched(starts, q),
+            // Where a leg vanishes its event has no speed, and a decision vanishes with it.
+            Monitor::Ends(function) => self
+                .vanished(starts, q)
+                .map_or_else(|| self.at_event(function, starts, q), |place| Ok(Some(place))),
+            _ => Ok(None),
+        };
+        let (tangency, t, x) = place.ok().flatten()?;
+        self.system().kind_of_tangency(tangency, t, &x, self.split(q).0)
+    }
+
+    /// The first touch of a guard, of those that the orbit does not pass.
+    fn touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Place>, Failure> {
+        let touch = self.touches(starts, q)?.into_iter().next();
+        Ok(touch.map(|touch| {
+            let mode = self.legs()[touch.leg].mode;
+            let t = self.time(touch.leg, q) + touch.since;
+            (Tangency::Touch { guard: touch.guard, mode }, t, touch.x)
+        }))
+    }
+
+    /// The first leg that lasts no time.
+    fn vanished(&self, starts: &[f64], q: &[f64]) -> Option<Place> {
+        let (legs, (p, extras)) = (self.legs(), self.split(q));
+        let least = VANISHES * time_scale(self.system(), p);
+        let durations = self.durations(extras);
+        let leg = (0..legs.len()).find(|leg| durations[*leg].abs() <= least)?;
+        let before = legs[(leg + legs.len() - 1) % legs.len()].mode;
+        let tangency = Tangency::Leg { before, mode: legs[leg].mode, after: self.mode_after(leg) };
+        Some((tangency, self.time(leg, q), starts[self.of_leg(leg)].to_vec()))
+    }
+
+    /// The event with the least speed, or with the least margin of its decision.
+    fn at_event(
+        &self,
+        function: usize,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<Option<Place>, Failure> {
+        let (system, p) = (self.system(), self.split(q).0);
+        let mut least: Option<(f64, Place)> = None;
+        for (leg, Leg { mode, exit, accumulates }) in self.legs().iter().copied().enumerate() {
+            let Some(guard) = exit.filter(|_| !accumulates) else { continue };
+            let (t, x) = self.end_of(leg, starts, q)?;
+            let (at, next) = (Moment { system, mode, t, x: &x, p }, self.mode_after(leg));
+            let (value, tangency) = match function {
+                APPROACH => (Some(at.rate(guard).abs()), Tangency::Slow { guard, mode, next }),
+                DECISION => (self.margin(leg, at), Tangency::Decision { guard, mode, next }),
+                _ => (None, Tangency::Slow { guard, mode, next }),
+            };
+            let Some(value) = value.map(f64::abs) else { continue };
+            if least.as_ref().is_none_or(|(known, _)| value < *known) {
+                least = Some((value, (tangency, t, x)));
+            }
+        }
+        Ok(least.map(|(_, place)| place))
+    }
+}
