@@ -146,6 +146,7 @@ pub(super) fn name_of(model: &text::Model) -> &'static str {
         text::Model::Map(_) => "Map",
         text::Model::Boundary(_) => "Boundary",
         text::Model::Hybrid(_) => "HybridEquations",
+        text::Model::Filippov(_) => "FilippovEquations",
         #[allow(unreachable_patterns)]
         _ => "",
     }
@@ -163,6 +164,10 @@ fn problem(stated: Stated, settings: &str) -> Result<Problem, SpannedError> {
         }
         text::Model::Hybrid(hybrid) => {
             let hybrid: Hybrid = hybrid;
+            configured::<_, HybridOrbitSettings>(hybrid, settings)?
+        }
+        text::Model::Filippov(system) => {
+            let hybrid: Hybrid = system;
             configured::<_, HybridOrbitSettings>(hybrid, settings)?
         }
     };

@@ -29,16 +29,16 @@ macro_rules! texts {
     };
 }
 
-const LIBRARY: [(&str, &str); 17] = texts!("scenes/library/" ".ron":
-    "bang-bang" "bouncing-ball" "brusselator" "buck-converter" "co-oxidation" "duffing" "fitzhugh-nagumo"
-    "integrate-and-fire" "lorenz" "lure" "morris-lecar" "rocking-block" "simplest-walker" "soft-stop" "stick-slip"
+const LIBRARY: [(&str, &str); 20] = texts!("scenes/library/" ".ron":
+    "bang-bang" "belt" "bouncing-ball" "brusselator" "buck-converter" "chua-sliding" "co-oxidation" "duffing" "fitzhugh-nagumo"
+    "integrate-and-fire" "lorenz" "lure" "morris-lecar" "relay" "rocking-block" "simplest-walker" "soft-stop" "stick-slip"
     "swift-hohenberg" "two-walls");
 
 const XPPAUT: [(&str, &str); 12] = texts!("tests/models/ode/" ".ode":
     "ball" "block" "chain" "choices" "clock" "discrete" "forced" "functions" "henon" "neurons" "quantities" "sums");
 
 /// Files of equations, each with a parameter and a state.
-pub const EQUATIONS: [(&str, &str, &str); 6] = [
+pub const EQUATIONS: [(&str, &str, &str); 7] = [
     (
         "Equations(states: [(\"x\", \"sigma*(y - x)\"), (\"y\", \"x*(rho - z) - y\"), (\"z\", \"x*y - beta*z\")],
     parameters: [(\"sigma\", 10), (\"rho\", 0.5), (\"beta\", \"8/3\")])",
@@ -73,6 +73,13 @@ pub const EQUATIONS: [(&str, &str, &str); 6] = [
         "HybridEquations(modes: [(name: \"f\", states: [(\"x\", \"v\"), (\"v\", \"a*cos(w*t) - x - 0.1*v\")])],
     guards: [(name: \"i\", modes: [\"f\"], function: \"1 - x\", next: [(\"f\", \"x\"), \"f\"], reset: [(\"v\", \"-0.8*v\")])],
     period: \"2*pi/w\", parameters: [(\"a\", 0.3), (\"w\", 2)])",
+        "a",
+        "v",
+    ),
+    (
+        "FilippovEquations(above: [(\"x\", \"v\"), (\"v\", \"a*cos(w*t) - x - 0.5\")],
+    below: [(\"x\", \"v\"), (\"v\", \"a*cos(w*t) - x + 0.5\")], surface: \"v\", names: [(\"sliding\", \"stick\")],
+    holds: [(\"above\", \"x - a*cos(w*t) + 0.6\")], period: \"2*pi/w\", parameters: [(\"a\", 1), (\"w\", 1.5)])",
         "a",
         "v",
     ),

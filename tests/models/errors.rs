@@ -444,3 +444,24 @@ fn marks_and_attributes_at_the_beginning() {
     let source = Source::new("m.ode", "\u{feff}x'=-x\n");
     assert!(tangency::problems::text::ode::read(&source).is_ok());
 }
+
+/// Two fields and a surface.
+#[test]
+fn sliding() {
+    let of = |rest: &str| {
+        format!("FilippovEquations(\n  above: [(\"x\", \"y\"), (\"y\", \"-1\")],\n  {rest})")
+    };
+    let below = "below: [(\"x\", \"y\"), (\"y\", \"1\")]";
+    let text = refused(&of(below)).to_string();
+    assert!(text.contains("the equations have no surface"), "{text}");
+    says(
+        &of("below: [(\"»y«\", \"y\"), (\"x\", \"1\")], surface: \"x\""),
+        "state 1 is y: above it is x: all fields have the same states, in one order",
+    );
+    says(&of("below: [(\"»x«\", \"y\")], surface: \"x\""), "state 2 is none: above it is y");
+    let with = |rest: &str| of(&format!("{below}, surface: \"x\", {rest}"));
+    says(&with("holds: [(\"»abvoe«\", \"1\")]"), "unknown side `abvoe`");
+    says(&with("names: [(\"»slide«\", \"stick\")]"), "unknown mode or event `slide`");
+    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode already");
+    says(&with("sliding: [(\"x\", \"»u«\"), (\"y\", \"0\")]"), "unknown name `u`");
+}

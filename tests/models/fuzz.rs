@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 use std::time::Duration;
 use tangency::scene::Scene;
 
-const SCENES: [&str; 5] = [
+const SCENES: [&str; 6] = [
     r#"Scene(title: "t", problem: Equations(states: [("x", "sigma*(y - x)"), ("y", "if(x > 0, x, -y)^2")], solution: equilibrium),
         parameters: [("sigma", "8/3")], runs: [Run(name: "r", along: [(name: "sigma", low: 0, high: 30)])])"#,
     r#"Scene(title: "t", problem: Residual(unknowns: [("u[i=1..n]", "sum(j, 1, n, u[j]) - a*u[i]")], definitions: [("n", 12)]),
@@ -16,6 +16,9 @@ const SCENES: [&str; 5] = [
     r#"Scene(title: "t", problem: HybridEquations(modes: [(name: "f", states: [("x", "v"), ("v", "a*cos(w*t) - x")])],
         guards: [(name: "i", modes: ["f"], function: "1 - x", next: [("f", "x"), "f"], reset: [("v", "-0.8*v")])], period: "2*pi/w"),
         parameters: [("a", 1), ("w", 2)], runs: [Run(name: "r", along: [(name: "a", low: 0, high: 3)])])"#,
+    r#"Scene(title: "t", problem: FilippovEquations(above: [("x", "v"), ("v", "a*cos(w*t) - x - F")], below: [("x", "v"), ("v", "a*cos(w*t) - x + F")],
+        surface: "v", names: [("sliding", "stick")], holds: [("above", "x + F")], period: "2*pi/w"),
+        parameters: [("a", 1), ("w", 2), ("F", 0.1)], runs: [Run(name: "r", along: [(name: "a", low: 0, high: 3)])])"#,
 ];
 
 /// What is put in, besides parts of the text.

@@ -6,9 +6,10 @@ use std::fmt::Write;
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::dense::Dense;
 use tangency::core::field::{Forcing, VectorField};
+use tangency::core::hybrid::HybridSystem;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::ZeroProblem;
-use tangency::problems::text::{Field, Model, Source, number};
+use tangency::problems::text::{Field, Model, Source, Statement, number};
 use tangency::scene::{BUILT_IN, Scene, execute, explore};
 
 /// A field of one state `x` and the parameters `a`, `b` with a formula as its rate.
@@ -357,4 +358,27 @@ fn resets_of_arrays() {
     let mut after = [0.0; 4];
     system.reset(0, (0, 0), 0.0, &[1.0, 2.0, 4.0, 0.5], &[], &mut after);
     assert_eq!(after, [7.0, 2.5, 6.5, 0.5]);
+}
+
+/// Two fields and a surface: what follows is known from them, and a statement is read back as it is written.
+#[test]
+fn two_fields_and_a_surface() {
+    let text = "FilippovEquations(
+        above: [(\"x\", \"y - u\"), (\"y\", \"0\")], below: [(\"x\", \"y + u\"), (\"y\", \"0\")],
+        surface: \"x - sin(t)\", names: [(\"sliding\", \"slide\")], parameters: [(\"u\", 2)], period: \"2*pi\",
+    )";
+    let source = Source::new("relay.ron", text);
+    let Model::Filippov(relay) = Model::read(&source, &[]).unwrap() else { panic!() };
+    let modes: Vec<String> = relay.modes().into_iter().map(|mode| mode.name).collect();
+    assert_eq!(modes, ["above", "below", "slide"]);
+    // The surface moves up with the velocity 1: sliding does, and is held between y = -1 and y = 3.
+    let next = |y: f64| relay.next_mode(0, 0, 0.0, &[0.0, y], &[2.0]);
+    assert_eq!([next(-1.1), next(-0.9), next(2.9)], [1, 2, 2]);
+    assert_eq!([-0.9, 3.1].map(|y| relay.next_mode(0, 1, 0.0, &[0.0, y], &[2.0])), [2, 0]);
+    let mut rates = [0.0_f64; 2];
+    HybridSystem::field(&*relay, 2, 0.0, &[0.0, 0.5], &[2.0], &mut rates);
+    assert!((rates[0] - 1.0).abs() < 1e-15 && rates[1] == 0.0, "{rates:?}");
+    let stated = Statement::of(&source).unwrap();
+    let written = Source::new("relay.ron", stated.ron());
+    assert_eq!(Statement::of(&written).unwrap(), stated);
 }

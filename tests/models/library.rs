@@ -122,6 +122,54 @@ fn bouncing_ball() {
     finds(&document, ("doublings", Kind::EP, "amplitude"), &[doubling(0.4)], 1e-8);
 }
 
+/// The sliding bifurcation at which a branch ends, by its name and place.
+fn slides(document: &Document, branch: &str, kind: &str, (column, value): (&str, f64)) {
+    let branch = document.branch(branch).unwrap();
+    let column = branch.column(column).unwrap();
+    let named = branch.of_kind(Kind::G).filter(|point| point.subkind.as_deref() == Some(kind));
+    let places: Vec<f64> = named.filter_map(|point| point.value(column)).collect();
+    assert!(places.iter().any(|place| (place - value).abs() < 1e-9), "{kind}: {places:?}");
+}
+
+/// What `tests/hybrid/sliding.rs` compares with simulations.
+#[test]
+fn relay() {
+    let document = traced("relay");
+    slides(&document, "crosses", "crossing-sliding", ("omega", 1.70597864781));
+    finds(&document, ("slides", Kind::LP, "omega"), &[3.55743201056], 1e-9);
+    let curve = document.branch("crossing-sliding").unwrap();
+    let margin = curve.column("decision").unwrap();
+    assert!(curve.points.len() > 10);
+    assert!(curve.points.iter().all(|point| point.value(margin).unwrap().abs() < 1e-9));
+}
+
+#[test]
+fn belt() {
+    let document = traced("belt");
+    slides(&document, "slips", "grazing-sliding", ("nu", 3.20856896212));
+    slides(&document, "sticks", "switching-sliding", ("nu", 2.71383664883));
+    slides(&document, "sticks, overtakes", "crossing-sliding", ("nu", 1.69152176791));
+    slides(&document, "overtakes", "crossing-sliding", ("nu", 0.565759557378));
+    slides(&document, "sticks after", "crossing-sliding", ("nu", 0.493012572348));
+    slides(&document, "sticks, slow", "adding-sliding", ("nu", 0.426633559729));
+    slides(&document, "sticks, slow", "grazing-sliding", ("nu", 0.26451960581));
+    let itinerary = |name: &str| document.branch(name).unwrap().itinerary.clone();
+    assert_eq!(itinerary("sticks, overtakes"), "stick:slower slower:belt faster:belt");
+    assert_eq!(itinerary("overtakes"), "slower:belt faster:belt");
+    assert_eq!(itinerary("sticks twice"), "stick:slower slower:belt stick:slower slower:belt");
+    for name in ["grazing-sliding", "switching-sliding", "crossing-sliding", "adding-sliding"] {
+        let curve = document.branch(name).unwrap();
+        assert!(curve.points.len() > 10 && curve.condition == Some(Kind::G), "{name}");
+    }
+}
+
+#[test]
+fn chua_sliding() {
+    let document = traced("chua-sliding");
+    slides(&document, "free", "grazing-sliding", ("alpha", 6.93362519782));
+    assert_eq!(document.branch("clamped").unwrap().itinerary, "clamped:free free:clamp");
+}
+
 fn dry() -> Scene {
     let built_in = BUILT_IN.iter().find(|scene| scene.name == "dry-friction").unwrap();
     Scene::parse(built_in.text).unwrap()

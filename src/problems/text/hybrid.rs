@@ -162,7 +162,8 @@ fn refuse_later_starts(
     Ok(())
 }
 
-fn scales(sizes: &[(String, f64)]) -> Scales {
+/// Typical sizes of states and of time.
+pub(super) fn scales(sizes: &[(String, f64)]) -> Scales {
     let scales = Scales::default();
     sizes.iter().fold(scales, |scales, (name, size)| match name.as_str() {
         "t" => scales.time(*size),

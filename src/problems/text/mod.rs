@@ -21,6 +21,7 @@ mod boundary;
 mod calls;
 mod duration;
 mod events;
+mod filippov;
 mod hybrid;
 mod layout;
 mod map;
@@ -38,6 +39,7 @@ mod written;
 
 pub use basis::number;
 pub use boundary::Conditions;
+pub use filippov::TwoFields;
 pub use hybrid::Hybrid;
 pub use map::Iteration;
 pub(crate) use misread::misread;
@@ -46,10 +48,11 @@ pub use smooth::Field;
 pub use source::{Fault, ModelError, Phrase, Place, Source};
 pub(crate) use source::{blanked, without_mark};
 
+use crate::core::hybrid::filippov::Filippov;
 use basis::Basis;
 use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
-use statement::{Boundary, Equations, HybridEquations, Map, Residual};
+use statement::{Boundary, Equations, FilippovEquations, HybridEquations, Map, Residual};
 use std::sync::Arc;
 
 /// A problem whose equations are given as text.
@@ -77,6 +80,8 @@ pub enum Model {
     Boundary(Arc<Conditions>),
     /// A hybrid system: `HybridEquations`.
     Hybrid(Arc<Hybrid>),
+    /// A Filippov system: `FilippovEquations`.
+    Filippov(Arc<Filippov<TwoFields>>),
 }
 
 /// A statement of any kind.
@@ -93,15 +98,18 @@ pub enum Statement {
     Boundary(Boundary),
     /// Of a hybrid system.
     HybridEquations(HybridEquations),
+    /// Of a Filippov system.
+    FilippovEquations(FilippovEquations),
 }
 
 /// The kinds of statements with the names of what they state.
-pub const KINDS: [(&str, &[&str]); 5] = [
+pub const KINDS: [(&str, &[&str]); 6] = [
     ("Equations", Equations::FIELDS),
     ("Residual", Residual::FIELDS),
     ("Map", Map::FIELDS),
     ("Boundary", Boundary::FIELDS),
     ("HybridEquations", HybridEquations::FIELDS),
+    ("FilippovEquations", FilippovEquations::FIELDS),
 ];
 
 impl Statement {
@@ -116,6 +124,7 @@ impl Statement {
             "Map" => Statement::Map(read(source, part)?),
             "Boundary" => Statement::Boundary(read(source, part)?),
             "HybridEquations" => Statement::HybridEquations(read(source, part)?),
+            "FilippovEquations" => Statement::FilippovEquations(read(source, part)?),
             _ => {
                 let kinds = KINDS.map(|(name, _)| name);
                 let unknown =
@@ -153,6 +162,9 @@ impl Statement {
             }
             Statement::HybridEquations(stated) => {
                 Model::Hybrid(Arc::new(Hybrid::new(source, stated, given)?))
+            }
+            Statement::FilippovEquations(stated) => {
+                Model::Filippov(Arc::new(Filippov(TwoFields::new(source, stated, given)?)))
             }
         })
     }
@@ -206,6 +218,7 @@ impl Model {
         match self {
             Model::Field(field) => field.is_aperiodic(),
             Model::Hybrid(hybrid) => hybrid.is_aperiodic(),
+            Model::Filippov(system) => system.0.is_aperiodic(),
             _ => false,
         }
     }
@@ -225,6 +238,7 @@ impl Model {
             Model::Zero(zero) => zero.undefined(x, p),
             Model::Map(map) => map.undefined(x, p),
             Model::Hybrid(hybrid) => hybrid.undefined(0.0, x, p),
+            Model::Filippov(system) => system.0.undefined(0.0, x, p),
             Model::Boundary(_) => None,
         }
     }
@@ -245,6 +259,7 @@ impl Model {
             Model::Field(field) => field.refused_duration(p),
             Model::Boundary(conditions) => conditions.refused_duration(p),
             Model::Hybrid(hybrid) => hybrid.refused_duration(p),
+            Model::Filippov(system) => system.0.refused_duration(p),
             Model::Zero(_) | Model::Map(_) => None,
         }
     }
@@ -258,6 +273,7 @@ impl Model {
             Model::Zero(zero) => ZeroProblem::names(&**zero),
             Model::Map(map) => DiscreteMap::names(&**map),
             Model::Hybrid(hybrid) => return hybrid.modes().swap_remove(0).states,
+            Model::Filippov(system) => return system.modes().swap_remove(0).states,
             Model::Boundary(conditions) => {
                 use crate::core::bvp::BoundaryProblem;
                 return conditions.segments().swap_remove(0);
@@ -273,6 +289,7 @@ impl Model {
             Model::Map(map) => &map.basis,
             Model::Boundary(conditions) => &conditions.basis,
             Model::Hybrid(hybrid) => &hybrid.basis,
+            Model::Filippov(system) => &system.0.basis,
         }
     }
 }

@@ -97,6 +97,28 @@ statements! {
         /// Typical sizes of states, where they are far from 1; that of time under the name `t`.
         scales: Formulas,
     }
+
+    /// A Filippov system: two fields and a surface between them.
+    FilippovEquations {
+        /// States with their rates above the surface.
+        above: Formulas,
+        /// The same states with their rates below.
+        below: Formulas,
+        /// The function that vanishes on the surface, positive above and negative below.
+        surface: Option<Phrase>,
+        /// States with their rates on the surface; if they are left out, the convex combination of both fields that is
+        /// tangent to it.
+        sliding: Formulas,
+        /// What is positive where sliding is held against leaving to a side, `above` or `below`; if it is left out, the speed at
+        /// which the field of the side approaches the surface.
+        holds: Formulas,
+        /// The names of the modes `above`, `below` and `sliding`, and of the event `surface`, if they are others.
+        names: Formulas,
+        /// The period in which time enters, if it does.
+        period: Option<Phrase>,
+        /// Typical sizes of states, where they are far from 1; that of time under the name `t`.
+        scales: Formulas,
+    }
 }
 
 /// What all statements have.

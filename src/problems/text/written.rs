@@ -3,7 +3,8 @@
 use super::Statement;
 use super::source::Phrase;
 use super::statement::{
-    Boundary, Equations, Guard, HybridEquations, Map, Mode, Next, Residual, Static,
+    Boundary, Equations, FilippovEquations, Guard, HybridEquations, Map, Mode, Next, Residual,
+    Static,
 };
 use std::fmt::Write;
 
@@ -36,6 +37,7 @@ impl Statement {
             Statement::Map(stated) => map(&mut out, stated),
             Statement::Boundary(stated) => boundary(&mut out, stated),
             Statement::HybridEquations(stated) => hybrid(&mut out, stated),
+            Statement::FilippovEquations(stated) => filippov(&mut out, stated),
         }
         out.text
     }
@@ -115,6 +117,20 @@ fn hybrid(out: &mut Writer, stated: &HybridEquations) {
         guard(out, each);
     }
     out.close("],");
+    out.optional("period", stated.period.as_ref());
+    common!(out, stated);
+    out.pairs("scales", &stated.scales);
+    out.close(")");
+}
+
+fn filippov(out: &mut Writer, stated: &FilippovEquations) {
+    out.open("FilippovEquations(");
+    out.pairs("above", &stated.above);
+    out.pairs("below", &stated.below);
+    out.optional("surface", stated.surface.as_ref());
+    out.pairs("sliding", &stated.sliding);
+    out.pairs("holds", &stated.holds);
+    out.pairs("names", &stated.names);
     out.optional("period", stated.period.as_ref());
     common!(out, stated);
     out.pairs("scales", &stated.scales);

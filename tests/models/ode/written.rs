@@ -2,7 +2,8 @@
 
 use super::{Random, files};
 use tangency::problems::text::statement::{
-    Boundary, Equations, Guard, HybridEquations, Map, Mode, Next, Residual, Static,
+    Boundary, Equations, FilippovEquations, Guard, HybridEquations, Map, Mode, Next, Residual,
+    Static,
 };
 use tangency::problems::text::{KINDS, Model, Phrase, Source, Statement, ode};
 
@@ -89,7 +90,7 @@ macro_rules! stated {
 impl Any {
     fn statement(&mut self) -> Statement {
         let any = self;
-        match any.0.below(5) {
+        match any.0.below(6) {
             0 => stated!(
                 any,
                 Equations { states: any.pairs(), period: any.maybe(), scales: any.pairs() }
@@ -107,6 +108,19 @@ impl Any {
                     integrals: any.many(Any::phrase),
                     unknowns: any.many(Any::phrase),
                     length: any.maybe(),
+                    scales: any.pairs(),
+                }
+            ),
+            4 => stated!(
+                any,
+                FilippovEquations {
+                    above: any.pairs(),
+                    below: any.pairs(),
+                    surface: any.maybe(),
+                    sliding: any.pairs(),
+                    holds: any.pairs(),
+                    names: any.pairs(),
+                    period: any.maybe(),
                     scales: any.pairs(),
                 }
             ),
