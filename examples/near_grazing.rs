@@ -166,7 +166,7 @@ fn main() -> Found<()> {
     let label = first(&branch, Kind::G)?;
     let births = Continuation::of(&mut orbits).restart(&branch, label).switch().hold(Kind::G);
     let births = births.along("voltage", 0.1..=0.3).along("frequency", 0.48..=0.51).trace()?;
-    let at = map(&mut orbits, &births, first(&births, Kind::LP)?)?;
+    let at = map(&mut orbits, &births, first(&births, Kind::GD)?)?;
     for (kind, far) in [(Kind::LP, 4e-3), (Kind::PD, -4e-4)] {
         let sizes: Vec<f64> = (0..6).map(|k| far * 0.5_f64.powi(5 - k)).collect();
         let edges = [vec![0.5 * sizes[0]], sizes.clone(), vec![1.1 * far]].concat();

@@ -252,6 +252,15 @@ pub trait System: Send {
         None
     }
 
+    /// The other solutions that graze where one of these does: with the event that it touches, or without it. `None`
+    /// where none are known.
+    ///
+    /// # Errors
+    /// [`Failure`] where they cannot be found.
+    fn across(&mut self, _x: &[f64]) -> Result<Option<Across<'_>>, Failure> {
+        Ok(None)
+    }
+
     /// The gradient of one monitor with respect to `x`, as [`gradient`](System::gradient).
     ///
     /// # Errors
@@ -278,6 +287,14 @@ pub trait System: Send {
     fn admissible(&self) -> Option<&dyn Admissible> {
         None
     }
+}
+
+/// A grazing solution as one of the others that graze there.
+pub struct Across<'a> {
+    /// Their system.
+    pub system: &'a mut dyn System,
+    /// The solution, as `x = (z, p)` of that system.
+    pub x: &'a [f64],
 }
 
 /// A system that discretises something else: finer ones, and the mesh, which may follow a branch.
@@ -337,6 +354,10 @@ pub trait Admissible {
         None
     }
 
+    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass, as the speed of an
+    /// impact does; others are distances to what they do not pass.
+    fn is_of_event(&self, monitor: usize) -> bool;
+
     /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
     fn itinerary(&self) -> String;
 }
@@ -375,6 +396,21 @@ impl dyn System + '_ {
     /// Monitors that are positive on admissible solutions.
     pub(crate) fn grazings(&self) -> &[usize] {
         self.admissible().map_or(&[], |system| system.grazings())
+    }
+
+    /// The monitor of grazings that vanishes at a solution that grazes: the least one, in units of their scales.
+    pub(crate) fn touched(&mut self, x: &[f64]) -> Result<Option<usize>, Failure> {
+        let mut values = vec![0.0; self.names().monitors.len()];
+        self.monitors(x, &mut values)?;
+        let p = &x[self.names().dimension()..];
+        let size = |m: &usize| values[*m].abs() / self.grazing_scale(*m, p);
+        Ok(self.grazings().iter().copied().min_by(|a, b| size(a).total_cmp(&size(b))))
+    }
+
+    /// Whether solutions pass the event that one of them touches.
+    pub(crate) fn passes_touched(&mut self, x: &[f64]) -> Result<bool, Failure> {
+        let touched = self.touched(x)?;
+        Ok(self.admissible().zip(touched).is_some_and(|(system, m)| system.is_of_event(m)))
     }
 
     /// The typical size of a monitor of grazings.

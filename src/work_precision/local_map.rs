@@ -22,12 +22,12 @@ const SCENE: &str = r#"Scene(
         ),
         (
             name: "P(0,1) by the local map",
-            local: (run: "births", kind: LP, parameters: ["voltage", "frequency"]),
+            local: (run: "births", kind: GD, parameters: ["voltage", "frequency"]),
             along: [(name: "voltage", low: 0.17, high: 0.2)],
         ),
         (
             name: "P(1,1) by the local map",
-            local: (run: "births", kind: LP, parameters: ["voltage", "frequency"]),
+            local: (run: "births", kind: GD, parameters: ["voltage", "frequency"]),
             start: From(run: "P(0,1) by the local map", kind: G, switch: true),
             along: [(name: "voltage", low: 0.17, high: 0.2)],
         ),

@@ -114,16 +114,18 @@ fn curves_of_grazings_lead_to_maps() {
     let run = names.iter().zip(Actuator::DEFAULTS).fold(run, |run, (name, p)| run.at(name, p));
     let branch = run.at("voltage", 0.01).along("voltage", 0.01..=1.0).trace().unwrap();
     let label = branch.of_kind(Kind::G).next().unwrap().label;
-    for (switch, start, condition) in [
-        (false, [0.176796, 0.480271, 5.286519], nonhyperbolic as Condition),
-        (true, [0.171067, 0.487809, 5.496544], degenerate),
-    ] {
+    let nonhyperbolic = (Kind::GL, [0.176796, 0.480271, 5.286519], nonhyperbolic as Condition);
+    let degenerate = (Kind::GD, [0.171067, 0.487809, 5.496544], degenerate as Condition);
+    let points = [nonhyperbolic, degenerate];
+    for (switch, (kind, start, condition)) in
+        [false, true].iter().flat_map(|switch| points.map(|point| (*switch, point)))
+    {
         let run = Continuation::of(&mut orbits).restart(&branch, label).hold(Kind::G);
         let run = if switch { run.switch() } else { run };
         let settings = Settings { max_step: 0.05, ..Settings::default() };
         let run = run.along("voltage", 0.0..=1.0).along("frequency", 0.44..=0.52);
         let curve = run.settings(settings).trace().unwrap();
-        let special = curve.of_kind(Kind::LP).next().unwrap();
+        let special = curve.of_kind(kind).next().unwrap();
         orbits.resume_from(&curve.solution(special)).unwrap();
         let point = GrazingPoint::at(&mut orbits, &special.state, &special.parameters).unwrap();
         assert_eq!(point.following.len(), 1);

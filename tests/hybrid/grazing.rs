@@ -3,7 +3,7 @@
 
 use crate::common::close;
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
-use crate::hybrid::systems::impact_oscillator::{ClosedForm, resonance};
+use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use crate::hybrid::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
 use std::f64::consts::TAU;
 use tangency::core::bvp::Shooting;
@@ -120,54 +120,21 @@ fn branches_go_on_as_virtual() {
     }
 }
 
-/// Grazing orbits without impacts in two parameters: `A = D(ω) d`. Their multipliers are those of free
-/// motion, of modulus less than 1, so that nothing else happens on the curve.
+/// Where a branch with impacts ends at a grazing, `switch()` leads to the orbits without them.
 #[test]
-fn grazing_curves_are_exact() {
+fn touches_are_left_out() {
     let form = ClosedForm::usual(1.2);
-    for mut start in nonimpacting(&form, 0.5) {
-        let (branch, label) = to_grazing(&mut start, form.grazing());
-        let curve = Continuation::of(start.system.as_mut())
-            .restart(&branch, label)
-            .hold(Kind::G)
-            .along("amplitude", 0.0..=10.0)
-            .along("frequency", 0.45..=2.5)
-            .trace()
-            .unwrap();
-        for point in &curve.points {
-            let frequency = value(&curve, point, "frequency");
-            let expected = ClosedForm::usual(frequency).grazing();
-            close(value(&curve, point, "amplitude"), expected, DIGITS);
-        }
-        assert_eq!(found(&curve), [], "{}", curve.name);
-    }
-}
-
-/// On the same curve as one of orbits with an impact of no speed the resonant points are those where families
-/// are born upright: there every multiplier solves the equations, and one fold is reported.
-#[test]
-fn resonant_grazings_are_found() {
-    let form = ClosedForm::usual(1.2);
-    for mut start in nonimpacting(&form, 0.5) {
-        let (branch, label) = to_grazing(&mut start, form.grazing());
-        let curve = Continuation::of(start.system.as_mut())
-            .restart(&branch, label)
-            .switch()
-            .hold(Kind::G)
-            .along("amplitude", 0.0..=10.0)
-            .along("frequency", 0.45..=2.5)
-            .trace()
-            .unwrap();
-        let frequency = curve.column("frequency").unwrap();
-        let points = curve.of_kind(Kind::LP).map(|point| point.value(frequency).unwrap());
-        let mut found: Vec<f64> = points.collect();
-        found.sort_by(|a, b| b.total_cmp(a));
-        assert_eq!(found.len(), 4, "{}: {found:?}", curve.name);
-        for (n, found) in found.iter().enumerate() {
-            close(*found, resonance(n + 1, form.damping), DIGITS);
-        }
-        for kind in [Kind::PD, Kind::G] {
-            assert_eq!(curve.of_kind(kind).count(), 0, "{} {kind}", curve.name);
+    let range = [0.1 * form.grazing(), 2.0 * form.grazing()];
+    for mut start in impacting(&form, 0.5) {
+        let branch = start.along("amplitude", range).trace().unwrap();
+        let label = branch.of_kind(Kind::G).next().unwrap().label;
+        let run = Continuation::of(start.system.as_mut()).restart(&branch, label).switch();
+        let without = run.along("amplitude", range[0]..=range[1]).trace().unwrap();
+        let distance = without.column("distance").unwrap();
+        assert_eq!(without.column("approach"), None);
+        for point in &without.points {
+            let touching = value(&without, point, "amplitude") / form.grazing();
+            close(point.value(distance).unwrap(), form.clearance * (1.0 - touching), DIGITS);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Promises of systems with impacts, and of their orbits.
 
 mod attractors;
+mod codimension_two;
 mod decisions;
 mod failures;
 mod fast_guards;

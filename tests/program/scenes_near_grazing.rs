@@ -86,8 +86,8 @@ fn curves_of_maps_begin_at_points_of_codimension_two() {
         ("SN of P(1,1), map at I/II", Kind::G, degenerate),
         ("PD of P(1,1)", Kind::G, degenerate),
         ("PD of P(1,1), map at I/II", Kind::G, degenerate),
-        ("G", Kind::LP, nonhyperbolic),
-        ("G, map at II/III", Kind::LP, nonhyperbolic),
+        ("G", Kind::GL, nonhyperbolic),
+        ("G, map at II/III", Kind::GL, nonhyperbolic),
         ("SN of P(0,1)", Kind::G, nonhyperbolic),
         ("SN of P(0,1), map at II/III", Kind::G, nonhyperbolic),
     ] {

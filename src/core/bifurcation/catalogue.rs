@@ -1,7 +1,7 @@
 //! The catalogue of bifurcations: a row for each kind says which curves it lies on, how it is noticed there, and what
 //! defines it. A further kind is a file with its defining system, and a row here.
 
-use super::{BranchPoint, DegenerateFold, Fold, Hopf};
+use super::{BranchPoint, DegenerateFold, Fold, GrazingBifurcation, Hopf};
 use crate::core::condition::Condition;
 use crate::core::kind::Kind;
 use crate::core::motion::Critical;
@@ -88,7 +88,7 @@ const fn mirror(held: &'static [Kind], name: &'static str, test: Test) -> Sighti
 use Solutions::{Any, Equilibria, Orbits};
 
 /// All kinds, in the order in which they are looked for.
-pub(crate) static CATALOGUE: [Bifurcation; 10] = [
+pub(crate) static CATALOGUE: [Bifurcation; 14] = [
     Bifurcation {
         kind: Kind::BP,
         defined_by: Some(|parameter| Box::new(BranchPoint::new(parameter))),
@@ -99,11 +99,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 10] = [
         kind: Kind::LP,
         defined_by: Some(|_| Box::new(Fold::default())),
         critical: Critical::One,
-        seen: &[
-            seen(&[], Any, "fold", Test::Fold),
-            // Along a curve of grazings neither tangent nor multipliers show the bifurcations.
-            seen(&[Kind::G], Any, "fold", Test::Condition),
-        ],
+        seen: &[seen(&[], Any, "fold", Test::Fold)],
     },
     Bifurcation {
         kind: Kind::HB,
@@ -118,10 +114,7 @@ pub(crate) static CATALOGUE: [Bifurcation; 10] = [
         kind: Kind::PD,
         defined_by: Some(|_| Box::new(Fold::antiperiodic())),
         critical: Critical::MinusOne,
-        seen: &[
-            seen(&[], Orbits, "period doubling", Test::PeriodDoubling),
-            seen(&[Kind::G], Orbits, "period doubling", Test::Condition),
-        ],
+        seen: &[seen(&[], Orbits, "period doubling", Test::PeriodDoubling)],
     },
     Bifurcation {
         kind: Kind::TR,
@@ -173,6 +166,30 @@ pub(crate) static CATALOGUE: [Bifurcation; 10] = [
         defined_by: None,
         critical: Critical::None,
         seen: &[mirror(&[Kind::TR], "resonance 1:2", Test::Own { unknown: 0, level: PI })],
+    },
+    Bifurcation {
+        kind: Kind::GD,
+        defined_by: Some(|_| Box::new(GrazingBifurcation::degenerate())),
+        critical: Critical::None,
+        seen: &[seen(&[Kind::G], Any, "degenerate grazing", Test::Condition)],
+    },
+    Bifurcation {
+        kind: Kind::GF,
+        defined_by: Some(|_| Box::new(GrazingBifurcation::degenerate_flip())),
+        critical: Critical::None,
+        seen: &[seen(&[Kind::G], Orbits, "degenerate grazing of flip type", Test::Condition)],
+    },
+    Bifurcation {
+        kind: Kind::GL,
+        defined_by: Some(|_| Box::new(GrazingBifurcation::nonhyperbolic())),
+        critical: Critical::None,
+        seen: &[seen(&[Kind::G], Any, "nonhyperbolic grazing of fold type", Test::Condition)],
+    },
+    Bifurcation {
+        kind: Kind::GP,
+        defined_by: Some(|_| Box::new(GrazingBifurcation::nonhyperbolic_flip())),
+        critical: Critical::None,
+        seen: &[seen(&[Kind::G], Orbits, "nonhyperbolic grazing of flip type", Test::Condition)],
     },
 ];
 

@@ -11,6 +11,7 @@ pub(crate) mod catalogue;
 mod crossing;
 mod degenerate_fold;
 mod fold;
+mod grazing;
 mod hopf;
 mod null;
 
@@ -18,4 +19,5 @@ pub use branch_point::BranchPoint;
 pub(crate) use crossing::branches_at;
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
+pub use grazing::GrazingBifurcation;
 pub use hopf::Hopf;

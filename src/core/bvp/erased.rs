@@ -134,6 +134,12 @@ pub trait Equations:
     ) -> Option<&'static str> {
         None
     }
+    /// The solutions with the event at which a solution that does not pass it touches a surface.
+    fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    /// The solutions without the event at which a solution that passes it touches a surface.
+    fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    /// Whether a monitor of grazings belongs to an event that solutions pass.
+    fn is_of_event(&self, monitor: usize) -> bool;
     /// Checks that each segment leads to the next one.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
 }

@@ -165,6 +165,29 @@ pub trait BoundaryProblem: Send + Sync {
         Ok(None)
     }
 
+    /// The solutions with an event, where one that does not pass it touches a surface; `None` where none are known. A branch
+    /// of them begins there ([`born_at_grazing`](Self::born_at_grazing)).
+    ///
+    /// # Errors
+    /// [`Failure`] if they cannot be found.
+    fn with_touched(&self, _starts: &[f64], _q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(None)
+    }
+
+    /// The solutions without an event, where one that passes it touches a surface there; `None` where none does.
+    ///
+    /// # Errors
+    /// [`Failure`] if they cannot be found.
+    fn without_touched(&self, _starts: &[f64], _q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(None)
+    }
+
+    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass, as the speed of an
+    /// impact does; others are distances to what they do not pass.
+    fn is_of_event(&self, _monitor: usize) -> bool {
+        false
+    }
+
     /// Refuses a solution whose segments do not lead from one to the next as the problem has it.
     ///
     /// # Errors

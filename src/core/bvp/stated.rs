@@ -95,6 +95,9 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
         doubled() -> Option<Arc<dyn Equations>>;
         born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        with_touched(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        without_touched(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        is_of_event(monitor: usize) -> bool;
         check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
     }
 }

@@ -1,5 +1,6 @@
 //! A boundary-value problem, discretised, as a [`System`].
 
+mod across;
 mod adaptation;
 mod bordered;
 mod carry;
@@ -25,6 +26,7 @@ use super::{BoundaryError, Equations, IntoEquations, Mesh, Method};
 use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
 use crate::core::zero::{Border, Group, Names};
+use across::Beside;
 use bordered::{Bordered, Form};
 use equations::{Discretised, Work};
 use factorisation::Factorisation;
@@ -91,6 +93,8 @@ pub struct BoundarySystem {
     grazings: Vec<usize>,
     /// What a gradient is taken by.
     numbers: Numbers,
+    /// The solution that grazes as one of the others that do.
+    beside: Option<Beside>,
     /// How many points of a branch were followed.
     followed: usize,
     /// How often the system was refined to become this one.
@@ -130,6 +134,7 @@ impl BoundarySystem {
             nested_twice: Passes::new(layout),
             grazings: equations.problem.grazings(),
             numbers: Numbers::default(),
+            beside: None,
             followed: 0,
             refinements: 0,
             equations,

@@ -70,9 +70,7 @@ impl Tracer<'_> {
             }
             // Where impacting orbits are born vertically every multiplier solves the equations: that is one
             // point, which a fold defines.
-            Kind::PD if self.branch.condition == Some(Kind::G) => {
-                others.any(|other| other.special.kind == Kind::LP && near(other))
-            }
+            Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
             _ => false,
         }
     }

@@ -327,8 +327,13 @@ impl Stepper<'_> {
         from_branch_point: bool,
     ) -> Result<Place, Failure> {
         self.equations.load(&unknowns);
-        for condition in self.tested.iter_mut().flatten() {
-            condition.start(self.equations.at(), &mut [])?;
+        for tested in &mut self.tested {
+            let Some(condition) = tested else { continue };
+            match condition.start(self.equations.at(), &mut []) {
+                // What it is stated for is not known along this curve.
+                Err(Failure::Undetermined(_)) => *tested = None,
+                outcome => outcome?,
+            }
         }
         let stability = self.wants_stability();
         let start = if from_branch_point {

@@ -47,11 +47,15 @@ impl Stepper<'_> {
         let mut tests = Vec::with_capacity(self.events.len());
         for (event, condition) in self.events.iter().zip(&mut self.tested) {
             known.given = match condition {
-                Some(condition) => {
-                    condition.values(self.equations.at(), &[], &mut value)?;
-                    condition.adapt();
-                    Some(value[0])
-                }
+                Some(condition) => match condition.values(self.equations.at(), &[], &mut value) {
+                    // What a condition is stated for is not known here.
+                    Err(Failure::Undetermined(_)) => None,
+                    outcome => {
+                        outcome?;
+                        condition.adapt();
+                        Some(value[0])
+                    }
+                },
                 None if event.test == Test::Itinerary => leads,
                 None => event.value(&TestPoint {
                     state: &self.equations.at().x[..n],

@@ -134,6 +134,19 @@ impl LocalOrbit {
         q.iter().zip(origin).map(|(p, at)| if self.in_place { *p - *at } else { *p }).collect()
     }
 
+    /// The orbit that impacts, or passes, where this one does the other nearest to the surface; `None` if it never does.
+    fn otherwise(&self, impact: bool, starts: &[f64], q: &[f64]) -> Option<Birth> {
+        let points = self.points(starts, q).enumerate().filter(|(_, point)| point.1 == impact);
+        let nearest = points.map(|(k, point)| (point.2.abs(), k));
+        let (_, touched) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut problem = self.clone();
+        problem.impacts[touched] = !impact;
+        let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
+        extras[touched] = 0.0;
+        let (problem, starts) = (problem.into_equations(), starts.to_vec());
+        Some(Birth { problem, starts, extras, beside: None })
+    }
+
     /// The place of the virtual point: `y` in place of the normal coordinate.
     fn virtual_point<T: Scalar>(&self, x: &[T], y: T) -> Vec<T> {
         let mut z = x.to_vec();
@@ -258,21 +271,21 @@ impl BoundaryProblem for LocalOrbit {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
-    /// The orbit that impacts where this one passes nearest to the surface.
     fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        let passes = self.points(starts, q).enumerate().filter(|(_, (_, impact, _))| !impact);
-        let distances = passes.map(|(k, (_, _, distance))| (distance.abs(), k));
-        let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, touched)) = nearest else { return Ok(None) };
-        let mut problem = self.clone();
-        problem.impacts[touched] = true;
-        let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
-        extras[touched] = 0.0;
-        Ok(Some(Birth {
-            problem: problem.into_equations(),
-            starts: starts.to_vec(),
-            extras,
-            beside: None,
-        }))
+        self.with_touched(starts, q)
+    }
+
+    /// The orbit that impacts where this one passes nearest to the surface.
+    fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(self.otherwise(false, starts, q))
+    }
+
+    /// The orbit that passes where this one impacts most lightly.
+    fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(self.otherwise(true, starts, q))
+    }
+
+    fn is_of_event(&self, monitor: usize) -> bool {
+        self.monitors()[monitor].1 == Monitor::Ends(DEPTH)
     }
 }

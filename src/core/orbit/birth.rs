@@ -76,9 +76,7 @@ const ROUNDING: f64 = 1e-11;
 impl HybridOrbit {
     /// The orbits that are born where this one touches guards, all at a time. They begin after the nearest touch.
     pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
-        let touches = self.touches(starts, q)?;
-        let passed: Vec<Passed> =
-            touches.iter().map(|touch| self.passed(touch, q)).collect::<Result<_, _>>()?;
+        let (touches, passed) = self.touched(starts, q)?;
         let pairs = touches.iter().zip(&passed);
         let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed, starts, q));
         let sooner: Option<Vec<Passed>> = sooner.collect();
@@ -86,6 +84,19 @@ impl HybridOrbit {
         let beside = sooner.map(|passed| self.with_passed(passed, starts, q));
         let beside = beside.map(|beside| (beside.starts, beside.extras));
         Ok(Birth { beside, ..birth })
+    }
+
+    /// The same without a neighbour.
+    pub(super) fn with_touches(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
+        let (_, passed) = self.touched(starts, q)?;
+        Ok(self.with_passed(passed, starts, q))
+    }
+
+    /// Where the orbit touches guards, and these touches as events.
+    fn touched(&self, starts: &[f64], q: &[f64]) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
+        let touches = self.touches(starts, q)?;
+        let passed = touches.iter().map(|touch| self.passed(touch, q)).collect::<Result<_, _>>()?;
+        Ok((touches, passed))
     }
 
     /// This orbit with the legs of what it passes, of which there is one at least.

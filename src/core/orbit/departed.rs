@@ -1,5 +1,7 @@
-//! Orbits without the legs that last no time where a branch ends: its continuation beyond a grazing at which legs vanish.
+//! Orbits without the legs that last no time where a branch ends, and without the event that is only a touch there: the
+//! continuation beyond a grazing at which these vanish.
 
+use super::following::Lasting;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
 use crate::core::bvp::{Birth, Residual};
@@ -11,14 +13,108 @@ use crate::core::hybrid::{Moment, guard_scale, time_scale};
 pub(in crate::core) const VANISHES: f64 = 1e-6;
 
 impl HybridOrbit {
-    /// The orbits without the legs that last no time here: the events before them lead to the legs behind them.
-    /// `None` where there are no such legs, where they belong to an event without a speed, which vanishes with them, and
-    /// where no event leads past them.
-    pub(super) fn without_vanished(
+    /// The orbits without the legs, or the events, that vanish here.
+    pub(super) fn without(
         &self,
         starts: &[f64],
         q: &[f64],
     ) -> Result<Option<Birth<Self>>, Failure> {
+        match self.without_vanished(starts, q)? {
+            None if !self.smooth() => self.without_touches(starts, q),
+            found => Ok(found),
+        }
+    }
+
+    /// The orbits without the events that are only touches here, after which motion goes on in the same mode and as before:
+    /// each joins the legs before and behind it. `None` where there are none.
+    fn without_touches(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth<Self>>, Failure> {
+        let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
+        let mut behind = Vec::with_capacity(legs.len());
+        for leg in 0..legs.len() {
+            behind.push(self.behind_touch(leg, starts, q)?);
+        }
+        let Some(first) = behind.iter().copied().find_map(|next| next) else { return Ok(None) };
+        // From the leg behind a touch on, to the one that leads to it.
+        let (mut all, mut joined, mut leg) = (Vec::<Lasting>::new(), false, first);
+        loop {
+            match all.last_mut().filter(|_| joined) {
+                Some(last) => (last.0, last.2) = (legs[leg], last.2 + durations[leg]),
+                None => all.push((legs[leg], starts[self.of_leg(leg)].to_vec(), durations[leg])),
+            }
+            joined = behind[leg].is_some();
+            leg = behind[leg].unwrap_or((leg + 1) % legs.len());
+            if leg == first {
+                break;
+            }
+        }
+        let begins = self.time(first, q);
+        if all.len() == 1 {
+            return self.without_events(first, all.swap_remove(0), q).map(Some);
+        }
+        // The last leg goes on as the first.
+        let (end, _, duration) = all.remove(0);
+        if let Some(last) = all.last_mut() {
+            (last.0, last.2) = (end, last.2 + duration);
+        }
+        Ok(Some(self.with_legs(all, begins + duration)))
+    }
+
+    /// Orbits without events, from a motion of one period that begins as a leg does.
+    fn without_events(
+        &self,
+        first: usize,
+        (leg, mut start, duration): Lasting,
+        q: &[f64],
+    ) -> Result<Birth<Self>, Failure> {
+        let problem = self.like(Itinerary::smooth(leg.mode, self.itinerary.periods));
+        if !self.forced {
+            return Ok(Birth { problem, starts: start, extras: vec![duration], beside: None });
+        }
+        // They begin at time 0, or a whole number of periods later.
+        let p = self.split(q).0;
+        let wait = (-self.time(first, q)).rem_euclid(self.system.period(p));
+        let numbers = self.numbers_of(first, q);
+        let field = Residual::<f64>::on_segment(self, first, &numbers);
+        Flow::<f64>::default().advance(&field, 0.0, wait, &mut start, &numbers)?;
+        Ok(Birth { problem, starts: start, extras: Vec::new(), beside: None })
+    }
+
+    /// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None` if its end is none, or
+    /// leads to another mode.
+    fn behind_touch(
+        &self,
+        leg: usize,
+        starts: &[f64],
+        q: &[f64],
+    ) -> Result<Option<usize>, Failure> {
+        let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
+        let least = VANISHES * time_scale(self.system(), self.split(q).0);
+        let lasts = |leg: &usize| durations[*leg].abs() > least;
+        if !lasts(&leg) || !self.touches_slowly(leg, starts, q)? {
+            return Ok(None);
+        }
+        let mut later = (1..=legs.len()).map(|k| (leg + k) % legs.len());
+        Ok(later.find(lasts).filter(|next| legs[*next].mode == legs[leg].mode))
+    }
+
+    /// Whether the event that ends a leg has no speed.
+    fn touches_slowly(&self, leg: usize, starts: &[f64], q: &[f64]) -> Result<bool, Failure> {
+        let Leg { exit: Some(guard), .. } = self.legs()[leg] else { return Ok(false) };
+        let ((t, x), p) = (self.end_of(leg, starts, q)?, self.split(q).0);
+        Ok(!self.has_speed((leg, guard), (t, &x), p))
+    }
+
+    /// Whether a guard is passed with a speed.
+    fn has_speed(&self, (leg, guard): (usize, usize), (t, x): (f64, &[f64]), p: &[f64]) -> bool {
+        let (system, mode) = (self.system(), self.legs()[leg].mode);
+        let slow = VANISHES * guard_scale(system, (guard, mode), (t, x), p) / time_scale(system, p);
+        Moment { system, mode, t, x, p }.rate(guard).abs() > slow
+    }
+
+    /// The orbits without the legs that last no time here: the events before them lead to the legs behind them.
+    /// `None` where there are no such legs, where they belong to an event without a speed, which vanishes with them, and
+    /// where no event leads past them.
+    fn without_vanished(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth<Self>>, Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
         let durations = self.durations(extras);
         let least = VANISHES * time_scale(self.system(), p);
@@ -72,12 +168,9 @@ impl HybridOrbit {
             return Ok(false);
         };
         let (t, x) = self.end_of(leg, starts, q)?;
-        let slow =
-            VANISHES * guard_scale(system, (guard, mode), (t, &x), p) / time_scale(system, p);
         let mode_after = self.legs()[next].mode;
         let mut after = vec![0.0; self.modes[mode_after].states.len()];
         system.reset(guard, (mode, mode_after), t, &x, p, &mut after);
-        let speed = Moment { system, mode, t, x: &x, p }.rate(guard).abs();
-        Ok(speed > slow && after.iter().all(|x| x.is_finite()))
+        Ok(self.has_speed((leg, guard), (t, &x), p) && after.iter().all(|x| x.is_finite()))
     }
 }

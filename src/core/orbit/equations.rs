@@ -267,7 +267,7 @@ impl Equations for HybridOrbit {
         if self.guards.is_empty() {
             return Ok(None);
         }
-        let mut birth = self.without_vanished(starts, q)?;
+        let mut birth = self.without(starts, q)?;
         if birth.is_none() {
             birth = self.decided_otherwise(starts, q)?;
         }
@@ -277,6 +277,26 @@ impl Equations for HybridOrbit {
 
     fn kind_of_grazing(&self, monitor: usize, starts: &[f64], q: &[f64]) -> Option<&'static str> {
         self.name_of_grazing(monitor, starts, q)
+    }
+
+    fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(self.without(starts, q)?.map(Birth::erased))
+    }
+
+    fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        if self.guards.is_empty() {
+            return Ok(None);
+        }
+        let other = match self.decided_otherwise(starts, q)? {
+            Some(other) => other,
+            None => self.with_touches(starts, q)?,
+        };
+        Ok(Some(other.erased()))
+    }
+
+    fn is_of_event(&self, monitor: usize) -> bool {
+        let ends = Monitor::Ends(APPROACH);
+        [ends, Monitor::Ends(SHORTEST)].contains(&self.monitors().swap_remove(monitor).1)
     }
 
     /// Every event, and every accumulation, must lead to the mode that the itinerary says.

@@ -10,7 +10,7 @@ use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
-    self, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
+    self, Across, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
 };
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 
@@ -221,6 +221,10 @@ impl System for BoundarySystem {
         self.equations.evaluate_monitor(monitor, &mut self.plain)
     }
 
+    fn across(&mut self, x: &[f64]) -> Result<Option<Across<'_>>, Failure> {
+        self.beside_at(x)
+    }
+
     fn monitor_gradient(
         &mut self,
         monitor: usize,
@@ -311,8 +315,12 @@ impl Admissible for BoundarySystem {
 
     fn kind_of_grazing(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
         let (z, p) = x.split_at(self.names().dimension());
-        let (starts, q) = self.starts_and_numbers(z, p);
+        let (starts, q) = self.starts_of(z, p);
         self.problem().kind_of_grazing(monitor, &starts, &q)
+    }
+
+    fn is_of_event(&self, monitor: usize) -> bool {
+        self.problem().is_of_event(monitor)
     }
 
     fn itinerary(&self) -> String {

@@ -114,7 +114,7 @@ impl BoundarySystem {
 
     /// The solutions that are born where one touches a surface, beginning with the one that touches.
     fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, Failure> {
-        let (starts, q) = self.starts_and_numbers(z, p);
+        let (starts, q) = self.starts_of(z, p);
         let Some(birth) = self.problem().born_at_grazing(&starts, &q)? else {
             let reason = "no other branch is known where solutions of this problem graze";
             return Err(Failure::Unsupported(reason.into()));
@@ -128,13 +128,6 @@ impl BoundarySystem {
             across.chain(p.iter().map(|_| 0.0)).collect()
         });
         Ok(Adopted { z, start: Start::Birth { along } })
-    }
-
-    /// The states where segments begin, and parameters with further unknowns.
-    pub(super) fn starts_and_numbers(&self, z: &[f64], p: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let layout = &self.equations.layout;
-        let starts = layout.ends[..layout.states].iter().map(|&k| z[k]).collect();
-        (starts, [p, &z[layout.values()..]].concat())
     }
 
     /// The unknowns `z` of trajectories that flow from the states where segments begin.

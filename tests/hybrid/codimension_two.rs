@@ -1,0 +1,136 @@
+//! Promise: points of codimension two on a curve of grazings are found and named whether the curve is held for the orbits
+//! without the event or for those with it.
+
+use crate::common::close;
+use crate::hybrid::systems::impact_oscillator::{ClosedForm, resonance};
+use crate::hybrid::systems::orbits::{DIGITS, found, nonimpacting};
+use std::f64::consts::TAU;
+use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
+use tangency::core::continuation::{Branch, Continuation, Kind, Settings};
+use tangency::core::field::Forcing;
+use tangency::core::flow::Scheme;
+use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::System;
+use tangency::problems::classic::ImpactOscillator;
+
+/// The curve of grazings through that of a branch, held without the event and with it.
+fn from_both_sides(
+    system: &mut dyn System,
+    branch: &Branch,
+    [first, second]: [(&str, [f64; 2]); 2],
+    max_step: f64,
+) -> [Branch; 2] {
+    let label = branch.of_kind(Kind::G).next().unwrap().label;
+    [false, true].map(|switched| {
+        let run = Continuation::of(&mut *system).restart(branch, label).hold(Kind::G);
+        let run = if switched { run.switch() } else { run };
+        let run = run.settings(Settings { max_step, ..Settings::default() });
+        let run = run.along(first.0, first.1[0]..=first.1[1]);
+        run.along(second.0, second.1[0]..=second.1[1]).trace().unwrap()
+    })
+}
+
+/// Grazing orbits in two parameters: `A = D(ω) d` to the digits, and the degenerate points at `ω = 2ω_d/n`, where families
+/// with an impact are born upright. Multipliers without impacts are those of free motion, of modulus less than 1, so that
+/// nothing else happens.
+#[test]
+fn resonant_grazings_are_degenerate() {
+    let form = ClosedForm::usual(1.2);
+    for mut start in nonimpacting(&form, 0.5) {
+        let range = [0.1 * form.grazing(), 2.0 * form.grazing()];
+        let branch = start.along("amplitude", range).trace().unwrap();
+        let plane = [("amplitude", [0.0, 10.0]), ("frequency", [0.3, 2.3])];
+        for curve in from_both_sides(start.system.as_mut(), &branch, plane, 0.02) {
+            let column = |name: &str| curve.column(name).unwrap();
+            let [amplitude, frequency] = ["amplitude", "frequency"].map(column);
+            for point in &curve.points {
+                let expected = ClosedForm::usual(point.value(frequency).unwrap()).grazing();
+                close(point.value(amplitude).unwrap(), expected, DIGITS);
+            }
+            assert!(found(&curve).iter().all(|(kind, _)| *kind == Kind::GD), "{:?}", found(&curve));
+            let points = curve.of_kind(Kind::GD).map(|point| point.value(frequency).unwrap());
+            let mut points: Vec<f64> = points.collect();
+            points.sort_by(|a, b| b.total_cmp(a));
+            assert_eq!(points.len(), 6, "{}: {points:?}", curve.name);
+            for (n, point) in points.iter().enumerate() {
+                close(*point, resonance(n + 1, form.damping), DIGITS);
+            }
+        }
+    }
+}
+
+/// The impact oscillator beside a linear oscillator in a frame that turns by half in a period, which has the multipliers
+/// `−e^{2πμ}` and `−e^{−2π}`: the parameters are the amplitude and μ.
+struct Turning;
+
+impl HybridSystem for Turning {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("flight", ["displacement", "velocity", "s", "z"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("impact", [0])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        ["amplitude", "mu"].map(String::from).to_vec()
+    }
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let phase = t * FREQUENCY;
+        let [c, s] = [phase.cos(), phase.sin()];
+        let along = ((c + 1.0) * x[2] + s * x[3]) * 0.5;
+        let across = (s * x[2] + (-c + 1.0) * x[3]) * 0.5;
+        f[0] = x[1];
+        f[1] = p[0] * c - x[0] - x[1] * DAMPING;
+        f[2] = (p[1] * along - (x[2] - along) - x[3] * 0.5) * FREQUENCY;
+        f[3] = (p[1] * across - (x[3] - across) + x[2] * 0.5) * FREQUENCY;
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        -x[0] + 1.0
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        after.copy_from_slice(x);
+        after[1] = -x[1] * 0.8;
+    }
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::from(TAU / FREQUENCY)
+    }
+}
+
+const FREQUENCY: f64 = 1.2;
+const DAMPING: f64 = 0.1;
+
+/// Where a multiplier is −1 with the impact and without it, at μ = 0, both flips are named, and nothing else is.
+#[test]
+fn flips_are_named() {
+    let orbit = HybridOrbit::of(Turning, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+    let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(1)]).unwrap();
+    let grazing = ClosedForm::new(FREQUENCY, 0.8, DAMPING, 1.0).grazing();
+    let run = Continuation::of(&mut orbits).at("amplitude", 0.1).at("mu", -0.05);
+    let branch = run.along("amplitude", 0.1..=2.0).trace().unwrap();
+    let plane = [("amplitude", [0.0, 2.0]), ("mu", [-0.06, 0.03])];
+    for curve in from_both_sides(&mut orbits, &branch, plane, 0.1) {
+        let mut kinds: Vec<&str> = found(&curve).iter().map(|(kind, _)| kind.letters()).collect();
+        kinds.sort_unstable();
+        assert_eq!(kinds, ["GF", "GP"], "{}", curve.name);
+        for special in [Kind::GF, Kind::GP].iter().flat_map(|kind| curve.of_kind(*kind)) {
+            close(special.parameters[0], grazing, DIGITS);
+            close(special.parameters[1], 0.0, DIGITS);
+        }
+    }
+}
