@@ -18,4 +18,5 @@ mod scales;
 mod simulation;
 mod sliding;
 pub mod systems;
+mod torus;
 mod watched;

@@ -99,7 +99,9 @@ impl HybridOrbit {
 
     /// Whether the event that ends a leg has no speed.
     fn touches_slowly(&self, leg: usize, starts: &[f64], q: &[f64]) -> Result<bool, Failure> {
-        let Leg { exit: Some(guard), .. } = self.legs()[leg] else { return Ok(false) };
+        let Leg { exit: Some(guard), accumulates: false, .. } = self.legs()[leg] else {
+            return Ok(false);
+        };
         let ((t, x), p) = (self.end_of(leg, starts, q)?, self.split(q).0);
         Ok(!self.has_speed((leg, guard), (t, &x), p))
     }
