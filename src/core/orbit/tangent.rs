@@ -20,7 +20,7 @@ impl HybridOrbit {
         q: &[f64],
     ) -> Option<&'static str> {
         let place = match self.monitors().swap_remove(monitor).1 {
-            Monitor::Distance(_) => self.touched(starts, q),
+            Monitor::Distance(_) => self.first_touch(starts, q),
             // Where a leg vanishes its event has no speed, and a decision vanishes with it.
             Monitor::Ends(function) => self
                 .vanished(starts, q)
@@ -32,7 +32,7 @@ impl HybridOrbit {
     }
 
     /// The first touch of a guard, of those that the orbit does not pass.
-    fn touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Place>, Failure> {
+    fn first_touch(&self, starts: &[f64], q: &[f64]) -> Result<Option<Place>, Failure> {
         let touch = self.touches(starts, q)?.into_iter().next();
         Ok(touch.map(|touch| {
             let mode = self.legs()[touch.leg].mode;
