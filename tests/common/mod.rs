@@ -1,6 +1,7 @@
 //! Problems with known answers, shared by the tests of the core.
 
 mod measured;
+pub mod settling;
 
 pub use measured::{Bratu, Oxidation};
 use std::f64::consts::TAU;

@@ -120,7 +120,7 @@ fn slots_are_stated_in_text() {
     )"#;
     let outcome = execute(&Scene::parse(text).unwrap(), None, &mut ());
     assert_eq!(outcome.error, None);
-    assert_eq!(outcome.document.branches[0].itinerary, "outside:enter inside:leave");
+    assert_eq!(outcome.document.branches[0].itinerary, "inside:leave outside:enter");
     let refused = Scene::parse(&text.replace("\"1e-3\"", "0")).unwrap_err().to_string();
     assert!(refused.contains("the time in which a guard changes"), "{refused}");
 }

@@ -123,6 +123,7 @@ impl Condition for GrazingBifurcation {
             return self.fold.values(At { system, x, released }, y, values);
         }
         let Across { system, x } = across(system, x)?;
+        system.assemble(x)?;
         self.fold.values(At { system, x, released }, y, values)
     }
 

@@ -134,7 +134,8 @@ pub trait Equations:
     ) -> Option<&'static str> {
         None
     }
-    /// The solutions with the event at which a solution that does not pass it touches a surface.
+    /// The solutions with the event at which a solution that does not pass it touches a surface, if their linearisation is
+    /// another one.
     fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// The solutions without the event at which a solution that passes it touches a surface.
     fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;

@@ -86,12 +86,6 @@ impl HybridOrbit {
         Ok(Birth { beside, ..birth })
     }
 
-    /// The same without a neighbour.
-    pub(super) fn with_touches(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
-        let (_, passed) = self.touched(starts, q)?;
-        Ok(self.with_passed(passed, starts, q))
-    }
-
     /// Where the orbit touches guards, and these touches as events.
     fn touched(&self, starts: &[f64], q: &[f64]) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
         let touches = self.touches(starts, q)?;
@@ -246,6 +240,9 @@ impl HybridOrbit {
         starts: &[f64],
         q: &[f64],
     ) -> Option<Passed> {
+        if passed.following.legs.is_empty() {
+            return None;
+        }
         let unit = time_scale(self.system(), self.split(q).0);
         let [(near, error), (_, less)] = [SOONER, SOONER / NEARER]
             .map(|sooner| self.sooner(touch, sooner * unit, &starts[self.of_leg(touch.leg)], q))
@@ -256,7 +253,7 @@ impl HybridOrbit {
         let same = near.following.itinerary().eq(passed.following.itinerary());
         // What an event changes grows like the time, what is left out of it like its square.
         let second_order = less <= error * 2.0 / (NEARER * NEARER) + ROUNDING;
-        (same && second_order && !passed.following.legs.is_empty()).then_some(near)
+        (same && second_order).then_some(near)
     }
 
     /// The event that comes so long before a touch, and how far from the motion that touches it ends, in units of the scales.

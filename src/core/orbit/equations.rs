@@ -284,14 +284,12 @@ impl Equations for HybridOrbit {
     }
 
     fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        if self.guards.is_empty() {
+        if self.guards.is_empty() || self.decided_otherwise(starts, q)?.is_some() {
             return Ok(None);
         }
-        let other = match self.decided_otherwise(starts, q)? {
-            Some(other) => other,
-            None => self.with_touches(starts, q)?,
-        };
-        Ok(Some(other.erased()))
+        // Where the event changes nothing, both are linearised alike.
+        let other = self.born(starts, q)?;
+        Ok(other.beside.is_none().then(|| other.erased()))
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

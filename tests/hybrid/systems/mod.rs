@@ -9,7 +9,6 @@ pub mod impact_oscillator;
 pub mod orbits;
 pub mod piecewise;
 pub mod reference;
-pub mod settling;
 pub mod sliding;
 
 use num_dual::Dual64;

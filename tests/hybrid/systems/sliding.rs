@@ -122,7 +122,9 @@ impl FilippovSystem for Sliding {
 
 /// What motion by hand passes: where it reaches the surface from above, and where a probe vanishes.
 pub enum Mark {
-    Arrival,
+    /// Motion in a mode reaches the surface, or leaves it.
+    Arrival(usize),
+    /// The probe vanishes.
     Probe,
 }
 
@@ -223,9 +225,7 @@ impl ByHand<'_> {
                 continue;
             };
             (x, t) = (self.stepped(mode, t, &x, part), t + part);
-            if mode == 0 {
-                show(Mark::Arrival, t, &x);
-            }
+            show(Mark::Arrival(mode), t, &x);
             mode = self.next(mode, t, &x);
         }
     }
