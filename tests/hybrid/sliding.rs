@@ -39,7 +39,7 @@ fn simulated(
     let (mut orbits, z) = settled(system, &p);
     let names = system.parameters();
     let run = Continuation::of(&mut orbits).from(&z);
-    let run = names.iter().zip(&p).fold(run, |run, ((name, _), p)| run.at(*name, *p));
+    let run = names.iter().zip(&p).fold(run, |run, ((name, _), p)| run.at(name, *p));
     let branch = marked(run, name, marks).along(name, range[0]..=range[1]).trace().unwrap();
     (orbits, branch)
 }
@@ -329,7 +329,7 @@ fn sliding_takes_a_multiplier_away() {
         let (mut orbits, z) = settled(system, &p);
         let names = system.parameters();
         let run = Continuation::of(&mut orbits).from(&z);
-        let run = names.iter().zip(&p).fold(run, |run, ((name, _), p)| run.at(*name, *p));
+        let run = names.iter().zip(&p).fold(run, |run, ((name, _), p)| run.at(name, *p));
         let run = run.mark(name, value + 0.005).along(name, value..=value + 0.01);
         let branch = run.trace().unwrap();
         let point = branch.of_kind(Kind::UZ).next().unwrap();

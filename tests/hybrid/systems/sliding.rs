@@ -128,16 +128,19 @@ pub enum Mark {
     Probe,
 }
 
+/// A function of mode, time and state.
+type InMode<'a, T> = dyn Fn(usize, f64, &[f64; 3]) -> T + 'a;
+
 /// Where motion by hand is in fixed steps: 0 above the surface, 1 below, 2 on it.
 pub struct ByHand<'a> {
     /// The rates of states in a mode.
-    pub field: &'a dyn Fn(usize, f64, &[f64; 3]) -> [f64; 3],
+    pub field: &'a InMode<'a, [f64; 3]>,
     /// The surface's function.
     pub surface: &'a dyn Fn(&[f64; 3]) -> f64,
     /// The normal velocities above and below.
     pub normal: &'a dyn Fn(f64, &[f64; 3]) -> [f64; 2],
     /// A function in a mode, whose zeros are marked.
-    pub probe: &'a dyn Fn(usize, f64, &[f64; 3]) -> Option<f64>,
+    pub probe: &'a InMode<'a, Option<f64>>,
     pub step: f64,
 }
 
