@@ -92,10 +92,20 @@ impl Scene {
             let rule = "must be between 0 and 1";
             return Err(SceneError::invalid(place("tolerance"), tolerance.to_string(), rule));
         }
+        if let (Some(at), Some(_)) = (&sweep.at, &sweep.local) {
+            let rule = "must be left out where a local map is iterated";
+            return Err(SceneError::invalid(place("at"), at.clone(), rule));
+        }
         let Some(local) = &sweep.local else {
             let motion = self.problem.model().motion()?;
-            if motion.forcing() == Forcing::None {
-                return Err(StroboscopicError::NoPeriod.into());
+            match (&sweep.at, motion.forcing()) {
+                (None, Forcing::None) => return Err(StroboscopicError::NoPeriod.into()),
+                (Some(event), Forcing::None) => {
+                    let guards = motion.guards();
+                    position("event", event, guards.iter().map(|guard| &guard.name))?;
+                }
+                (Some(event), _) => return Err(StroboscopicError::Forced(event.clone()).into()),
+                (None, _) => {}
             }
             self.with(&sweep.set)?.plan(sweep, &motion.modes()[0])?;
             let known = motion.measures().into_iter();

@@ -215,6 +215,9 @@ pub struct Sweep {
     /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the
     /// grazing.
     pub local: Option<Local>,
+    /// The event just after which motion is sampled, of a hybrid system without forcing. Periods are returns to it then.
+    #[serde(default)]
+    pub at: Option<String>,
     /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
     pub over: Vec<Grid>,
     /// Where runs begin.

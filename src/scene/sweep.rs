@@ -4,7 +4,7 @@ use super::error::SceneError;
 use super::simulate::at_rest;
 use super::statement::{Grid, Scene, Sweep};
 use super::trace::map_of;
-use crate::core::attractor::{Layout, PeriodMap, StroboscopicError, StroboscopicMap};
+use crate::core::attractor::{Layout, PeriodMap, ReturnMap, StroboscopicError, StroboscopicMap};
 use crate::core::flow;
 use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
@@ -181,7 +181,10 @@ fn strobed<'a>(
     let Some(map) = map else {
         let flow = flow::Settings::new(flow::Scheme::DormandPrince8, sweep.flow_error);
         let settings = HybridSettings { flow, ..HybridSettings::default() };
-        return Ok(Box::new(PeriodMap::of(motion, settings, &sweep.measures)?));
+        return Ok(match &sweep.at {
+            None => Box::new(PeriodMap::of(motion, settings, &sweep.measures)?),
+            Some(event) => Box::new(ReturnMap::of(motion, settings, &sweep.measures, event)?),
+        });
     };
     let names = seen.problem.parameter_names();
     let iterated = Iterated::of(map.clone(), &names, &sweep.measures);

@@ -65,7 +65,7 @@ fn stick_slip() {
     if let Start::From { switch, .. } = &mut births.runs[2].start {
         *switch = true;
     }
-    let births = sound(&births);
+    let births = executed(&births);
     for kind in [Kind::GL, Kind::GP, Kind::GD] {
         let points = values(&document, grazings, kind, "omega");
         finds(&births, (grazings, kind, "omega"), &points, 1e-10);

@@ -13,6 +13,7 @@ mod output_figures;
 mod output_svg;
 #[cfg(unix)]
 mod readme;
+mod returns;
 mod robustness;
 pub mod scenarios;
 mod scenes;

@@ -13,10 +13,26 @@ pub enum StroboscopicError {
     /// There is no forcing.
     #[error(
         "the system has no forcing, so its motion cannot be sampled once a period: state one (`HybridSystem::forcing`, \
-         `period`), or search for returns to a guard (`CycleSearch`)"
+         `period`), or sample it at an event (`ReturnMap`, `at` in a sweep)"
     )]
     NoPeriod,
-    /// A measure that the system does not have, or a scalar of one.
+    /// A forced motion is to be sampled at an event.
+    #[error(
+        "the system has a forcing, and its motion is sampled once a period: leave out that it is sampled at the event `{0}`"
+    )]
+    Forced(String),
+    /// A motion without forcing does not come back to the event at which it is sampled.
+    #[error(
+        "the event `{event}`, at which the motion is sampled, does not come within a time of {within}: the motion has settled \
+         on an equilibrium, or on an orbit without it; sample it at another event, or begin elsewhere"
+    )]
+    NoReturn {
+        /// The event.
+        event: String,
+        /// How long it was waited for.
+        within: f64,
+    },
+    /// A measure or an event that the system does not have, or a scalar of a measure.
     #[error(transparent)]
     NoMeasure(#[from] UnknownName),
     /// No attractor is lost.

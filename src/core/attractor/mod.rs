@@ -1,7 +1,8 @@
 //! Attractors: what motions settle on, by brute force.
 //!
 //! A motion that is sampled once in every period is a map from state to state, `x ↦ F(x, p)`: the motion of a
-//! hybrid system under a forcing ([`PeriodMap`]), or a map in itself. Both are a [`StroboscopicMap`].
+//! hybrid system under a forcing ([`PeriodMap`]), or a map in itself; without forcing a motion is sampled at an event
+//! ([`ReturnMap`]). All are a [`StroboscopicMap`].
 //!
 //! [`AttractorSearch`] follows it through a transient and records what comes then. Where motion comes back, `F^q(x) ≈ x`
 //! with the same events, the periodic point is improved by Newton's method with `M = ∂F^q/∂x`, whose eigenvalues are the
@@ -14,6 +15,7 @@ mod error;
 mod exponent;
 mod period;
 mod period_map;
+mod return_map;
 mod search;
 mod stroboscopic;
 
@@ -22,5 +24,6 @@ pub use error::StroboscopicError;
 pub use exponent::Exponent;
 pub use period::{EventRecord, Period};
 pub use period_map::PeriodMap;
+pub use return_map::ReturnMap;
 pub use search::{Attractor, AttractorSearch};
 pub use stroboscopic::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};

@@ -57,6 +57,33 @@ impl<'a> PeriodMap<'a> {
         settings: HybridSettings,
         measures: &[String],
     ) -> Result<Self, StroboscopicError> {
+        let Seen { layout, numbers, measures } = Seen::of(system, measures)?;
+        Ok(PeriodMap {
+            real: HybridFlow::new(system, settings)?,
+            dual: HybridFlow::new(system, settings)?,
+            fleet: Fleet::new(system, settings)?,
+            dual_fleet: Fleet::new(system, settings)?,
+            layout,
+            numbers,
+            measures,
+        })
+    }
+}
+
+/// What is seen of the motion of a hybrid system.
+pub(super) struct Seen {
+    pub layout: Layout,
+    /// Numbers of events by guard: guards of one name are one event.
+    pub numbers: Vec<usize>,
+    pub measures: Vec<Measure>,
+}
+
+impl Seen {
+    /// All modes and events, and measures by name.
+    pub fn of(
+        system: &dyn HybridEquations,
+        measures: &[String],
+    ) -> Result<Self, StroboscopicError> {
         check_measures(system)?;
         let mut known = system.measures();
         known.push((Measure::PENETRATION.into(), Measure::Penetration));
@@ -72,15 +99,9 @@ impl<'a> PeriodMap<'a> {
                 events.push(guard.name);
             }
         }
-        Ok(PeriodMap {
-            real: HybridFlow::new(system, settings)?,
-            dual: HybridFlow::new(system, settings)?,
-            fleet: Fleet::new(system, settings)?,
-            dual_fleet: Fleet::new(system, settings)?,
-            layout: Layout { modes: system.modes(), events, measures: measures.to_vec() },
-            numbers,
-            measures: measures.iter().map(measure).collect::<Result<_, _>>()?,
-        })
+        let layout = Layout { modes: system.modes(), events, measures: measures.to_vec() };
+        let measures = measures.iter().map(measure).collect::<Result<_, _>>()?;
+        Ok(Seen { layout, numbers, measures })
     }
 }
 

@@ -1,0 +1,189 @@
+//! Autonomous hybrid systems sampled at an event.
+
+use super::error::StroboscopicError;
+use super::period::{Period, Recorder, Recording};
+use super::period_map::Seen;
+use super::stroboscopic::{Layout, StroboscopicMap};
+use crate::core::field::Forcing;
+use crate::core::flow::Step;
+use crate::core::hybrid::{
+    Event, EventNumber, GuardOf, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
+    Member, time_scale,
+};
+use crate::core::names::position;
+use crate::core::scalar_field::FieldIn;
+use crate::core::watch::Watchable;
+use num_dual::Dual64;
+use std::ops::ControlFlow;
+
+/// Motion is looked at after so long a time, in units of its scale, whether it is at rest …
+const LOOK: f64 = 50.0;
+/// … that is, has changed by no more than this, in units of its states' scales …
+const MOVED: f64 = 1e-9;
+/// … and is given up after so many looks.
+const LOOKS: usize = 200;
+
+/// The motion of a hybrid system without forcing, sampled just after every event of a name: its Poincaré map there. What else
+/// is said of periods is said of returns: cycles are counted, and exponents are, per return.
+///
+/// ```
+/// use tangency::core::attractor::{AttractorSearch, ReturnMap};
+/// use tangency::core::field::Forcing;
+/// use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Mode};
+/// use tangency::core::scalar::Scalar;
+/// /// The voltage `v' = 1 − v/2` falls from `1 + a z` to 0 where it reaches it, and `z` to a third of itself.
+/// struct Lamp;
+/// impl HybridSystem for Lamp {
+///     fn modes(&self) -> Vec<Mode> {
+///         vec![Mode::new("dark", ["v", "z"])]
+///     }
+///     fn guards(&self) -> Vec<Guard> {
+///         vec![Guard::new("flash", [0])]
+///     }
+///     fn parameters(&self) -> Vec<String> {
+///         vec!["a".into()]
+///     }
+///     fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], _p: &[T], f: &mut [T]) {
+///         (f[0], f[1]) = (-x[0] * 0.5 + 1.0, T::zero());
+///     }
+///     fn guard<T: Scalar>(&self, _g: usize, _mode: usize, _t: T, x: &[T], p: &[T]) -> T {
+///         p[0] * x[1] - x[0] + 1.0
+///     }
+///     fn reset<T: Scalar>(
+///         &self, _g: usize, _modes: (usize, usize), _t: T, x: &[T], _p: &[T], after: &mut [T],
+///     ) {
+///         (after[0], after[1]) = (T::zero(), x[1] / 3.0);
+///     }
+/// }
+/// let mut lamp = ReturnMap::of(&Lamp, HybridSettings::default(), &[], "flash")?;
+/// let start = HybridState { mode: 0, time: 0.0, x: vec![0.0, 0.3] };
+/// let found = AttractorSearch::default().follow(&mut lamp, start, &[0.1])?;
+/// assert_eq!(found.periods, Some(1));
+/// // Of each return a third is left.
+/// assert!((found.exponent.expect("an exponent").value + 3.0_f64.ln()).abs() < 1e-9);
+/// # Ok::<(), tangency::core::attractor::StroboscopicError>(())
+/// ```
+pub struct ReturnMap<'a> {
+    real: HybridFlow<'a, f64>,
+    dual: HybridFlow<'a, Dual64>,
+    seen: Seen,
+    /// The number of the event at which motion is sampled.
+    event: usize,
+}
+
+impl<'a> ReturnMap<'a> {
+    /// The motion of a system, of which these measures are taken in every return to an event.
+    ///
+    /// # Errors
+    /// [`StroboscopicError::Forced`] if the system has a forcing, by whose period it is sampled; `NoMeasure` if it has no such
+    /// event, or measure; `Hybrid` if a setting has no meaning.
+    pub fn of(
+        system: &'a dyn HybridEquations,
+        settings: HybridSettings,
+        measures: &[String],
+        event: &str,
+    ) -> Result<Self, StroboscopicError> {
+        if system.forcing() != Forcing::None {
+            return Err(StroboscopicError::Forced(event.into()));
+        }
+        let seen = Seen::of(system, measures)?;
+        Ok(ReturnMap {
+            real: HybridFlow::new(system, settings)?,
+            dual: HybridFlow::new(system, settings)?,
+            event: position("event", event, &seen.layout.events)?,
+            seen,
+        })
+    }
+
+    /// That no event came.
+    fn lost(&self, within: f64) -> StroboscopicError {
+        let event = self.seen.layout.events[self.event].clone();
+        StroboscopicError::NoReturn { event, within }
+    }
+}
+
+/// Watches a motion until an event comes.
+struct Until<'s, R> {
+    numbers: &'s [usize],
+    event: usize,
+    inner: R,
+    came: bool,
+}
+
+impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
+    fn step<F: FieldIn<T>>(&mut self, mode: usize, step: &mut Step<F, T>, end: T) {
+        self.inner.step(mode, step, end);
+    }
+
+    fn event(&mut self, event: &Event<T>) -> ControlFlow<()> {
+        self.came = self.numbers[event.guard] == self.event;
+        match self.inner.event(event) {
+            ControlFlow::Continue(()) if !self.came => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        }
+    }
+}
+
+/// Follows a motion to the event, from where its time is counted anew; where it does not come, how long that was waited for.
+fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
+    flow: &mut HybridFlow<'a, T>,
+    Member { state, p }: &mut Member<T>,
+    until: &mut Until<R>,
+) -> Result<Option<f64>, StroboscopicError>
+where
+    GuardOf<'a>: Watchable<T>,
+{
+    let real: Vec<f64> = p.iter().map(T::real).collect();
+    let (system, look) = (flow.system(), LOOK * time_scale(flow.system(), &real));
+    for count in 1..=LOOKS {
+        let (mode, x) = (state.mode, state.x.iter().map(T::real).collect::<Vec<f64>>());
+        flow.advance(state, T::constant(look), p, until)?;
+        if until.came {
+            return Ok(None);
+        }
+        let mut sizes = system.scales_of(mode, &real);
+        sizes.resize(x.len(), 1.0);
+        let moved = state.x.iter().zip(&x).zip(&sizes).map(|((a, b), s)| (a.real() - b).abs() / s);
+        if state.mode == mode && moved.fold(0.0, f64::max) <= MOVED {
+            return Ok(Some(look * count as f64));
+        }
+    }
+    Ok(Some(look * LOOKS as f64))
+}
+
+impl StroboscopicMap for ReturnMap<'_> {
+    fn layout(&self) -> &Layout {
+        &self.seen.layout
+    }
+
+    fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {
+        let begins = member.state.time;
+        let numbers = &self.seen.numbers;
+        let mut until = Until { numbers, event: self.event, inner: (), came: false };
+        let lost = returned(&mut self.real, member, &mut until)?;
+        member.state.time = begins;
+        lost.map_or(Ok(()), |within| Err(self.lost(within)))
+    }
+
+    fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
+        let (system, start) = (self.real.system(), member.state.clone());
+        let Seen { layout: Layout { modes, .. }, numbers, measures } = &self.seen;
+        let inner = Recorder::new(Recording { system, modes, measures, numbers }, &start);
+        let mut until = Until { numbers, event: self.event, inner, came: false };
+        if let Some(within) = returned(&mut self.real, member, &mut until)? {
+            return Err(self.lost(within));
+        }
+        let recorded = until.inner.finish(&member.state, &member.p);
+        member.state.time = start.time;
+        Ok(recorded)
+    }
+
+    fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
+        let begins = member.state.time;
+        let numbers = &self.seen.numbers;
+        let mut until = Until { numbers, event: self.event, inner: (), came: false };
+        let lost = returned(&mut self.dual, member, &mut until)?;
+        member.state.time = begins;
+        lost.map_or(Ok(()), |within| Err(self.lost(within)))
+    }
+}
