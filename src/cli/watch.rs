@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::signals::{self, interrupted};
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::{Screen, printable};
-use crate::scene::{Run, SceneObserver};
+use crate::scene::SceneObserver;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
@@ -111,7 +111,7 @@ impl<W: Write> SceneObserver for Watch<'_, W> {
         announce(&self.bar, run, what, longest, "Ctrl-C keeps what is done");
     }
 
-    fn run(&mut self, run: &Run, _number: usize, _of: usize) {
-        self.shown = run.shown;
+    fn run(&mut self, _run: &str, shown: bool) {
+        self.shown = shown;
     }
 }

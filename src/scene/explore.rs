@@ -46,7 +46,7 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
             continue;
         }
         whole.runs.push(run.clone());
-        observer.run(&run, whole.runs.len() - 1, whole.runs.len() + coming.len());
+        observer.run(&run.name, run.shown);
         match tracing.run(&whole, &run, None, observer) {
             Ok(ControlFlow::Continue(())) => {}
             Ok(ControlFlow::Break(())) => break,

@@ -1,6 +1,5 @@
 //! What watches the runs of a scene.
 
-use super::statement::Run;
 use crate::core::continuation::Observer;
 use std::time::Duration;
 
@@ -11,8 +10,8 @@ pub trait SceneObserver: Observer {
         || true
     }
 
-    /// A run begins.
-    fn run(&mut self, _run: &Run, _number: usize, _of: usize) {}
+    /// The run of this name begins, which is to be shown or not.
+    fn run(&mut self, _run: &str, _shown: bool) {}
 
     /// What the run of this name is about to do, and how long that may take at most.
     fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}

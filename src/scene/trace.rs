@@ -34,8 +34,8 @@ pub(super) fn traced(
 ) -> Outcome {
     let plan = plan(scene, start);
     let mut tracing = Tracing::default();
-    for (index, planned) in plan.iter().enumerate() {
-        observer.run(planned.run, index, plan.len());
+    for planned in &plan {
+        observer.run(&planned.run.name, planned.run.shown);
         match tracing.run(scene, planned.run, planned.start, observer) {
             Ok(ControlFlow::Continue(())) => {}
             Ok(ControlFlow::Break(())) => break,
