@@ -106,23 +106,23 @@ impl<'a> Orbit<'a> {
     }
 }
 
-/// How many of the marked orbits of a branch attract, how many do not, and for how many that takes too long to tell. Asserts
-/// that simulations and the branch agree.
+/// How many of the marked orbits of a branch attract, how many are unstable, how many virtual, and for how many it takes too long
+/// to tell. Asserts that simulations and the branch agree.
 #[track_caller]
-pub fn settling(system: &dyn HybridEquations, branch: &Branch) -> [usize; 3] {
-    let mut counts = [0; 3];
+pub fn settling(system: &dyn HybridEquations, branch: &Branch) -> [usize; 4] {
+    let mut counts = [0; 4];
     for point in branch.of_kind(Kind::UZ) {
         let positive = |name: &str| {
             branch.column(name).and_then(|c| point.value(c)).is_none_or(|value| value > 0.0)
         };
         let admissible = ["approach", "shortest", "distance", "decision"].into_iter().all(positive);
         let Some(attracts) = Orbit::of(system, branch, point).attracts() else {
-            counts[2] += 1;
+            counts[3] += 1;
             continue;
         };
-        let said = admissible && point.unstable == Some(0);
-        assert_eq!(attracts, said, "{}: {:?}", branch.name, point.parameters);
-        counts[usize::from(!said)] += 1;
+        let stable = point.unstable == Some(0);
+        assert_eq!(attracts, admissible && stable, "{}: {:?}", branch.name, point.parameters);
+        counts[if !admissible { 2 } else { usize::from(!stable) }] += 1;
     }
     counts
 }

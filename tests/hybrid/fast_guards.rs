@@ -7,7 +7,7 @@ use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::field::Forcing;
 use tangency::core::hybrid::{
-    Event, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
+    Event, Guard, HybridError, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
@@ -79,6 +79,14 @@ fn slots_are_seen_in_simulation() {
             let time = time.unwrap_or_else(|| panic!("width {width}, depth {depth}: missed"));
             close(time, falls(width, depth), 1e-9 * width);
         }
+    }
+}
+
+#[test]
+fn no_time_is_refused() {
+    for width in [0.0, -1.0, f64::NAN] {
+        let refused = HybridFlow::<f64>::new(&Slot { width }, HybridSettings::default()).err();
+        assert!(matches!(refused, Some(HybridError::ChangesIn { .. })), "{refused:?}");
     }
 }
 

@@ -255,6 +255,8 @@ fn two_walls() {
     let document = library("two-walls");
     let born = 0.756637297521078;
     close(only(&document, "free", Kind::G, "A"), born, 1e-12);
+    let touch = document.branches[0].of_kind(Kind::G).next().unwrap();
+    assert_eq!(touch.subkind.as_deref(), Some("double grazing"));
     let ends = values(&document, "both walls", Kind::EP, "A");
     assert!(ends.iter().any(|end| (end - born).abs() < 1e-11), "{ends:?}");
     close(only(&document, "both walls", Kind::LP, "A"), 0.13754716112957, 1e-12);

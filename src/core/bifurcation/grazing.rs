@@ -27,6 +27,8 @@ pub struct GrazingBifurcation {
     fold: Fold,
     /// Whether the orbits along the curve are those that are singular.
     own: bool,
+    /// The number of unknowns of those that are.
+    unknowns: usize,
     factors: Factors,
 }
 
@@ -52,7 +54,17 @@ impl GrazingBifurcation {
     }
 
     fn new(kind: Kind, fold: Fold) -> Self {
-        GrazingBifurcation { kind, fold, own: true, factors: Factors::default() }
+        GrazingBifurcation { kind, fold, own: true, unknowns: 0, factors: Factors::default() }
+    }
+
+    /// Refuses other orbits than those at the start: along the curve more than one surface may come to be touched.
+    fn check_same(&self, system: &dyn System) -> Result<(), Failure> {
+        match system.names().dimension() == self.unknowns {
+            true => Ok(()),
+            false => Err(Failure::Undetermined(
+                "where these orbits graze, others begin than at the start of the curve".into(),
+            )),
+        }
     }
 
     /// The gradient by the released parameters of the fold's left side for the other orbits. These are determined by the
@@ -62,6 +74,7 @@ impl GrazingBifurcation {
         Across { system, x }: Across,
         released: &[usize],
     ) -> Result<Vec<f64>, Failure> {
+        self.check_same(system)?;
         let n = system.names().dimension();
         let Some(touched) = system.touched(x)? else { return Err(no_other()) };
         let (mut slope, mut rate) = (vec![0.0; x.len()], vec![0.0; x.len()]);
@@ -110,6 +123,7 @@ impl Condition for GrazingBifurcation {
             return self.fold.start(At { system, x, released }, y);
         }
         let Across { system, x } = across(system, x)?;
+        self.unknowns = system.names().dimension();
         self.fold.start(At { system, x, released }, y)
     }
 
@@ -123,6 +137,7 @@ impl Condition for GrazingBifurcation {
             return self.fold.values(At { system, x, released }, y, values);
         }
         let Across { system, x } = across(system, x)?;
+        self.check_same(system)?;
         system.assemble(x)?;
         self.fold.values(At { system, x, released }, y, values)
     }

@@ -69,7 +69,7 @@ impl Tracer<'_> {
                 others.any(|other| turns.contains(&other.special.kind) && same(other))
             }
             // Where impacting orbits are born vertically every multiplier solves the equations: that is one
-            // point, which a fold defines.
+            // point, the degenerate grazing.
             Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
             _ => false,
         }

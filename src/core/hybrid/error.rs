@@ -9,6 +9,16 @@ pub enum HybridError {
     /// A setting of the flow has no meaning.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The time in which a guard changes is no time.
+    #[error(
+        "the guard {guard} is said to change in a time of {time} (`Guard::changing_in`): it must be above 0"
+    )]
+    ChangesIn {
+        /// The guard.
+        guard: String,
+        /// The time.
+        time: f64,
+    },
     /// A state or parameters of another length than the mode's.
     #[error("{found} {what} are given, but mode {mode} has {expected}")]
     Length {

@@ -127,12 +127,18 @@ where
     /// The motion of a system with these settings.
     ///
     /// # Errors
-    /// [`HybridError::Settings`] if a setting of the flow has no meaning.
+    /// [`HybridError::Settings`] if a setting of the flow has no meaning, [`HybridError::ChangesIn`] if the time of a guard has
+    /// none.
     pub fn new(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
         let (modes, guards) = (system.modes(), system.guards());
+        for Guard { name, changes_in, .. } in &guards {
+            if let Some(time) = changes_in.filter(|time| time.is_nan() || *time <= 0.0) {
+                return Err(HybridError::ChangesIn { guard: name.clone(), time });
+            }
+        }
         let roots = (0..guards.len())
             .map(|guard| Roots::of(GuardOf { system, guard, mode: 0, scale: 1.0 }));
         let roots = roots.collect();

@@ -215,18 +215,28 @@ impl HybridOrbit {
     /// Refuses a touch after which motion goes on elsewhere: the orbits with the event lie apart from those without.
     fn unmoved(&self, touch: &Touch, after: &[f64], p: &[f64]) -> Result<(), Failure> {
         let mode = self.legs()[touch.leg].mode;
-        let mut sizes = self.system().scales_of(mode, p);
-        sizes.resize(after.len(), 1.0);
-        let moved = |i: &usize| {
-            let (before, after) = (touch.x[*i], after[*i]);
-            (after - before).abs() > UNMOVED * sizes[*i].max(before.abs())
-        };
-        let Some(i) = (0..after.len()).find(moved) else { return Ok(()) };
+        let Some(i) = self.moved_state(mode, [&touch.x, after], p) else { return Ok(()) };
         Err(Failure::Undetermined(format!(
             "at the touch the event {} takes {} from {:.6e} to {:.6e}: no branch of orbits with the event begins \
              where its reset jumps; start it from a simulated cycle (`orbit::from_cycle`)",
             self.guards[touch.guard].name, self.modes[mode].states[i], touch.x[i], after[i]
         )))
+    }
+
+    /// A state of a mode by which a touch moves motion, if there is one.
+    pub(super) fn moved_state(
+        &self,
+        mode: usize,
+        [before, after]: [&[f64]; 2],
+        p: &[f64],
+    ) -> Option<usize> {
+        let mut sizes = self.system().scales_of(mode, p);
+        sizes.resize(after.len(), 1.0);
+        let moved = |i: &usize| {
+            let (before, after) = (before[*i], after[*i]);
+            (after - before).abs() > UNMOVED * sizes[*i].max(before.abs())
+        };
+        (0..after.len()).find(moved)
     }
 
     /// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows as if nothing had

@@ -80,7 +80,7 @@ impl HybridOrbit {
     }
 
     /// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None` if its end is none, or
-    /// leads to another mode.
+    /// leads to another mode, or its reset jumps.
     fn behind_touch(
         &self,
         leg: usize,
@@ -90,20 +90,21 @@ impl HybridOrbit {
         let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
         let least = VANISHES * time_scale(self.system(), self.split(q).0);
         let lasts = |leg: &usize| durations[*leg].abs() > least;
-        if !lasts(&leg) || !self.touches_slowly(leg, starts, q)? {
+        let Leg { mode, exit: Some(guard), accumulates: false } = legs[leg] else {
+            return Ok(None);
+        };
+        if !lasts(&leg) {
+            return Ok(None);
+        }
+        let ((t, x), p) = (self.end_of(leg, starts, q)?, self.split(q).0);
+        if self.has_speed((leg, guard), (t, &x), p) {
             return Ok(None);
         }
         let mut later = (1..=legs.len()).map(|k| (leg + k) % legs.len());
-        Ok(later.find(lasts).filter(|next| legs[*next].mode == legs[leg].mode))
-    }
-
-    /// Whether the event that ends a leg has no speed.
-    fn touches_slowly(&self, leg: usize, starts: &[f64], q: &[f64]) -> Result<bool, Failure> {
-        let Leg { exit: Some(guard), accumulates: false, .. } = self.legs()[leg] else {
-            return Ok(false);
-        };
-        let ((t, x), p) = (self.end_of(leg, starts, q)?, self.split(q).0);
-        Ok(!self.has_speed((leg, guard), (t, &x), p))
+        let next = later.find(lasts).filter(|next| legs[*next].mode == mode);
+        let goes_on =
+            |next: &usize| self.moved_state(mode, [&x, &starts[self.of_leg(*next)]], p).is_none();
+        Ok(next.filter(goes_on))
     }
 
     /// Whether a guard is passed with a speed.

@@ -200,7 +200,8 @@ impl Equations for HybridOrbit {
 
     fn longest_step(&self, segment: usize) -> f64 {
         let guards = self.guards_in(self.legs()[segment].mode);
-        guards.filter_map(|guard| self.guards[guard].changes_in).fold(f64::INFINITY, f64::min)
+        let times = guards.filter_map(|guard| self.guards[guard].changes_in);
+        times.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min)
     }
 
     fn extra_scale(&self, p: &[f64]) -> f64 {

@@ -1,5 +1,6 @@
 //! How the field calls the points where orbits graze.
 
+use super::birth::Touch;
 use super::departed::VANISHES;
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
@@ -7,6 +8,9 @@ use super::measures::{APPROACH, DECISION};
 use crate::core::bvp::{Equations, Monitor};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Moment, Tangency, time_scale};
+
+/// Several surfaces are touched in one period, as by a symmetric orbit between two walls.
+const DOUBLE: &str = "double grazing";
 
 /// What happens at a time, in a state.
 type Place = (Tangency, f64, Vec<f64>);
@@ -20,7 +24,13 @@ impl HybridOrbit {
         q: &[f64],
     ) -> Option<&'static str> {
         let place = match self.monitors().swap_remove(monitor).1 {
-            Monitor::Distance(_) => self.first_touch(starts, q),
+            Monitor::Distance(_) => {
+                let touches = self.touches(starts, q).ok()?;
+                if touches.iter().any(|touch| touch.guard != touches[0].guard) {
+                    return Some(DOUBLE);
+                }
+                Ok(touches.into_iter().next().map(|touch| self.place_of(touch, q)))
+            }
             // Where a leg vanishes its event has no speed, and a decision vanishes with it.
             Monitor::Ends(function) => self
                 .vanished(starts, q)
@@ -31,14 +41,11 @@ impl HybridOrbit {
         self.system().kind_of_tangency(tangency, t, &x, self.split(q).0)
     }
 
-    /// The first touch of a guard, of those that the orbit does not pass.
-    fn first_touch(&self, starts: &[f64], q: &[f64]) -> Result<Option<Place>, Failure> {
-        let touch = self.touches(starts, q)?.into_iter().next();
-        Ok(touch.map(|touch| {
-            let mode = self.legs()[touch.leg].mode;
-            let t = self.time(touch.leg, q) + touch.since;
-            (Tangency::Touch { guard: touch.guard, mode }, t, touch.x)
-        }))
+    /// A touch of a guard that the orbit does not pass.
+    fn place_of(&self, touch: Touch, q: &[f64]) -> Place {
+        let mode = self.legs()[touch.leg].mode;
+        let t = self.time(touch.leg, q) + touch.since;
+        (Tangency::Touch { guard: touch.guard, mode }, t, touch.x)
     }
 
     /// The first leg that lasts no time.

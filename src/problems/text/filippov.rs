@@ -148,12 +148,22 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     let FilippovNames { above, below, sliding, surface } = FilippovNames::default();
     let known = ["above", "below", "sliding", "surface"];
     let mut names = [above, below, sliding, surface];
+    let mut given = [false; 4];
     for (what, name) in stated {
         let k = position("mode or event", &what.text, known)
             .map_err(|unknown| source.fault_of(what, Fault::Unknown(unknown)))?;
+        if std::mem::replace(&mut given[k], true) {
+            let fault = Fault::Twice { name: what.text.clone(), first: "named" };
+            return Err(source.fault_of(what, fault));
+        }
         names[k] = plain(source, name)?;
-        if names[..3].iter().filter(|known| **known == names[k]).count() > 1 {
-            let fault = Fault::Twice { name: names[k].clone(), first: "a mode" };
+    }
+    // Events at which sliding ends have the names of the modes that follow.
+    for (what, name) in stated {
+        let own = known.iter().position(|known| *known == what.text);
+        let others = names.iter().enumerate().filter(|(k, _)| Some(*k) != own);
+        if others.into_iter().any(|(_, other)| *other == name.text) {
+            let fault = Fault::Twice { name: name.text.clone(), first: "a mode or an event" };
             return Err(source.fault_of(name, fault));
         }
     }
