@@ -462,6 +462,6 @@ fn sliding() {
     let with = |rest: &str| of(&format!("{below}, surface: \"x\", {rest}"));
     says(&with("holds: [(\"»abvoe«\", \"1\")]"), "unknown side `abvoe`");
     says(&with("names: [(\"»slide«\", \"stick\")]"), "unknown mode or event `slide`");
-    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode already");
+    says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode or an event already");
     says(&with("sliding: [(\"x\", \"»u«\"), (\"y\", \"0\")]"), "unknown name `u`");
 }

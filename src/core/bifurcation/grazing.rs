@@ -138,7 +138,6 @@ impl Condition for GrazingBifurcation {
         }
         let Across { system, x } = across(system, x)?;
         self.check_same(system)?;
-        system.assemble(x)?;
         self.fold.values(At { system, x, released }, y, values)
     }
 

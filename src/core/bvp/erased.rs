@@ -134,9 +134,12 @@ pub trait Equations:
     ) -> Option<&'static str> {
         None
     }
-    /// The solutions with the event at which a solution that does not pass it touches a surface, if their linearisation is
-    /// another one.
+    /// The solutions with the event at which a solution that does not pass it touches a surface.
     fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    /// Whether these are linearised otherwise than the one that touches: not where the event changes nothing there.
+    fn touch_matters(&self, _starts: &[f64], _q: &[f64]) -> Result<bool, Failure> {
+        Ok(true)
+    }
     /// The solutions without the event at which a solution that passes it touches a surface.
     fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Whether a monitor of grazings belongs to an event that solutions pass.

@@ -86,6 +86,12 @@ impl HybridOrbit {
         Ok(Birth { beside, ..birth })
     }
 
+    /// The same without a neighbour.
+    pub(super) fn with_touches(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
+        let (_, passed) = self.touched(starts, q)?;
+        Ok(self.with_passed(passed, starts, q))
+    }
+
     /// Where the orbit touches guards, and these touches as events.
     fn touched(&self, starts: &[f64], q: &[f64]) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
         let touches = self.touches(starts, q)?;

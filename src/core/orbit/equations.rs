@@ -285,12 +285,16 @@ impl Equations for HybridOrbit {
     }
 
     fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        if self.guards.is_empty() || self.decided_otherwise(starts, q)?.is_some() {
-            return Ok(None);
+        match self.guards.is_empty() {
+            true => Ok(None),
+            false => Ok(Some(self.with_touches(starts, q)?.erased())),
         }
-        // Where the event changes nothing, both are linearised alike.
-        let other = self.born(starts, q)?;
-        Ok(other.beside.is_none().then(|| other.erased()))
+    }
+
+    fn touch_matters(&self, starts: &[f64], q: &[f64]) -> Result<bool, Failure> {
+        Ok(!self.guards.is_empty()
+            && self.decided_otherwise(starts, q)?.is_none()
+            && self.born(starts, q)?.beside.is_none())
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

@@ -23,12 +23,11 @@ impl HybridOrbit {
         starts: &[f64],
         q: &[f64],
     ) -> Option<&'static str> {
+        let mut several = false;
         let place = match self.monitors().swap_remove(monitor).1 {
             Monitor::Distance(_) => {
                 let touches = self.touches(starts, q).ok()?;
-                if touches.iter().any(|touch| touch.guard != touches[0].guard) {
-                    return Some(DOUBLE);
-                }
+                several = touches.iter().any(|touch| touch.guard != touches[0].guard);
                 Ok(touches.into_iter().next().map(|touch| self.place_of(touch, q)))
             }
             // Where a leg vanishes its event has no speed, and a decision vanishes with it.
@@ -38,7 +37,8 @@ impl HybridOrbit {
             _ => Ok(None),
         };
         let (tangency, t, x) = place.ok().flatten()?;
-        self.system().kind_of_tangency(tangency, t, &x, self.split(q).0)
+        let kind = self.system().kind_of_tangency(tangency, t, &x, self.split(q).0);
+        kind.or(several.then_some(DOUBLE))
     }
 
     /// A touch of a guard that the orbit does not pass.

@@ -33,9 +33,14 @@ impl BoundarySystem {
         let passes = (self as &mut dyn System).passes_touched(x)?;
         let (z, p) = x.split_at(self.equations.layout.dimension);
         let (starts, q) = self.starts_of(z, p);
+        let problem = self.problem();
         let other = match passes {
-            true => self.problem().without_touched(&starts, &q)?,
-            false => self.problem().with_touched(&starts, &q)?,
+            true => problem.without_touched(&starts, &q)?,
+            // What holds at the start of a curve holds along it.
+            false if self.beside.is_some() || problem.touch_matters(&starts, &q)? => {
+                problem.with_touched(&starts, &q)?
+            }
+            false => None,
         };
         let Some(other) = other else { return Ok(None) };
         let (method, intervals) = (self.equations.method.clone(), self.meshes()[0].intervals());
