@@ -10,7 +10,7 @@ pub trait SceneObserver: Observer {
         || true
     }
 
-    /// The run of this name begins, which is to be shown or not.
+    /// The run of this name begins; whether its branch is shown.
     fn run(&mut self, _run: &str, _shown: bool) {}
 
     /// What the run of this name is about to do, and how long that may take at most.

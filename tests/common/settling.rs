@@ -13,7 +13,7 @@ const DISTURBED: f64 = 1e-8;
 const LEFT: f64 = 0.02;
 /// and is gone where it has grown so much, more than it does at times on its way back.
 const GONE: f64 = 300.0;
-/// Motion that neither comes back nor is gone after so many cycles is too near a bifurcation.
+/// The number of cycles after which an orbit is too near a bifurcation to be classified.
 const CYCLES: usize = 4000;
 
 /// A point of a branch of orbits, as the motion in the middle of its longest leg.

@@ -47,9 +47,6 @@ impl HybridSystem for Slot {
     ) {
         after[0] = x[0];
     }
-    fn next_mode(&self, _g: usize, _m: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-        0
-    }
     fn forcing(&self) -> Forcing {
         Forcing::Periodic { phase: TAU }
     }

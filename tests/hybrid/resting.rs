@@ -254,9 +254,6 @@ fn a_standstill_leaves_the_state_at_its_last_event() {
         ) {
             (after[0], after[1]) = (x[0], T::zero());
         }
-        fn next_mode(&self, _g: usize, _m: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
-            0
-        }
     }
     let mut flow = HybridFlow::new(&Falling, HybridSettings::default()).unwrap();
     for (height, time) in [(0.0, 0.0), (0.5, 1.0)] {

@@ -16,11 +16,11 @@ use crate::core::watch::Watchable;
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// Motion is looked at after so long a time, in units of its scale, whether it is at rest …
+/// The time, in units of its scale, after which the states are compared with those before.
 const LOOK: f64 = 50.0;
-/// … that is, has changed by no more than this, in units of its states' scales …
+/// The largest change of a state at rest in that time, in units of the states' scales.
 const MOVED: f64 = 1e-9;
-/// … and is given up after so many looks.
+/// The number of comparisons after which the search for a return ends.
 const LOOKS: usize = 200;
 
 /// The motion of a hybrid system without forcing, sampled just after every event of a name: its Poincaré map there. What else

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 /// Events that would accumulate within this time, in units of its scale, are not followed: rounding tells the times of the
 /// last ones to fewer digits than their limit is known to.
 const REST: f64 = 1e-3;
-/// Events that do not accumulate within so many times as long as was expected do not accumulate.
+/// Events are followed for at most this multiple of the expected time.
 const LONGEST: f64 = 1e3;
 
 /// A scalar in which the map from one event to the accumulation of those that follow can be evaluated.

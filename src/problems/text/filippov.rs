@@ -4,8 +4,8 @@ use super::assembling::Assembling;
 use super::basis::{
     Basis, States, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
 };
-use super::duration::Duration;
 use super::hybrid::scales;
+use super::period::Period;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::{FilippovEquations, Formulas};
@@ -18,7 +18,6 @@ use crate::core::hybrid::filippov::{
 use crate::core::measure::Measure;
 use crate::core::names::position;
 use crate::core::scalar::Scalar;
-use std::f64::consts::TAU;
 
 /// Two fields and a surface that are given as text.
 #[derive(Clone, Debug)]
@@ -33,7 +32,7 @@ pub struct TwoFields {
     surface: Tape,
     /// Against leaving upwards and downwards.
     holds: [Option<Tape>; 2],
-    period: Option<Duration>,
+    period: Period,
     monitor_names: Vec<String>,
     monitors: Vec<Tape>,
     measures: Vec<(String, Measure)>,
@@ -61,9 +60,7 @@ impl TwoFields {
         let surface = surface(&statement, &scope)?;
         let names = names(source, &statement.names)?;
         let holds = holds(&statement, &scope)?;
-        let period = statement.period.as_ref();
-        let period = period.map(|period| Duration::read(&scope, "the period", period));
-        let period = period.transpose()?;
+        let period = Period::read(&scope, statement.period.as_ref())?;
         let (monitor_names, monitors): (Vec<String>, Vec<Tape>) =
             monitors_of(&scope, &statement.monitors)?.into_iter().unzip();
         basis.look_for_unused(&[&scope]);
@@ -96,7 +93,7 @@ impl TwoFields {
 
     /// The error of a period that is not positive for some parameters.
     pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
-        self.period.as_ref()?.refused(&self.basis.source, p)
+        self.period.refused(&self.basis.source, p)
     }
 
     /// The formula of a field that has no finite value at `(t, x, p)`, if one has none.
@@ -233,14 +230,11 @@ impl FilippovSystem for TwoFields {
     }
 
     fn forcing(&self) -> Forcing {
-        match self.period {
-            Some(_) => Forcing::Periodic { phase: TAU },
-            None => Forcing::None,
-        }
+        self.period.forcing()
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.as_ref().map_or(T::one(), |period| period.value(p))
+        self.period.value(p)
     }
 
     fn scales(&self, _p: &[f64]) -> Scales {

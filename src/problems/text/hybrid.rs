@@ -4,8 +4,8 @@ use super::assembling::{Assembling, elements};
 use super::basis::{
     Basis, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
 };
-use super::duration::Duration;
 use super::events::{Event, ModeScope, add, check_named};
+use super::period::Period;
 use super::scope::Scope;
 use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::HybridEquations;
@@ -15,7 +15,6 @@ use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
 use crate::core::measure::Measure;
 use crate::core::names::distinct;
 use crate::core::scalar::Scalar;
-use std::f64::consts::TAU;
 
 /// A hybrid system that is given as text.
 #[derive(Clone, Debug)]
@@ -28,7 +27,7 @@ pub struct Hybrid {
     rates: Vec<Tape>,
     /// Of each guard, in each mode that ends there.
     events: Vec<Vec<Option<Event>>>,
-    period: Option<Duration>,
+    period: Period,
     monitor_names: Vec<String>,
     /// In each mode.
     monitors: Vec<Vec<Tape>>,
@@ -61,9 +60,7 @@ impl Hybrid {
         for guard in &statement.guards {
             add(source, guard, &scopes, &mut guards, &mut events)?;
         }
-        let period = statement.period.as_ref();
-        let period = period.map(|period| Duration::read(&scopes[0].scope, "the period", period));
-        let period = period.transpose()?;
+        let period = Period::read(&scopes[0].scope, statement.period.as_ref())?;
         let of_modes = scopes.iter().map(|mode| monitors_of(&mode.scope, &statement.monitors));
         let of_modes = of_modes.collect::<Result<Vec<_>, _>>()?;
         let monitor_names: Vec<String> = of_modes[0].iter().map(|(name, _)| name.clone()).collect();
@@ -102,7 +99,7 @@ impl Hybrid {
 
     /// The error of a period that is not positive for some parameters.
     pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
-        self.period.as_ref()?.refused(&self.basis.source, p)
+        self.period.refused(&self.basis.source, p)
     }
 
     /// The formula of the first mode that has no finite value at `(t, x, p)`, if one has none.
@@ -251,14 +248,11 @@ impl HybridSystem for Hybrid {
     }
 
     fn forcing(&self) -> Forcing {
-        match self.period {
-            Some(_) => Forcing::Periodic { phase: TAU },
-            None => Forcing::None,
-        }
+        self.period.forcing()
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.as_ref().map_or(T::one(), |period| period.value(p))
+        self.period.value(p)
     }
 
     fn scales(&self, _p: &[f64]) -> Scales {

@@ -28,6 +28,7 @@ mod map;
 mod misread;
 pub mod ode;
 mod operation;
+mod period;
 mod residual;
 mod scope;
 mod smooth;

@@ -2,7 +2,7 @@
 
 use super::assembling::Assembling;
 use super::basis::{Basis, measures, monitors_of, scales_of, states_of, undefined, values_of};
-use super::duration::Duration;
+use super::period::Period;
 use super::source::{ModelError, Source};
 use super::statement::Equations;
 use super::tape::Tape;
@@ -10,7 +10,6 @@ use crate::core::field::{Forcing, VectorField};
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::zero::Names;
-use std::f64::consts::TAU;
 
 /// A vector field that is given as text.
 #[derive(Clone, Debug)]
@@ -20,7 +19,7 @@ pub struct Field {
     names: Names,
     measures: Vec<(String, Measure)>,
     rates: Tape,
-    period: Option<Duration>,
+    period: Period,
     monitors: Vec<Tape>,
     scales: Vec<f64>,
     /// Whether time occurs though no period is stated.
@@ -43,9 +42,7 @@ impl Field {
         let values = values_of(&mut assembling, &rates)?;
         let rates = assembling.tape(&values);
         let monitors = monitors_of(&scope, &statement.monitors)?;
-        let period =
-            statement.period.as_ref().map(|period| Duration::read(&scope, "the period", period));
-        let period = period.transpose()?;
+        let period = Period::read(&scope, statement.period.as_ref())?;
         basis.look_for_unused(&[&scope]);
         let states: Vec<String> = states.into_iter().map(|(_, name)| name).collect();
         let sizes = scales_of(source, &statement.scales, &states, false)?;
@@ -65,7 +62,7 @@ impl Field {
 
     /// The error of a period that is not positive for some parameters.
     pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
-        self.period.as_ref()?.refused(&self.basis.source, p)
+        self.period.refused(&self.basis.source, p)
     }
 
     /// The formula that has no finite value at `(t, x, p)`, if one has none.
@@ -100,14 +97,11 @@ impl VectorField for Field {
     }
 
     fn forcing(&self) -> Forcing {
-        match self.period {
-            Some(_) => Forcing::Periodic { phase: TAU },
-            None => Forcing::None,
-        }
+        self.period.forcing()
     }
 
     fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.period.as_ref().map_or(T::one(), |period| period.value(p))
+        self.period.value(p)
     }
 
     fn monitor<T: Scalar>(&self, monitor: usize, t: T, x: &[T], p: &[T]) -> T {
