@@ -17,16 +17,16 @@ use tangency::problems::mita::Actuator;
 
 /// The place of a virtual point of a depth, the other coordinates being aside by a number, at these
 /// parameters.
-type Virtual<'a> = dyn Fn(f64, f64, &[f64]) -> (f64, Vec<f64>) + 'a;
+pub type Virtual<'a> = dyn Fn(f64, f64, &[f64]) -> (f64, Vec<f64>) + 'a;
 
 /// A system with its map and its grazing orbit, and virtual points on the section.
-struct Case<'a, S> {
-    system: &'a S,
-    point: &'a GrazingPoint,
-    map: &'a LocalMap,
-    place: &'a Virtual<'a>,
+pub struct Case<'a, S> {
+    pub system: &'a S,
+    pub point: &'a GrazingPoint,
+    pub map: &'a LocalMap,
+    pub place: &'a Virtual<'a>,
     /// Positions of the parameters that deviate.
-    parameters: &'a [usize],
+    pub parameters: &'a [usize],
 }
 
 /// Below this errors are those of the simulation.
@@ -67,7 +67,7 @@ impl<S: Touching> Case<'_, S> {
     }
 
     /// Halving the distance divides the error by `2^{n+1}`, with a half of that for what is of higher order.
-    fn orders_hold(&self, distance: f64) {
+    pub fn orders_hold(&self, distance: f64) {
         let (far, near) = (self.errors(distance), self.errors(0.5 * distance));
         for (n, (far, near)) in far.iter().zip(&near).enumerate() {
             let order = (far / near).log2();

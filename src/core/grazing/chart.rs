@@ -60,7 +60,7 @@ const ROUNDS: usize = 12;
 /// A step this much smaller than the largest one is rounding.
 const ROUNDING: f64 = 1e-14;
 /// A surface is reached when the last step is smaller than this, relative to the largest one.
-const REACHED: f64 = 1e-6;
+pub(super) const REACHED: f64 = 1e-6;
 
 /// The section of a grazing point with parameters that are jets: places on it, and motion from them.
 pub(super) struct Chart<'a, const C: usize> {
@@ -71,7 +71,7 @@ pub(super) struct Chart<'a, const C: usize> {
     /// Time in units of phase, `T(p)/phase of a period`.
     unit: Jet<C>,
     /// The scale of time.
-    scale: f64,
+    pub scale: f64,
     /// The phase of the touch.
     phase: f64,
     /// The phase of a period of the forcing.

@@ -41,6 +41,12 @@ pub enum GrazingError {
     /// The order is none.
     #[error("a local map has at least order 1, not {0}")]
     Order(usize),
+    /// What happens at the grazing is of a higher order than the map's.
+    #[error(
+        "a local map of order 1 does not tell what happens at a grazing where the discontinuity map has no root: take order 2 or \
+         more"
+    )]
+    NoRoot,
     /// The touched mode has too few states for coordinates on a section.
     #[error(
         "at the touch of guard `{guard}`, the guard and its rate do not determine two states of mode \
@@ -106,6 +112,20 @@ pub enum GrazingError {
         time: f64,
         /// The last change of the time.
         step: f64,
+    },
+    /// Motion that is back on the touched surface at once ends there for the touching orbit only.
+    #[error(
+        "the motion that begins at a touch of guard `{touched}` ends at once by guard `{back}`, but beside the touch both \
+         surfaces lie {left:.1e} apart: there is no local map in powers of the root of the penetration; state both guards by one \
+         function"
+    )]
+    Apart {
+        /// The guard that is touched.
+        touched: String,
+        /// The guard that ends what follows.
+        back: String,
+        /// How far the surfaces are apart, as a coefficient in units of the scales.
+        left: f64,
     },
     /// The orbit does not come back to the touch.
     #[error(

@@ -5,13 +5,9 @@ use super::error::GrazingError;
 use super::maps::{Discontinuity, Smooth};
 use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
-use super::surface::Surface;
-use crate::core::hybrid::{HybridEquations, guard_scale, time_scale};
+use crate::core::hybrid::HybridEquations;
 use crate::core::jet::{Polynomial, Space};
 use crate::core::names::position;
-
-/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
-const TOUCHES: f64 = 1e-8;
 
 /// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard is least,
 /// in deviations from the grazing orbit.
@@ -69,7 +65,7 @@ impl LocalMap {
         let position = |name: &&str| position("parameter", name, &known);
         let positions: Vec<usize> = parameters.iter().map(position).collect::<Result<_, _>>()?;
         let section = &Section::of(system, point)?;
-        touches(system, point)?;
+        point.touches(system)?;
         let source = Source { system, point, section, parameters: &positions, settings };
         let (smooth, discontinuity) = (source.smooth()?, source.discontinuity()?);
         let states = system.modes().swap_remove(point.mode).states;
@@ -131,6 +127,25 @@ impl LocalMap {
         &self.discontinuity.images
     }
 
+    /// The order in which `D` begins to differ from the identity, as a power of the penetration: 1/2 at an impact, 3/2 where
+    /// motion enters a field of another first derivative, as at a soft stop (M. di Bernardo et al., *Piecewise-smooth Dynamical
+    /// Systems*, 2008, chapter 7). `None` if it is the identity up to the order of the map.
+    ///
+    /// ```
+    /// # use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
+    /// # use tangency::core::orbit::{HybridOrbit, Itinerary};
+    /// # use tangency::problems::classic::ImpactOscillator;
+    /// # let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
+    /// # let point = GrazingPoint::of(&orbit, &[0.0, 1.0], &[0.1, 1.0, 0.8, 0.1, 1.0])?;
+    /// // The oscillator of the example of `LocalMap`: a root.
+    /// let map = LocalMap::of(&ImpactOscillator, &point, &[], MapSettings::default())?;
+    /// assert_eq!(map.exponent(), Some(0.5));
+    /// # Ok::<(), tangency::core::grazing::GrazingError>(())
+    /// ```
+    pub fn exponent(&self) -> Option<f64> {
+        self.discontinuity.power.map(|power| power as f64 / 2.0)
+    }
+
     /// The normal coordinate of the virtual point as a function of the same.
     pub fn entry(&self) -> &Polynomial {
         &self.discontinuity.entry
@@ -151,18 +166,4 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
         }
         None => Ok(()),
     }
-}
-
-/// Refuses a point at which the orbit does not touch.
-fn touches(system: &dyn HybridEquations, point: &GrazingPoint) -> Result<(), GrazingError> {
-    let GrazingPoint { guard, mode, time, x, p, .. } = point;
-    let touch = Surface::Guard(*guard).moving(point.moment(system));
-    let (value, rate, time) = (touch.re, touch.eps, *time);
-    let scale = guard_scale(system, (*guard, *mode), (time, x), p);
-    let slow = TOUCHES * scale / time_scale(system, p);
-    if value.abs() <= TOUCHES * scale && rate.abs() <= slow {
-        return Ok(());
-    }
-    let guard = system.guards()[*guard].name.clone();
-    Err(GrazingError::NoTouch { guard, time, value, rate })
 }

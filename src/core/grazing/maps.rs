@@ -1,11 +1,12 @@
 //! The two maps as Taylor polynomials.
 
-use super::chart::{Chart, Place, Source};
+use super::chart::{Chart, Place, REACHED, Source};
 use super::error::GrazingError;
-use super::point::GrazingPoint;
+use super::point::TOUCHES;
 use super::surface::Surface;
-use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber, guard_scale};
+use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber};
 use crate::core::jet::{Jet, Polynomial};
+use crate::core::scalar::Scalar;
 use num_dual::Dual;
 
 /// `P_smooth` in the coordinates, and the penetration `−h` on the section.
@@ -20,7 +21,12 @@ pub(super) struct Smooth {
 pub(super) struct Discontinuity {
     pub images: Vec<Polynomial>,
     pub entry: Polynomial,
+    /// The power of `y` in which `D` begins to differ from the identity; `None` if it does not up to its order.
+    pub power: Option<usize>,
 }
+
+/// Coefficients of smaller size, in units of the scales, are rounding.
+const NEGLIGIBLE: f64 = 1e-9;
 
 /// Computes a map in a chart with room for the jets of an order.
 macro_rules! in_chart {
@@ -41,10 +47,14 @@ impl Source<'_> {
         self.section.scales.iter().copied().chain(parameters).collect()
     }
 
+    /// The scale of the guard.
+    fn guard_scale(&self) -> f64 {
+        self.point.guard_scale(self.system)
+    }
+
     /// The scale of `y`.
     fn depth(&self) -> f64 {
-        let GrazingPoint { guard, mode, time, x, p, .. } = self.point;
-        guard_scale(self.system, (*guard, *mode), (*time, x), p).sqrt()
+        self.guard_scale().sqrt()
     }
 
     pub fn smooth(&self) -> Result<Smooth, GrazingError> {
@@ -96,16 +106,18 @@ where
         let y = std::mem::replace(&mut self.deviations[normal], Jet::from(0.0));
         let y = y * (depth / sizes[normal]);
         sizes[normal] = depth;
-        let start = self.at_depth(&self.deviations, -(y * y));
-        let entry = self.deviations_of(&start, 0)[normal];
-        let time = y * self.time_from_surface(normal, &start, y)?;
-        let mut place = start;
-        self.shift(&mut place, -time)?;
+        let mut place = self.at_depth(&self.deviations, -(y * y));
+        let entry = self.deviations_of(&place, 0)[normal];
+        let backwards = -(2.0 / self.source.section.curvature).sqrt();
+        self.move_onto(&mut place, point.guard, y, backwards)?;
         let mut guard = point.guard;
         for leg in &point.following {
             self.pass(&mut place, guard, leg.mode);
             if let Some(exit) = leg.exit {
-                self.land(&mut place, Surface::Guard(exit))?;
+                match self.back_on(&place, exit) {
+                    Some(time) => self.move_onto(&mut place, exit, y, time)?,
+                    None => self.land(&mut place, Surface::Guard(exit))?,
+                }
                 guard = exit;
             }
         }
@@ -113,28 +125,65 @@ where
         self.land(&mut place, Surface::Turning(point.guard))?;
         let polynomial = |jet: &Jet<C>| self.polynomial(jet, &sizes);
         let images = self.deviations_of(&place, 0);
+        let power = self.leading_power(&images, &entry);
         let images = images.iter().map(polynomial).collect::<Result<_, _>>()?;
-        Ok(Discontinuity { images, entry: polynomial(&entry)? })
+        Ok(Discontinuity { images, entry: polynomial(&entry)?, power })
     }
 
-    /// The time from the surface to the virtual point in units of `y`, by Newton's iteration for `G(σ) = 0`,
-    /// where `G = h/y²` and `dG/dσ = −(dh/dt)/y`.
-    fn time_from_surface(
+    /// The lowest power of `y` by itself in the difference of images and virtual point.
+    fn leading_power(&self, images: &[Jet<C>], entry: &Jet<C>) -> Option<usize> {
+        let Source { section, settings, parameters, .. } = self.source;
+        let normal = section.normal_coordinate();
+        let mut powers = vec![0; images.len() + parameters.len()];
+        (1..=settings.order).find(|power| {
+            powers[normal] = *power as u8;
+            images.iter().zip(&section.scales).enumerate().any(|(i, (image, scale))| {
+                let virtual_point = if i == normal { entry.coefficient(&powers) } else { 0.0 };
+                (image.coefficient(&powers) - virtual_point).abs() > NEGLIGIBLE * scale
+            })
+        })
+    }
+
+    /// The time in units of `y`, to leading order, after which motion is back on a surface that it has just left at a rate of
+    /// order `y`: into a soft stop and out of it. `None` for a surface that it approaches at a rate of order 1.
+    fn back_on(&self, place: &Place<Jet<C>>, guard: usize) -> Option<f64> {
+        let slow = TOUCHES * self.source.guard_scale() / self.scale;
+        let rate = Surface::Turning(guard).moving(self.at(place));
+        let of_y = rate.re.divided_by(self.source.section.normal_coordinate()).real();
+        let curvature = rate.eps.real();
+        (rate.re.real().abs() <= slow).then(|| -2.0 * of_y / self.source.depth() / curvature)
+    }
+
+    /// Moves a place onto the surface of a guard along the motion. The time is `y σ`, with `σ` given to leading order, by
+    /// Newton's iteration for `G(σ) = 0`, where `G = h/y²` and `dG/dσ = (dh/dt)/y`.
+    fn move_onto(
         &mut self,
-        normal: usize,
-        start: &Place<Jet<C>>,
+        place: &mut Place<Jet<C>>,
+        guard: usize,
         y: Jet<C>,
-    ) -> Result<Jet<C>, GrazingError> {
-        let Source { point, section, settings, .. } = self.source;
-        let mut sigma = Jet::from((2.0 / section.curvature).sqrt());
+        sigma: f64,
+    ) -> Result<(), GrazingError> {
+        let (normal, order) = (self.source.section.normal_coordinate(), self.source.settings.order);
+        let (start, mut sigma) = (place.clone(), Jet::from(sigma));
+        let mut largest = self.source.guard_scale();
         // Each iteration doubles the degree that is right.
-        for _ in 0..=settings.order.ilog2() + 2 {
-            let mut place = start.clone();
-            self.shift(&mut place, -y * sigma)?;
-            let h = Surface::Guard(point.guard).moving(self.at(&place));
+        for _ in 0..=order.ilog2() + 2 {
+            place.clone_from(&start);
+            self.shift(place, y * sigma)?;
+            let h = Surface::Guard(guard).moving(self.at(place));
             let (g, slope) = (h.re.divided_by(normal).divided_by(normal), h.eps.divided_by(normal));
-            sigma += g / slope / self.source.depth();
+            sigma -= g / slope / self.source.depth();
+            largest = largest.max(h.re.size());
         }
-        Ok(sigma)
+        place.clone_from(&start);
+        self.shift(place, y * sigma)?;
+        // What is no multiple of y² has not been looked at.
+        let left = Surface::Guard(guard).value(self.at(place)).size();
+        if left <= REACHED * largest {
+            return Ok(());
+        }
+        let guards = self.source.system.guards();
+        let [touched, back] = [self.source.point.guard, guard].map(|k| guards[k].name.clone());
+        Err(GrazingError::Apart { touched, back, left })
     }
 }

@@ -1,9 +1,13 @@
 //! Where an orbit touches a guard.
 
 use super::error::GrazingError;
+use super::surface::Surface;
 use crate::core::field::Forcing;
-use crate::core::hybrid::{HybridEquations, Moment};
+use crate::core::hybrid::{HybridEquations, Moment, guard_scale, time_scale};
 use crate::core::orbit::Leg;
+
+/// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
+pub(super) const TOUCHES: f64 = 1e-8;
 
 /// A point of a grazing orbit: time and state of the touch, what follows an event there at once, and how the
 /// orbit returns to it.
@@ -46,6 +50,24 @@ impl GrazingPoint {
     /// The touch as a moment of a system's motion.
     pub(super) fn moment<'a>(&'a self, system: &'a dyn HybridEquations) -> Moment<'a, f64> {
         Moment { system, mode: self.mode, t: self.time, x: &self.x, p: &self.p }
+    }
+
+    /// The scale of the touched guard.
+    pub(super) fn guard_scale(&self, system: &dyn HybridEquations) -> f64 {
+        guard_scale(system, (self.guard, self.mode), (self.time, &self.x), &self.p)
+    }
+
+    /// Refuses a point at which the orbit does not touch.
+    pub(super) fn touches(&self, system: &dyn HybridEquations) -> Result<(), GrazingError> {
+        let touch = Surface::Guard(self.guard).moving(self.moment(system));
+        let (value, rate, time) = (touch.re, touch.eps, self.time);
+        let scale = self.guard_scale(system);
+        let slow = TOUCHES * scale / time_scale(system, &self.p);
+        if value.abs() <= TOUCHES * scale && rate.abs() <= slow {
+            return Ok(());
+        }
+        let guard = system.guards()[self.guard].name.clone();
+        Err(GrazingError::NoTouch { guard, time, value, rate })
     }
 
     /// Refuses a point whose numbers do not belong to a system.

@@ -12,6 +12,9 @@
 //! which exists to the side where `y` is positive, and the one without is `ξ = (I − N)⁻¹ N_p p`, to the side
 //! where `h` is. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)` (A. B. Nordmark,
 //! *J. Sound Vib.* 145:279, 1991).
+//!
+//! Where `β = 0`, as at a soft stop, all this holds with the penetration `y²` in place of `y`: the first column of `D_z` and `E`
+//! is that of `y²` then, and the multipliers of the orbit with the event are those of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
 use super::locate::solved;
@@ -25,6 +28,7 @@ use std::fmt::{Display, Formatter};
 /// The scenarios of a grazing as one parameter changes (X. Zhao, *Modeling and Simulation of MEMS Devices*,
 /// 2004, chapter 4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Scenario {
     /// I: an unstable orbit with an impact exists on the same side as the stable one without. Both end in the
     /// grazing, from where motion jumps away: mostly to a stable orbit with an impact, with hysteresis.
@@ -32,6 +36,9 @@ pub enum Scenario {
     /// II: an orbit with an impact, unstable with a multiplier near `−∞`, exists on the other side: the
     /// attractor changes continuously, mostly to a chaotic one.
     Continuous,
+    /// A stable orbit with the event exists on the other side: motion goes on as before. So it is where the discontinuity map
+    /// is of order 3/2 or more ([`LocalMap::exponent`]), unless a multiplier is 1.
+    Persistent,
     /// III: the orbit without impacts is unstable where it grazes, since it has passed a bifurcation before:
     /// attractors do not meet the grazing, and motion jumps, mostly to chaos.
     Unstable,
@@ -42,6 +49,7 @@ impl Display for Scenario {
         f.write_str(match self {
             Scenario::Jump => "I",
             Scenario::Continuous => "II",
+            Scenario::Persistent => "persistent",
             Scenario::Unstable => "III",
         })
     }
@@ -57,16 +65,24 @@ pub struct Classification {
     /// How fast the distance `h` of the orbit without impacts grows with the parameter: it exists to the side
     /// where that is positive.
     pub distance: f64,
-    /// How fast `y` of the orbit with an impact grows with the parameter: likewise.
+    /// How fast `y` of the orbit with an impact grows with the parameter: likewise. Where the discontinuity map has no root
+    /// ([`LocalMap::exponent`]) it is `y²`.
     pub depth: f64,
     /// One multiplier of the orbit with an impact is `growth/y`, to leading order: towards `+∞` in scenario
-    /// I, towards `−∞` in II and beyond a fold (III).
+    /// I, towards `−∞` in II and beyond a fold (III). It is 0 where the discontinuity map has no root.
     pub growth: f64,
 }
 
 /// The derivative of a polynomial by a variable, where all deviations vanish.
 fn slope(polynomial: &Polynomial, variable: usize) -> f64 {
     polynomial.coefficients()[1 + variable]
+}
+
+/// The coefficient of the square of a variable.
+fn second(polynomial: &Polynomial, variable: usize) -> f64 {
+    let mut powers = vec![0; polynomial.space().variables()];
+    powers[variable] = 2;
+    polynomial.coefficient(&powers)
 }
 
 impl LocalMap {
@@ -89,12 +105,22 @@ impl LocalMap {
     ///
     /// # Errors
     /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`] where a
-    /// multiplier of either orbit is 1: at points of codimension two.
+    /// multiplier of either orbit is 1: at points of codimension two. [`GrazingError::NoRoot`] for a map of the first order
+    /// without a root.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
         let p = n + position("parameter", parameter, self.parameters())?;
         let smooth = |i: usize, j: usize| slope(&self.smooth()[i], j);
-        let jump = |i: usize, j: usize| slope(&self.discontinuity()[i], j);
+        let root = self.exponent() == Some(0.5);
+        if !root && self.space().order() == 1 {
+            return Err(GrazingError::NoRoot);
+        }
+        // ∂/∂z or p, where the normal part of z is y or, without a root, y².
+        let regular = |polynomial: &Polynomial, j: usize| match j == normal && !root {
+            true => second(polynomial, j),
+            false => slope(polynomial, j),
+        };
+        let jump = |i: usize, j: usize| regular(&self.discontinuity()[i], j);
         let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
         // ∂(image, virtual point)/∂ z or p.
         let image = |i: usize, j: usize| -> f64 {
@@ -102,24 +128,40 @@ impl LocalMap {
             (0..n).map(|k| smooth(i, k) * jump(k, j)).sum::<f64>() + direct
         };
         let place =
-            |i: usize, j: usize| if i == normal { slope(self.entry(), j) } else { unit(i, j) };
+            |i: usize, j: usize| if i == normal { regular(self.entry(), j) } else { unit(i, j) };
         let difference = |i: usize, j: usize| image(i, j) - place(i, j);
         let with = solved(n, difference, |i| -difference(i, p))?;
         let without = solved(n, |i, j| unit(i, j) - smooth(i, j), |i| smooth(i, p))?;
         let penetration = (0..n).map(|k| slope(self.penetration(), k) * without[k]).sum::<f64>();
-        let matrix: Vec<f64> = (0..n * n).map(|k| smooth(k / n, k % n)).collect();
-        let identity: Vec<f64> = (0..n * n).map(|k| -unit(k / n, k % n)).collect();
-        let multipliers = multipliers(&matrix, &identity, n)?;
+        let multipliers = spectrum(n, smooth, unit)?;
         let (distance, depth) = (-penetration - slope(self.penetration(), p), with[normal]);
-        let scenario = if multipliers.iter().any(|mu| mu.0.hypot(mu.1) > 1.0) {
+        let scenario = if unstable(&multipliers) {
             Scenario::Unstable
         } else if distance * depth > 0.0 {
             Scenario::Jump
-        } else {
+        } else if root || unstable(&spectrum(n, image, place)?) {
             Scenario::Continuous
+        } else {
+            Scenario::Persistent
         };
         // ∂y/∂(normal coordinate) = ∂(y²)/∂(normal coordinate) / 2y.
-        let growth = 0.5 * image(normal, normal) * slope(self.penetration(), normal);
+        let root = f64::from(u8::from(root));
+        let growth = root * 0.5 * image(normal, normal) * slope(self.penetration(), normal);
         Ok(Classification { scenario, multipliers, distance, depth, growth })
     }
+}
+
+/// The `μ` of `A v = μ B v`.
+fn spectrum(
+    n: usize,
+    a: impl Fn(usize, usize) -> f64,
+    b: impl Fn(usize, usize) -> f64,
+) -> Result<Spectrum, GrazingError> {
+    let a: Vec<f64> = (0..n * n).map(|k| a(k / n, k % n)).collect();
+    let b: Vec<f64> = (0..n * n).map(|k| -b(k / n, k % n)).collect();
+    Ok(multipliers(&a, &b, n)?)
+}
+
+fn unstable(multipliers: &Spectrum) -> bool {
+    multipliers.iter().any(|mu| mu.0.hypot(mu.1) > 1.0)
 }

@@ -32,7 +32,11 @@ impl Display for LocalMap {
         writeln!(f, "smooth map, order {}", self.space().order())?;
         self.table(f, &variables, self.smooth())?;
         variables[self.normal()] = "y".into();
-        writeln!(f, "discontinuity map, y = √(penetration)")?;
+        let leading = match self.exponent() {
+            Some(exponent) => format!("leading term y^{}", 2.0 * exponent),
+            None => "the identity up to this order".into(),
+        };
+        writeln!(f, "discontinuity map, y = √(penetration), {leading}")?;
         self.table(f, &variables, self.discontinuity())
     }
 }
