@@ -25,7 +25,7 @@ pub(super) struct Discontinuity {
     pub power: Option<usize>,
 }
 
-/// Coefficients of smaller size, in units of the scales, are rounding.
+/// Coefficients of smaller size, compared with the scale and the largest one, are rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Computes a map in a chart with room for the jets of an order.
@@ -125,23 +125,43 @@ where
         self.land(&mut place, Surface::Turning(point.guard))?;
         let polynomial = |jet: &Jet<C>| self.polynomial(jet, &sizes);
         let images = self.deviations_of(&place, 0);
-        let power = self.leading_power(&images, &entry);
-        let images = images.iter().map(polynomial).collect::<Result<_, _>>()?;
-        Ok(Discontinuity { images, entry: polynomial(&entry)?, power })
+        let power = self.leading_power(&images, &entry)?;
+        let images = images.iter().map(polynomial).collect::<Result<Vec<_>, _>>()?;
+        let entry = polynomial(&entry)?;
+        let unchanged = |powers: &[u8]| {
+            powers[normal] > 0 && power.is_none_or(|power| usize::from(powers[normal]) < power)
+        };
+        // Rounding there would be divided by y.
+        let exact = |(i, image): (usize, Polynomial)| {
+            image.with(|powers, c| match unchanged(powers) {
+                true if i == normal => entry.coefficient(powers),
+                true => 0.0,
+                false => c,
+            })
+        };
+        let images = images.into_iter().enumerate().map(exact).collect();
+        Ok(Discontinuity { images, entry, power })
     }
 
-    /// The lowest power of `y` by itself in the difference of images and virtual point.
-    fn leading_power(&self, images: &[Jet<C>], entry: &Jet<C>) -> Option<usize> {
-        let Source { section, settings, parameters, .. } = self.source;
+    /// The lowest power of `y` in the difference of images and virtual point.
+    fn leading_power(
+        &self,
+        images: &[Jet<C>],
+        entry: &Jet<C>,
+    ) -> Result<Option<usize>, GrazingError> {
+        let Source { section, settings, .. } = self.source;
         let normal = section.normal_coordinate();
-        let mut powers = vec![0; images.len() + parameters.len()];
-        (1..=settings.order).find(|power| {
-            powers[normal] = *power as u8;
+        let space = self.source.space(settings.order)?;
+        let differs = |powers: &&[u8]| {
             images.iter().zip(&section.scales).enumerate().any(|(i, (image, scale))| {
-                let virtual_point = if i == normal { entry.coefficient(&powers) } else { 0.0 };
-                (image.coefficient(&powers) - virtual_point).abs() > NEGLIGIBLE * scale
+                let virtual_point = if i == normal { entry.coefficient(powers) } else { 0.0 };
+                let difference = image.coefficient(powers) - virtual_point;
+                difference.abs() > NEGLIGIBLE * scale.max(image.size())
             })
-        })
+        };
+        let powers = (0..space.len()).map(|k| space.exponents(k));
+        let of_y = powers.filter(|powers| powers[normal] > 0).filter(differs);
+        Ok(of_y.map(|powers| usize::from(powers[normal])).min())
     }
 
     /// The time in units of `y`, to leading order, after which motion is back on a surface that it has just left at a rate of

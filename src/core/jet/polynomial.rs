@@ -44,6 +44,14 @@ impl Polynomial {
         self
     }
 
+    /// The polynomial with other coefficients, by powers of the variables and those before.
+    pub(crate) fn with(mut self, coefficient: impl Fn(&[u8], f64) -> f64) -> Self {
+        for (k, c) in self.coefficients.iter_mut().enumerate() {
+            *c = coefficient(self.space.exponents(k), *c);
+        }
+        self
+    }
+
     /// The space.
     pub fn space(&self) -> &'static Space {
         self.space
