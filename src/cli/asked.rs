@@ -22,7 +22,8 @@ pub struct Asking {
     /// Follow the curve of a kind of special point, in the parameters of --along
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub hold: Option<Kind>,
-    /// Follow what is found: branches across branch points, orbits from Hopf points, doubled ones from period doublings
+    /// Follow what is found: branches across branch points, orbits from Hopf points, doubled ones from period doublings,
+    /// what begins at grazings
     #[arg(long, value_name = "WHAT")]
     pub switch: Option<Switch>,
     /// How many times what was found is followed

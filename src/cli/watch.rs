@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::signals::{self, interrupted};
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::{Screen, printable};
-use crate::scene::SceneObserver;
+use crate::scene::{SceneError, SceneObserver};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
@@ -113,5 +113,10 @@ impl<W: Write> SceneObserver for Watch<'_, W> {
 
     fn run(&mut self, _run: &str, shown: bool) {
         self.shown = shown;
+    }
+
+    fn left_out(&mut self, _run: &str, why: &SceneError) {
+        let why = printable(&why.to_string());
+        self.bar.suspend(|| eprintln!("note: nothing goes on from a grazing: {why}"));
     }
 }

@@ -1,4 +1,5 @@
-//! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones from period doublings.
+//! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones from period doublings, and what
+//! begins at grazings.
 
 use super::join::same;
 use super::observer::SceneObserver;
@@ -15,7 +16,8 @@ const RUNS: usize = 50;
 /// runs find, 2 also what is found then. A point that two branches share is followed once. Gives the scene with all runs
 /// that were added, at most 50, which traces the same.
 ///
-/// A run that fails is left out, and the first error is kept; the others go on.
+/// A run that fails is left out, and the first error is kept; the others go on. A grazing behind which nothing goes on is no
+/// error: the observer is told.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};
@@ -52,7 +54,13 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
             Ok(ControlFlow::Break(())) => break,
             Err(cause) => {
                 whole.runs.pop();
-                tracing.error.get_or_insert(cause);
+                match &run.start {
+                    // An orbit whose event goes elsewhere ends there for good.
+                    Start::From { kind: Kind::G, .. } if steps > 0 => {
+                        observer.left_out(&run.name, &cause);
+                    }
+                    _ => _ = tracing.error.get_or_insert(cause),
+                }
                 // Of the scene's own runs later ones may start from this one.
                 if steps == 0 {
                     break;
@@ -105,7 +113,7 @@ fn following(scene: &Scene, run: &Run, branch: &Branch) -> Vec<Run> {
         return Vec::new();
     }
     let mut runs: Vec<Run> = Vec::new();
-    for kind in [Kind::BP, Kind::HB, Kind::PD] {
+    for kind in [Kind::BP, Kind::HB, Kind::PD, Kind::G] {
         let points: Vec<&SpecialPoint> = branch.of_kind(kind).collect();
         let converged = points.iter().enumerate().filter(|(_, point)| point.converged);
         let several = points.len() > 1;

@@ -1,5 +1,6 @@
 //! What watches the runs of a scene.
 
+use super::error::SceneError;
 use crate::core::continuation::Observer;
 use std::time::Duration;
 
@@ -15,6 +16,9 @@ pub trait SceneObserver: Observer {
 
     /// What the run of this name is about to do, and how long that may take at most.
     fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}
+
+    /// The run of this name, which would have gone on from a grazing, is left out.
+    fn left_out(&mut self, _run: &str, _why: &SceneError) {}
 }
 
 impl SceneObserver for () {}

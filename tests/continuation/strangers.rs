@@ -30,6 +30,33 @@ impl ZeroProblem for Grows {
     }
 }
 
+/// `x' = 10⁹ p − x²`: along the branch `p` changes by less than what is rounding elsewhere.
+struct Flat;
+
+impl ZeroProblem for Flat {
+    fn names(&self) -> Names {
+        Names::new(["x"], ["p"]).with_monitors(["height"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        r[0] = p[0] * 1e9 - x[0] * x[0];
+    }
+    fn monitors<T: Scalar>(&self, x: &[T], _p: &[T], values: &mut [T]) {
+        values[0] = x[0];
+    }
+}
+
+/// A fold is one by its change of stability, however flat.
+#[test]
+fn a_flat_fold_is_found() {
+    let mut system = Dense::new(Flat);
+    let curve = Continuation::of(&mut system).at("p", 1e-9).from(&[1.0]);
+    let curve = curve.bound("height", -1.0..=2.0).along("p", -1.0..=1.0).trace().unwrap();
+    let kinds: Vec<Kind> = curve.special.iter().map(|special| special.kind).collect();
+    assert_eq!(kinds, [Kind::EP, Kind::LP, Kind::EP]);
+    close(curve.special[1].parameters[0], 0.0, 1e-18);
+    close(curve.special[1].state[0], 0.0, 1e-9);
+}
+
 #[test]
 fn switching_leaves_the_branch_one_comes_from() {
     for max_step in [0.02, 0.05, 0.1, 0.2, 0.5] {
