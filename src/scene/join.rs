@@ -52,7 +52,8 @@ impl SceneObserver for Joined<'_> {
     }
 }
 
-/// Whether two special points are one, by the numbers that both branches have.
+/// Whether two special points are one, by the numbers that both branches have: where orbits double their period both have the
+/// same ones but for that.
 pub(super) fn same(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),
@@ -60,7 +61,8 @@ pub(super) fn same(
     let value = |branch: &Branch, column: &str, special: &SpecialPoint| {
         branch.column(column).and_then(|k| special.value(k))
     };
-    branch.columns().all(|column| {
+    let doubles = special.kind == Kind::PD && there.kind == Kind::PD;
+    branch.columns().filter(|column| !(doubles && *column == "period")).all(|column| {
         match (value(branch, column, special), value(other, column, there)) {
             (Some(a), Some(b)) if a.abs().min(b.abs()) > SAME => {
                 (a - b).abs() <= SAME * a.abs().max(1.0)

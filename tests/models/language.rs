@@ -43,6 +43,17 @@ fn is(formula: &str, x: f64, (value, derivative): (f64, f64)) {
     assert!((rate - derivative).abs() <= tolerance, "d/dx {formula}: {rate}, not {derivative}");
 }
 
+/// Where `sinh` and `cosh` are infinite their quotient is not.
+#[test]
+fn friction_laws_are_smooth_far_from_rest() {
+    for v in [-1e3, -2.0, 0.5, 1.5, 4e5] {
+        is("tanh(x/0.001)", v, (v.signum(), 0.0));
+    }
+    for x in [-1.5_f64, -1.0, 0.9, 1.0, 3.0] {
+        is("tanh(x)", x, (x.tanh(), x.cosh().powi(-2)));
+    }
+}
+
 #[test]
 fn operators_bind_as_on_paper() {
     let x = 1.5_f64;

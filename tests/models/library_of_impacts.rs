@@ -6,7 +6,7 @@ use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
 use tangency::output::Document;
-use tangency::scene::{Scene, Simulated, Start};
+use tangency::scene::{Scene, Simulated, Start, explore};
 
 /// What a scene of the library finds. Every row of its tables has converged, and so have all branches.
 fn sound(scene: &Scene) -> Document {
@@ -24,6 +24,53 @@ fn sound(scene: &Scene) -> Document {
 
 fn library(name: &str) -> Document {
     sound(&scene(name))
+}
+
+/// A first diagram of a problem that motion has settled on: the names of its branches, with what they find.
+fn first_diagram(problem: &str, run: &str) -> Vec<String> {
+    let text = format!(
+        "Scene(title: \"First diagram\", problem: {problem}, runs: [
+            (name: \"first\", start: Simulated(transient: 200), along: [{run}]),
+        ])"
+    );
+    let (_, outcome) = explore(&Scene::parse(&text).unwrap(), 2, &mut ());
+    assert!(outcome.error.is_none(), "{:?}", outcome.error);
+    let told = |branch: &Branch| {
+        let kinds = branch.special.iter().map(|special| {
+            assert!(special.converged, "{}: {}", branch.name, special.event);
+            format!(" {}", special.kind)
+        });
+        format!("{}:{}", branch.name, kinds.collect::<String>())
+    };
+    outcome.document.branches.iter().map(told).collect()
+}
+
+/// A pendulum beside a wall. Near the grazing that ends its doubled motion a multiplier grows without bound: its product with
+/// another one passes 1, at a neutral saddle, in the step of a period doubling.
+#[test]
+fn what_begins_at_grazings_is_followed_and_a_neutral_saddle_is_no_torus_point() {
+    let pendulum = "HybridEquations(
+        modes: [(name: \"swing\", states: [(\"th\", \"w\"), (\"w\", \"A*cos(0.9*t) - sin(th) - 0.1*w\")])],
+        guards: [(name: \"wall\", modes: [\"swing\"], function: \"th + 0.1\", reset: [(\"w\", \"-0.5*w\")])],
+        parameters: [(\"A\", 0.3)], period: \"2*pi/0.9\", initial: [(\"th\", 0.5)],
+    )";
+    let found = first_diagram(pendulum, "(name: \"A\", low: 0.1, high: 1.2)");
+    let expected =
+        ["first: EP G", "first-G: G PD LP EP", "first-G-PD: EP PD G", "first-G-G: EP EP"];
+    assert_eq!(found, expected);
+}
+
+/// The period of a relay's forced motion doubles and comes back: both doublings are ends of one branch, which is followed once.
+#[test]
+fn a_branch_between_two_period_doublings_is_followed_once() {
+    let relay = "FilippovEquations(
+        surface: \"x\", period: \"2*pi/0.6\", parameters: [(\"A\", 0.2)], initial: [(\"x\", 2)],
+        above: [(\"x\", \"y - 0.1*x - 1\"), (\"y\", \"0.5 - x + A*sin(0.6*t)\")],
+        below: [(\"x\", \"y - 0.1*x + 1\"), (\"y\", \"A*sin(0.6*t) - x - 0.5\")],
+    )";
+    let found = first_diagram(relay, "(name: \"A\", low: 0.1, high: 0.36)");
+    let expected = ["first: EP G", "first-G: EP PD PD EP", "first-G-PD1: EP PD"];
+    assert_eq!(found, expected);
 }
 
 fn only_first(name: &str, runs: usize) -> Scene {

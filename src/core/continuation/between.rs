@@ -43,6 +43,27 @@ impl Tracer<'_> {
         found
     }
 
+    /// The events without Hopf and torus points that did not converge, if the others explain the change of stability: at a neutral
+    /// saddle two real eigenvalues make their test function vanish.
+    pub fn without_neutral_saddles(
+        &self,
+        from: &Place,
+        step: &Step,
+        found: Vec<Located>,
+        origin: &[Kind],
+    ) -> Vec<Located> {
+        let doubtful =
+            |it: &Located| !it.special.converged && [Kind::HB, Kind::TR].contains(&it.special.kind);
+        if !found.iter().any(doubtful) {
+            return found;
+        }
+        let others: Vec<Located> = found.iter().filter(|it| !doubtful(it)).cloned().collect();
+        match self.stepper.unexplained(from, step, &others, origin) {
+            None => others,
+            Some(_) => found,
+        }
+    }
+
     /// Whether a change of sign means nothing.
     fn is_noise(&self, index: usize, from: &Place, to: &Place) -> bool {
         let parameter = self.stepper.equations.parameters_at();

@@ -3,6 +3,7 @@
 use super::SpecialPoint;
 
 /// A special point found between two points of the branch.
+#[derive(Clone)]
 pub(super) struct Located {
     /// Which of the stepper's events it is; none of them, if it is unclassified.
     pub event: Option<usize>,

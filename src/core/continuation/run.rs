@@ -257,8 +257,9 @@ impl Tracer<'_> {
         backward: bool,
         at_start: bool,
     ) -> Option<Vec<Located>> {
-        let mut found = self.events_between(from, step, backward, at_start);
+        let found = self.events_between(from, step, backward, at_start);
         let origin = if at_start { &self.origin[..] } else { &[] };
+        let mut found = self.without_neutral_saddles(from, step, found, origin);
         if let Some(changed) = self.stepper.unexplained(from, step, &found, origin) {
             if step.length > LEAST_UNEXPLAINED {
                 return None;

@@ -103,7 +103,7 @@ operations! {
     ArcTangent2(a, b) = a.atan2(b), "atan2";
     HyperbolicSine(a) = a.sinh(), "sinh";
     HyperbolicCosine(a) = a.cosh(), "cosh";
-    HyperbolicTangent(a) = a.tanh(), "tanh";
+    HyperbolicTangent(a) = hyperbolic_tangent(&a), "tanh";
     AreaSine(a) = a.asinh(), "asinh";
     AreaCosine(a) = a.acosh(), "acosh";
     AreaTangent(a) = a.atanh(), "atanh";
@@ -137,6 +137,7 @@ impl Operation {
                 | Ceiling
                 | Round
                 | Modulo
+                | HyperbolicTangent
                 | Hypotenuse
         )
     }
@@ -158,6 +159,17 @@ fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
     }
     let [a, b] = [*a / scale, *b / scale];
     (a * a + b * b).sqrt() * scale
+}
+
+/// `tanh a`: by `e^{−2|a|}` away from zero, since the quotient of `sinh` and `cosh` has no value, nor derivative, where these are
+/// infinite, as in friction laws `tanh(v/ε)`.
+fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
+    let sign = a.real().signum();
+    if a.real().abs() < 1.0 || a.real().is_nan() {
+        return a.tanh();
+    }
+    let rest = (*a * (-2.0 * sign)).exp();
+    (-rest + 1.0) / (rest + 1.0) * sign
 }
 
 /// `a^b`. Of numbers that are not positive there are only integer powers.
