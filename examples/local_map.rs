@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let flight = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(name, p));
     let flight = flight.at("amplitude", 0.0).along("amplitude", 0.0..=1.0).trace()?;
     let grazing = flight.of_kind(Kind::G).next().ok_or("no grazing")?;
-    let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
+    let point = GrazingPoint::at(&mut orbits, &flight.solution(grazing))?;
 
     // Its map to the fourth order; of the second order all coefficients.
     let settings = |order| MapSettings { order, ..MapSettings::default() };

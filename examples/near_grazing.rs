@@ -50,8 +50,7 @@ fn first(branch: &Branch, kind: Kind) -> Found<usize> {
 /// The local map at a grazing that a branch or a curve has found.
 fn map(orbits: &mut Orbits, branch: &Branch, label: usize) -> Found<LocalMap> {
     let grazing = branch.labelled(label).ok_or("no such point")?;
-    orbits.resume_from(&branch.solution(grazing))?;
-    let point = GrazingPoint::at(orbits, &grazing.state, &grazing.parameters)?;
+    let point = GrazingPoint::at(orbits, &branch.solution(grazing))?;
     let point = point.located(&Actuator, "voltage")?;
     let settings = MapSettings { order: *ORDERS.end(), ..MapSettings::default() };
     Ok(LocalMap::of(&Actuator, &point, &["voltage", "frequency"], settings)?)

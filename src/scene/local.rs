@@ -10,7 +10,6 @@ use crate::core::grazing::{
 };
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::orbit::{HybridOrbit, Itinerary};
-use crate::core::solution::Solution;
 use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -104,16 +103,5 @@ fn grazing_point(
     let orbit = HybridOrbit::of(system.clone(), Itinerary::smooth(0, 1));
     let mut orbits = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
         .map_err(Failure::from)?;
-    let solution = Solution {
-        kind: special.kind,
-        itinerary: branch.itinerary.clone(),
-        mesh: special.mesh.clone(),
-        state: special.state.clone(),
-        parameters: special.parameters.clone(),
-        tangent: None,
-        switch: false,
-    };
-    let system: &mut dyn System = &mut orbits;
-    let z = system.resume_from(&solution)?.z;
-    GrazingPoint::at(&mut orbits, &z, &special.parameters)
+    GrazingPoint::at(&mut orbits, &branch.solution(special))
 }

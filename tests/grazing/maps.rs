@@ -15,7 +15,7 @@ use tangency::core::hybrid::HybridSystem;
 use tangency::core::jet::{Jet, Space};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
-use tangency::core::zero::{Discretised, System};
+use tangency::core::zero::System;
 use tangency::problems::mita::Actuator;
 
 /// Half a unit of the sixth decimal, with the rounding of what is printed.
@@ -126,8 +126,7 @@ fn curves_of_grazings_lead_to_maps() {
         let run = run.along("voltage", 0.0..=1.0).along("frequency", 0.44..=0.52);
         let curve = run.settings(settings).trace().unwrap();
         let special = curve.of_kind(kind).next().unwrap();
-        orbits.resume_from(&curve.solution(special)).unwrap();
-        let point = GrazingPoint::at(&mut orbits, &special.state, &special.parameters).unwrap();
+        let point = GrazingPoint::at(&mut orbits, &curve.solution(special)).unwrap();
         assert_eq!(point.following.len(), 1);
         let (expected, _) = codimension_two(start, condition);
         agree(&point.p, &expected.p, 1e-10);

@@ -116,7 +116,7 @@ fn through_another_impact() {
         branch.of_kind(Kind::G).max_by(|a, b| a.parameters[0].total_cmp(&b.parameters[0]));
     let contact = contact.unwrap();
     crate::common::close(contact.parameters[0], 0.733767719564, 1e-10);
-    let point = GrazingPoint::at(&mut orbits, &contact.state, &contact.parameters).unwrap();
+    let point = GrazingPoint::at(&mut orbits, &branch.solution(contact)).unwrap();
     assert_eq!((point.legs.len(), point.following.len()), (3, 1));
     let point = point.located(&Actuator, "voltage").unwrap();
     let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();

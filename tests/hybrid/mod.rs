@@ -19,4 +19,5 @@ mod simulation;
 mod sliding;
 pub mod systems;
 mod torus;
+mod unstable;
 mod watched;

@@ -231,7 +231,7 @@ fn branches_and_local_maps_do_not_depend_on_units() {
             let orbit = HybridOrbit::of(scaled.clone(), Itinerary::smooth(0, 1));
             let mut orbits =
                 BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)]).unwrap();
-            let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters).unwrap();
+            let point = GrazingPoint::at(&mut orbits, &smooth.solution(grazing)).unwrap();
             let point = point.located(&scaled, "amplitude").unwrap();
             let settings = MapSettings { order: 3, ..MapSettings::default() };
             let map = LocalMap::of(&scaled, &point, &parameters, settings).unwrap();

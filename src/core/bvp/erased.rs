@@ -5,6 +5,7 @@
 //! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
 
 use super::terms::{Ends, Legs, Monitor, Return, Watched};
+use super::trajectory::Trajectory;
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
@@ -124,24 +125,24 @@ pub trait Equations:
         None
     }
     /// The branch that emanates where a solution touches a surface.
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    fn born_at_grazing(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// What the field calls the point where a monitor of [`grazings`](Self::grazings) vanishes, if it has a name of its own.
     fn kind_of_grazing(
         &self,
         _monitor: usize,
-        _starts: &[f64],
+        _known: &[Trajectory],
         _q: &[f64],
     ) -> Option<&'static str> {
         None
     }
     /// The solutions with the event at which a solution that does not pass it touches a surface.
-    fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    fn with_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Whether these are linearised otherwise than the one that touches: not where the event changes nothing there.
-    fn touch_matters(&self, _starts: &[f64], _q: &[f64]) -> Result<bool, Failure> {
+    fn touch_matters(&self, _known: &[Trajectory], _q: &[f64]) -> Result<bool, Failure> {
         Ok(true)
     }
     /// The solutions without the event at which a solution that passes it touches a surface.
-    fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    fn without_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
     /// Whether a monitor of grazings belongs to an event that solutions pass.
     fn is_of_event(&self, monitor: usize) -> bool;
     /// Checks that each segment leads to the next one.
@@ -217,23 +218,23 @@ impl Watchable<f64> for Watching<'_> {
 }
 
 /// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated cycle: that one by
-/// the states where its segments begin.
+/// its trajectories.
 pub struct Birth<P = Arc<dyn Equations>> {
     /// The problem that they solve.
     pub problem: P,
-    /// The states where segments begin.
-    pub starts: Vec<f64>,
+    /// The trajectory on each segment.
+    pub trajectories: Vec<Trajectory>,
     /// The extras.
     pub extras: Vec<f64>,
-    /// Starts and extras of a neighbour to first order, which gives the direction of the branch where the equations are
+    /// Trajectories and extras of a neighbour to first order, which gives the direction of the branch where the equations are
     /// singular; `None` where they determine it.
-    pub beside: Option<(Vec<f64>, Vec<f64>)>,
+    pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
 }
 
 impl<P: IntoEquations> Birth<P> {
     /// The same with the problem behind its object-safe face.
     pub fn erased(self) -> Birth {
-        let Birth { problem, starts, extras, beside } = self;
-        Birth { problem: problem.into_equations(), starts, extras, beside }
+        let Birth { problem, trajectories, extras, beside } = self;
+        Birth { problem: problem.into_equations(), trajectories, extras, beside }
     }
 }

@@ -16,6 +16,7 @@ mod shooting;
 mod stated;
 mod system;
 mod terms;
+mod trajectory;
 
 pub use collocation::{Collocation, PointsError};
 pub use erased::{Birth, Equations, IntoEquations, Number, Residual};
@@ -28,3 +29,4 @@ pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
 pub use system::BoundarySystem;
 pub use terms::{Ends, Legs, Monitor, Return, Unknown, Watched};
+pub use trajectory::Trajectory;

@@ -2,6 +2,7 @@
 
 use super::erased::{Birth, Equations};
 use super::terms::{Ends, Monitor, Return, Watched};
+use super::trajectory::Trajectory;
 use crate::core::condition::Failure;
 use crate::core::domain::OutOfDomain;
 use crate::core::scalar::Scalar;
@@ -156,12 +157,12 @@ pub trait BoundaryProblem: Send + Sync {
         None
     }
 
-    /// What is born where a solution touches a surface, given the states where its segments begin and the
+    /// The branch that emanates where a solution touches a surface, given its trajectory on each segment and the
     /// numbers `q`.
     ///
     /// # Errors
     /// [`Failure`] if nothing can be told.
-    fn born_at_grazing(&self, _starts: &[f64], _q: &[f64]) -> Result<Option<Birth>, Failure> {
+    fn born_at_grazing(&self, _known: &[Trajectory], _q: &[f64]) -> Result<Option<Birth>, Failure> {
         Ok(None)
     }
 
@@ -170,7 +171,7 @@ pub trait BoundaryProblem: Send + Sync {
     ///
     /// # Errors
     /// [`Failure`] if they cannot be found.
-    fn with_touched(&self, _starts: &[f64], _q: &[f64]) -> Result<Option<Birth>, Failure> {
+    fn with_touched(&self, _known: &[Trajectory], _q: &[f64]) -> Result<Option<Birth>, Failure> {
         Ok(None)
     }
 
@@ -178,7 +179,7 @@ pub trait BoundaryProblem: Send + Sync {
     ///
     /// # Errors
     /// [`Failure`] if they cannot be found.
-    fn without_touched(&self, _starts: &[f64], _q: &[f64]) -> Result<Option<Birth>, Failure> {
+    fn without_touched(&self, _known: &[Trajectory], _q: &[f64]) -> Result<Option<Birth>, Failure> {
         Ok(None)
     }
 

@@ -3,6 +3,7 @@
 use super::erased::{Birth, EndFunctions, Equations, IntoEquations, Residual, Watches};
 use super::problem::BoundaryProblem;
 use super::terms::{Ends, Monitor, Return, Watched};
+use super::trajectory::Trajectory;
 use crate::core::condition::Failure;
 use crate::core::domain::OutOfDomain;
 use crate::core::scalar::Scalar;
@@ -94,9 +95,9 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         itinerary() -> String;
         with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
         doubled() -> Option<Arc<dyn Equations>>;
-        born_at_grazing(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
-        with_touched(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
-        without_touched(starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        born_at_grazing(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        with_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        without_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
         is_of_event(monitor: usize) -> bool;
         check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
     }

@@ -3,7 +3,7 @@
 use super::map::LocalMap;
 use crate::core::bvp::{
     Birth, BoundaryError, BoundaryProblem, BoundarySystem, Ends, Equations, IntoEquations, Mesh,
-    Monitor, Return, Shooting, Watched,
+    Monitor, Return, Shooting, Trajectory, Watched,
 };
 use crate::core::condition::Failure;
 use crate::core::scalar::Scalar;
@@ -135,16 +135,17 @@ impl LocalOrbit {
     }
 
     /// The orbit that impacts, or passes, where this one does the other nearest to the surface; `None` if it never does.
-    fn otherwise(&self, impact: bool, starts: &[f64], q: &[f64]) -> Option<Birth> {
-        let points = self.points(starts, q).enumerate().filter(|(_, point)| point.1 == impact);
+    fn otherwise(&self, impact: bool, known: &[Trajectory], q: &[f64]) -> Option<Birth> {
+        let starts = known.iter().flat_map(Trajectory::start).copied().collect::<Vec<_>>();
+        let points = self.points(&starts, q).enumerate().filter(|(_, point)| point.1 == impact);
         let nearest = points.map(|(k, point)| (point.2.abs(), k));
         let (_, touched) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut problem = self.clone();
         problem.impacts[touched] = !impact;
-        let mut extras: Vec<f64> = self.points(starts, q).map(|point| point.2).collect();
+        let mut extras: Vec<f64> = self.points(&starts, q).map(|point| point.2).collect();
         extras[touched] = 0.0;
-        let (problem, starts) = (problem.into_equations(), starts.to_vec());
-        Some(Birth { problem, starts, extras, beside: None })
+        let (problem, trajectories) = (problem.into_equations(), known.to_vec());
+        Some(Birth { problem, trajectories, extras, beside: None })
     }
 
     /// The place of the virtual point: `y` in place of the normal coordinate.
@@ -271,18 +272,18 @@ impl BoundaryProblem for LocalOrbit {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        self.with_touched(starts, q)
+    fn born_at_grazing(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        self.with_touched(known, q)
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.
-    fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        Ok(self.otherwise(false, starts, q))
+    fn with_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(self.otherwise(false, known, q))
     }
 
     /// The orbit that passes where this one impacts most lightly.
-    fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        Ok(self.otherwise(true, starts, q))
+    fn without_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(self.otherwise(true, known, q))
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

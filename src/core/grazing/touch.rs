@@ -2,17 +2,18 @@
 
 use super::error::GrazingError;
 use super::point::GrazingPoint;
-use crate::core::bvp::{BoundarySystem, Equations, Residual};
+use crate::core::bvp::{BoundarySystem, Trajectory};
 use crate::core::condition::Failure;
-use crate::core::flow::Flow;
 use crate::core::hybrid::{Moment, guard_scale, time_scale};
 use crate::core::orbit::{HybridOrbit, Leg, VANISHES};
+use crate::core::solution::Solution;
+use crate::core::zero::Discretised;
 use std::any::Any;
 
-/// An orbit: its problem, the states at which its legs begin, and its numbers.
+/// An orbit: its problem, its motion on each leg, and its numbers.
 struct Orbit<'a> {
     problem: &'a HybridOrbit,
-    starts: &'a [f64],
+    legs: &'a [Trajectory],
     q: &'a [f64],
 }
 
@@ -27,13 +28,7 @@ impl Orbit<'_> {
 
     /// The state at the end of a leg.
     fn end(&self, leg: usize) -> Result<Vec<f64>, GrazingError> {
-        let mut x = self.starts[self.problem.of_leg(leg)].to_vec();
-        let q = self.problem.numbers_of(leg, self.q);
-        let field = Residual::<f64>::on_segment(self.problem, leg, &q);
-        Flow::<f64>::default()
-            .advance(&field, 0.0, self.times().1[leg], &mut x, &q)
-            .map_err(Failure::from)?;
-        Ok(x)
+        Ok(self.problem.state_on(leg, self.times().1[leg], self.legs, self.q)?)
     }
 
     /// The point at which a leg ends by an event without a speed, if it does.
@@ -65,9 +60,9 @@ impl Orbit<'_> {
 
     /// The point at which the orbit touches a guard that it does not pass.
     fn touching(&self) -> Result<GrazingPoint, GrazingError> {
-        let birth = self.problem.born(self.starts, self.q)?;
+        let birth = self.problem.born(self.legs, self.q)?;
         let q = [self.problem.split(self.q).0, &birth.extras].concat();
-        let born = Orbit { problem: &birth.problem, starts: &birth.starts, q: &q };
+        let born = Orbit { problem: &birth.problem, legs: &birth.trajectories, q: &q };
         // The orbit that is born ends with the touch.
         let last = born.problem.legs().len() - 1;
         let point = born.ending(last)?.ok_or_else(|| {
@@ -86,7 +81,14 @@ impl GrazingPoint {
     /// # Errors
     /// [`GrazingError::Failure`] if it does neither.
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
-        let orbit = Orbit { problem: orbit, starts, q };
+        let states = |leg: usize| Trajectory::from(starts[orbit.of_leg(leg)].to_vec());
+        let legs: Vec<_> = (0..orbit.legs().len()).map(states).collect();
+        GrazingPoint::on(orbit, &legs, q)
+    }
+
+    /// The same from the motion on each leg.
+    fn on(orbit: &HybridOrbit, legs: &[Trajectory], q: &[f64]) -> Result<Self, GrazingError> {
+        let orbit = Orbit { problem: orbit, legs, q };
         for leg in 0..orbit.problem.legs().len() {
             if let Some(point) = orbit.ending(leg)? {
                 return Ok(point);
@@ -95,8 +97,8 @@ impl GrazingPoint {
         orbit.touching()
     }
 
-    /// The same from the unknowns and all parameters of a special point, found by these orbits on a branch
-    /// (`G`) or on a curve of grazings.
+    /// The same at a special point, found by these orbits on a branch (`G`) or on a curve of grazings. The orbits take over its mesh
+    /// and itinerary, and where motion is unstable, no leg is flowed from one end to the other.
     ///
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
@@ -110,7 +112,7 @@ impl GrazingPoint {
     /// let run = known.fold(Continuation::of(&mut orbits), |run, (name, p)| run.at(&name, p));
     /// let branch = run.along("amplitude", 0.05..=1.0).trace()?;
     /// let grazing = branch.of_kind(Kind::G).next().expect("a grazing");
-    /// let point = GrazingPoint::at(&mut orbits, &grazing.state, &grazing.parameters)?;
+    /// let point = GrazingPoint::at(&mut orbits, &branch.solution(grazing))?;
     /// // At resonance it grazes for A = 0.1, at t = π/2.
     /// assert!((point.p[0] - 0.1).abs() < 1e-8);
     /// assert!((point.time - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
@@ -119,21 +121,15 @@ impl GrazingPoint {
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn at(
-        orbits: &mut BoundarySystem,
-        state: &[f64],
-        parameters: &[f64],
-    ) -> Result<Self, GrazingError> {
+    pub fn at(orbits: &mut BoundarySystem, solution: &Solution) -> Result<Self, GrazingError> {
+        let adopted = orbits.resume_from(solution)?;
+        let z = adopted.map_or_else(|| solution.state.clone(), |adopted| adopted.z);
         let problem: &dyn Any = &**orbits.problem();
         let problem = problem.downcast_ref::<HybridOrbit>().cloned().ok_or_else(|| {
             let reason = "the solutions are no orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
-        let (x, mut starts) = ([state, parameters].concat(), Vec::new());
-        for leg in 0..problem.legs().len() {
-            starts.extend(orbits.states(&x, leg, 0.0)?);
-        }
-        let extras = &state[state.len() - problem.extras().len()..];
-        GrazingPoint::of(&problem, &starts, &[parameters, extras].concat())
+        let (legs, q) = orbits.trajectories_of(&z, &solution.parameters);
+        GrazingPoint::on(&problem, &legs, &q)
     }
 }

@@ -4,11 +4,11 @@
 //! a leg, with legs between that last no time: an impact of no speed, a slip of no length. With those legs
 //! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
 
-use super::departed::VANISHES;
+use super::departed::{VANISHES, joined_to};
 use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, Residual};
+use crate::core::bvp::{Birth, Residual, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
 use crate::core::hybrid::{GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
@@ -75,55 +75,68 @@ const ROUNDING: f64 = 1e-11;
 
 impl HybridOrbit {
     /// The orbits that are born where this one touches guards, all at a time. They begin after the nearest touch.
-    pub(in crate::core) fn born(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
-        let (touches, passed) = self.touched(starts, q)?;
+    pub(in crate::core) fn born(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Result<Birth<Self>, Failure> {
+        let (touches, passed) = self.touched(known, q)?;
         let pairs = touches.iter().zip(&passed);
-        let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed, starts, q));
+        let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed, known, q));
         let sooner: Option<Vec<Passed>> = sooner.collect();
-        let birth = self.with_passed(passed, starts, q);
-        let beside = sooner.map(|passed| self.with_passed(passed, starts, q));
-        let beside = beside.map(|beside| (beside.starts, beside.extras));
+        let birth = self.with_passed(passed, known, q);
+        let beside = sooner.map(|passed| self.with_passed(passed, known, q));
+        let beside = beside.map(|beside| (beside.trajectories, beside.extras));
         Ok(Birth { beside, ..birth })
     }
 
     /// The same without a neighbour.
-    pub(super) fn with_touches(&self, starts: &[f64], q: &[f64]) -> Result<Birth<Self>, Failure> {
-        let (_, passed) = self.touched(starts, q)?;
-        Ok(self.with_passed(passed, starts, q))
+    pub(super) fn with_touches(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Result<Birth<Self>, Failure> {
+        let (_, passed) = self.touched(known, q)?;
+        Ok(self.with_passed(passed, known, q))
     }
 
     /// Where the orbit touches guards, and these touches as events.
-    fn touched(&self, starts: &[f64], q: &[f64]) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
-        let touches = self.touches(starts, q)?;
+    fn touched(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
+        let touches = self.touches(known, q)?;
         let passed = touches.iter().map(|touch| self.passed(touch, q)).collect::<Result<_, _>>()?;
         Ok((touches, passed))
     }
 
     /// This orbit with the legs of what it passes, of which there is one at least.
-    fn with_passed(&self, passed: Vec<Passed>, starts: &[f64], q: &[f64]) -> Birth<Self> {
+    fn with_passed(&self, passed: Vec<Passed>, known: &[Trajectory], q: &[f64]) -> Birth<Self> {
         let legs = self.legs();
         let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
         let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
         for leg in 0..legs.len() {
-            let (mut begin, mut since) = (starts[self.of_leg(leg)].to_vec(), 0.0);
+            let (mut begin, mut since, motion) = (known[leg].start().to_vec(), 0.0, &known[leg]);
             for it in passed.iter().filter(|it| it.leg == leg) {
-                all.push((Leg { exit: Some(it.guard), ..legs[leg] }, begin, it.since - since));
+                let part = motion.part(begin, since..it.since);
+                all.push((Leg { exit: Some(it.guard), ..legs[leg] }, part, it.since - since));
                 if first.is_none() && it.distance <= nearest {
                     (first, begins) = (Some(all.len()), self.time(leg, q) + it.since);
                 }
                 all.extend(it.following.legs.iter().cloned());
                 (begin, since) = (it.following.state.clone(), it.resumed());
             }
-            all.push((legs[leg], begin, self.duration_of(leg, q) - since));
+            let end = self.duration_of(leg, q);
+            all.push((legs[leg], motion.part(begin, since..end), end - since));
         }
         let first = first.unwrap_or_default();
         all.rotate_left(first);
         if self.smooth() {
             // The start is no event: what goes on there is one leg.
             let joint = all.len() - first;
-            let (ended, _, after) = all.remove(joint);
-            let (leg, _, duration) = &mut all[joint - 1];
-            (*leg, *duration) = (ended, *duration + after);
+            let (ended, motion, after) = all.remove(joint);
+            joined_to(&mut all[joint - 1], (ended, &motion, after));
         }
         self.with_legs(all, begins)
     }
@@ -132,14 +145,14 @@ impl HybridOrbit {
     pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Birth<Self> {
         // The time of the start comes first where it is an unknown.
         let mut extras: Vec<f64> = self.forced.then_some(begins).into_iter().collect();
-        let (mut legs, mut starts) = (Vec::new(), Vec::new());
-        for (leg, start, duration) in all {
+        let (mut legs, mut trajectories) = (Vec::new(), Vec::new());
+        for (leg, motion, duration) in all {
             legs.push(leg);
-            starts.extend(start);
+            trajectories.push(motion);
             extras.push(duration);
         }
         let problem = self.like(Itinerary { legs, periods: self.itinerary.periods });
-        Birth { problem, starts, extras, beside: None }
+        Birth { problem, trajectories, extras, beside: None }
     }
 
     /// How long a leg lasts.
@@ -152,16 +165,15 @@ impl HybridOrbit {
 
     /// Where the orbit touches guards that it does not pass, in order; where it touches none, the place where it comes
     /// nearest to one.
-    pub(super) fn touches(&self, starts: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
+    pub(super) fn touches(&self, known: &[Trajectory], q: &[f64]) -> Result<Vec<Touch>, Failure> {
         let mut found: Vec<(Touch, f64)> = Vec::new();
         for leg in (0..self.legs().len()).filter(|leg| !self.legs()[*leg].accumulates) {
             let (mode, p) = (self.legs()[leg].mode, self.split(q).0);
-            let start = &starts[self.of_leg(leg)];
             for guard in self.guards_in(mode) {
-                let place = (self.time(leg, q), start);
+                let place = (self.time(leg, q), known[leg].start());
                 let scale = guard_scale(self.system(), (guard, mode), place, p);
                 let watch = OnLeg { orbit: self, leg, guard, scale };
-                let dips = self.dips(&watch, start, &self.numbers_of(leg, q))?;
+                let dips = self.dips(&watch, &known[leg], &self.numbers_of(leg, q))?;
                 found.extend(dips.into_iter().map(|touch| (touch, VANISHES * scale)));
             }
         }
@@ -177,29 +189,65 @@ impl HybridOrbit {
     }
 
     /// The local minima of a guard on a leg, with the states there.
-    fn dips(&self, watch: &OnLeg, start: &[f64], q: &[f64]) -> Result<Vec<Touch>, Failure> {
-        let (mut x, leg) = (start.to_vec(), watch.leg);
-        let (mut extrema, mut found) = (Extrema::default(), Vec::<(f64, f64)>::new());
+    fn dips(&self, watch: &OnLeg, motion: &Trajectory, q: &[f64]) -> Result<Vec<Touch>, Failure> {
+        let leg = watch.leg;
         let field = Residual::<f64>::on_segment(self, leg, q);
-        let duration = self.duration_in(leg, q);
-        let mut flow = Flow::<f64>::default();
-        let outcome = flow.observe(&field, 0.0, duration, &mut x, q, |step| {
-            extrema.search(watch, step, |extremum| found.push((extremum.place, extremum.value)));
-            ControlFlow::Continue(())
-        });
-        outcome?;
+        let (duration, unit) =
+            (self.duration_in(leg, q), time_scale(self.system(), self.split(q).0));
+        let mut found = self.extrema_on(watch, motion, duration, q)?;
         if !self.smooth() {
             // What is as near to an event as that is one with it.
-            let unit = time_scale(self.system(), self.split(q).0);
-            let apart = |place: f64| place.min(1.0 - place) * duration > VANISHES * unit;
-            found.retain(|(place, _)| apart(*place));
+            let apart = |since: f64| since.min(duration - since) > VANISHES * unit;
+            found.retain(|(since, _)| apart(*since));
         }
-        let touch = |(place, value): (f64, f64)| {
-            let (mut x, since) = (start.to_vec(), place * duration);
-            flow.advance(&field, 0.0, since, &mut x, q)?;
+        let touch = |(since, value): (f64, f64)| {
+            let x = motion.states_at(&field, since, q)?;
             Ok(Touch { leg, guard: watch.guard, since, value, x })
         };
         found.into_iter().map(touch).collect()
+    }
+
+    /// The extrema of a guard on a leg: times since its beginning, and values.
+    fn extrema_on(
+        &self,
+        watch: &OnLeg,
+        motion: &Trajectory,
+        duration: f64,
+        q: &[f64],
+    ) -> Result<Vec<(f64, f64)>, Failure> {
+        let field = Residual::<f64>::on_segment(self, watch.leg, q);
+        let (mut flow, mut extrema) = (Flow::<f64>::default(), Extrema::default());
+        let mut search = |begin: f64, length: f64, states: &[f64], steps: usize| {
+            let (mut found, mut left, mut x) = (Vec::new(), steps, states.to_vec());
+            let outcome = flow.observe(&field, begin, length, &mut x, q, |step| {
+                extrema.search(watch, step, |extremum| {
+                    found.push((begin + extremum.place * length, extremum.value));
+                });
+                left -= 1;
+                if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            outcome.map(|_| found)
+        };
+        let ends = || motion.nodes().skip(1).map(|(time, _)| time).chain([duration]);
+        let mut all = Vec::<(f64, f64)>::new();
+        for ((begin, states), end) in motion.nodes().zip(ends()) {
+            all.extend(search(begin, end - begin, states, usize::MAX)?);
+        }
+        if let (true, Some(end)) = (self.smooth(), ends().next()) {
+            // The end is the beginning, where there may be an extremum, too.
+            let again = search(0.0, end, motion.start(), 1)?;
+            let near = VANISHES * duration;
+            let known = |since: f64| {
+                let same = |(other, _): &(f64, f64)| {
+                    let apart = (since - other).abs();
+                    apart.min(duration - apart) <= near
+                };
+                all.iter().any(same)
+            };
+            let new: Vec<_> = again.into_iter().filter(|(since, _)| !known(*since)).collect();
+            all.splice(0..0, new);
+        }
+        Ok(all)
     }
 
     /// A touch as an event: what follows is decided at a small approach speed.
@@ -230,12 +278,7 @@ impl HybridOrbit {
     }
 
     /// A state of a mode by which a touch moves motion, if there is one.
-    pub(super) fn moved_state(
-        &self,
-        mode: usize,
-        [before, after]: [&[f64]; 2],
-        p: &[f64],
-    ) -> Option<usize> {
+    pub(super) fn moved_state(&self, mode: usize, [before, after]: [&[f64]; 2], p: &[f64]) -> Option<usize> {
         let mut sizes = self.system().scales_of(mode, p);
         sizes.resize(after.len(), 1.0);
         let moved = |i: &usize| {
@@ -253,7 +296,7 @@ impl HybridOrbit {
         &self,
         touch: &Touch,
         passed: &Passed,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Option<Passed> {
         if passed.following.legs.is_empty() {
@@ -261,7 +304,7 @@ impl HybridOrbit {
         }
         let unit = time_scale(self.system(), self.split(q).0);
         let [(near, error), (_, less)] = [SOONER, SOONER / NEARER]
-            .map(|sooner| self.sooner(touch, sooner * unit, &starts[self.of_leg(touch.leg)], q))
+            .map(|sooner| self.sooner(touch, sooner * unit, &known[touch.leg], q))
             .into_iter()
             .collect::<Option<Vec<_>>>()?
             .try_into()
@@ -277,18 +320,14 @@ impl HybridOrbit {
         &self,
         touch: &Touch,
         sooner: f64,
-        start: &[f64],
+        motion: &Trajectory,
         q: &[f64],
     ) -> Option<(Passed, f64)> {
         let (system, p) = (self.system(), self.split(q).0);
         let (mode, guard) = (self.legs()[touch.leg].mode, touch.guard);
         let (numbers, begins) = (self.numbers_of(touch.leg, q), self.time(touch.leg, q));
         let field = Residual::<f64>::on_segment(self, touch.leg, &numbers);
-        let mut flow = Flow::<f64>::default();
-        let mut at = |since: f64| {
-            let mut x = start.to_vec();
-            flow.advance(&field, 0.0, since, &mut x, &numbers).ok().map(|_| x)
-        };
+        let at = |since: f64| motion.states_at(&field, since, &numbers).ok();
         let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
         let (t, x) = (begins + since, at(since)?);
         let place = (t, self.onto(guard, Moment { system, mode, t, x: &x, p }));

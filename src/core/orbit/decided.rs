@@ -4,7 +4,7 @@ use super::departed::VANISHES;
 use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use crate::core::bvp::Birth;
+use crate::core::bvp::{Birth, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{MeasureNumber, Moment, decision_scale, guard_scale, time_scale};
 
@@ -74,7 +74,7 @@ impl HybridOrbit {
     /// their events lead there. `None` where no decision vanishes.
     pub(super) fn decided_otherwise(
         &self,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<Option<Birth<Self>>, Failure> {
         if !self.decides() {
@@ -84,10 +84,10 @@ impl HybridOrbit {
         let (mut all, mut near) = (Vec::<Lasting>::new(), Vec::<Lasting>::new());
         let (mut changed, mut singular) = (false, false);
         for leg in 0..legs.len() {
-            let own = (legs[leg], starts[self.of_leg(leg)].to_vec(), durations[leg]);
+            let own = (legs[leg], known[leg].clone(), durations[leg]);
             all.push(own.clone());
             near.push(own);
-            if let Some([there, beside]) = self.inserted_after(leg, starts, q)? {
+            if let Some([there, beside]) = self.inserted_after(leg, known, q)? {
                 changed = true;
                 singular |= self.any_slow(&there, self.time(leg, q) + durations[leg], q);
                 all.extend(there);
@@ -100,15 +100,15 @@ impl HybridOrbit {
         let birth = self.with_legs(all, self.time(0, q));
         // A leg that begins where its event has no speed may last no time in any orbit: its direction is known.
         let beside = singular.then(|| self.with_legs(near, self.time(0, q)));
-        let beside = beside.map(|near| (near.starts, near.extras));
+        let beside = beside.map(|near| (near.trajectories, near.extras));
         Ok(Some(Birth { beside, ..birth }))
     }
 
     /// Whether the event of one of some legs of no length has no speed at a time.
     fn any_slow(&self, legs: &[Lasting], t: f64, q: &[f64]) -> bool {
         let (system, p) = (self.system(), self.split(q).0);
-        legs.iter().any(|(Leg { mode, exit, .. }, x, _)| {
-            let Some(guard) = *exit else { return false };
+        legs.iter().any(|(Leg { mode, exit, .. }, motion, _)| {
+            let (Some(guard), x) = (*exit, motion.start()) else { return false };
             let scale = guard_scale(system, (guard, *mode), (t, x), p) / time_scale(system, p);
             Moment { system, mode: *mode, t, x, p }.rate(guard).abs() < VANISHES * scale
         })
@@ -119,13 +119,13 @@ impl HybridOrbit {
     fn inserted_after(
         &self,
         leg: usize,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
         let Some(Decision { guard, mode, modes }) = self.decision_after(leg) else {
             return Ok(None);
         };
-        let ((t, x), system, p) = (self.end_of(leg, starts, q)?, self.system(), self.split(q).0);
+        let ((t, x), system, p) = (self.end_of(leg, known, q)?, self.system(), self.split(q).0);
         let at = Moment { system, mode, t, x: &x, p };
         let chosen = self.mode_after(leg);
         let vanishing = |k: usize| {
@@ -150,7 +150,7 @@ impl HybridOrbit {
         let near = self.nudged(guard, at, function, change);
         let onset = Onset { guard, mode, next: Some(next), at: (t, x.clone()), near };
         let [Following { legs, state }, beside] = self.following(onset, chosen, p)?;
-        self.check_continuous((leg, next), &state, starts, p)?;
+        self.check_continuous((leg, next), &state, known, p)?;
         Ok(Some([legs, beside.legs]))
     }
 
@@ -159,14 +159,14 @@ impl HybridOrbit {
         &self,
         (leg, other): (usize, usize),
         state: &[f64],
-        starts: &[f64],
+        known: &[Trajectory],
         p: &[f64],
     ) -> Result<(), Failure> {
         let next = (leg + 1) % self.legs().len();
         let mode = self.legs()[next].mode;
         let mut sizes = self.system().scales_of(mode, p);
         sizes.resize(state.len(), 1.0);
-        let known = &starts[self.of_leg(next)];
+        let known = known[next].start();
         let differs =
             |k: &usize| (state[*k] - known[*k]).abs() > CONTINUOUS * sizes[*k].max(known[*k].abs());
         let Some(k) = (0..state.len()).find(differs) else { return Ok(()) };

@@ -4,9 +4,8 @@
 use super::following::Lasting;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, Residual};
+use crate::core::bvp::{Birth, Residual, Trajectory};
 use crate::core::condition::Failure;
-use crate::core::flow::Flow;
 use crate::core::hybrid::{Moment, guard_scale, time_scale};
 
 /// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in units of the scales.
@@ -16,32 +15,36 @@ impl HybridOrbit {
     /// The orbits without the legs, or the events, that vanish here.
     pub(super) fn without(
         &self,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<Option<Birth<Self>>, Failure> {
-        match self.without_vanished(starts, q)? {
-            None if !self.smooth() => self.without_touches(starts, q),
+        match self.without_vanished(known, q)? {
+            None if !self.smooth() => self.without_touches(known, q),
             found => Ok(found),
         }
     }
 
     /// The orbits without the events that are only touches here, after which motion goes on in the same mode and as before:
     /// each joins the legs before and behind it. `None` where there are none.
-    fn without_touches(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth<Self>>, Failure> {
+    fn without_touches(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Result<Option<Birth<Self>>, Failure> {
         let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
         let mut behind = Vec::with_capacity(legs.len());
         for leg in 0..legs.len() {
-            behind.push(self.behind_touch(leg, starts, q)?);
+            behind.push(self.behind_touch(leg, known, q)?);
         }
         let Some(first) = behind.iter().copied().find_map(|next| next) else { return Ok(None) };
         // From the leg behind a touch on, to the one that leads to it.
-        let (mut all, mut joined, mut leg) = (Vec::<Lasting>::new(), false, first);
+        let (mut all, mut follows, mut leg) = (Vec::<Lasting>::new(), false, first);
         loop {
-            match all.last_mut().filter(|_| joined) {
-                Some(last) => (last.0, last.2) = (legs[leg], last.2 + durations[leg]),
-                None => all.push((legs[leg], starts[self.of_leg(leg)].to_vec(), durations[leg])),
+            match all.last_mut().filter(|_| follows) {
+                Some(last) => joined_to(last, (legs[leg], &known[leg], durations[leg])),
+                None => all.push((legs[leg], known[leg].clone(), durations[leg])),
             }
-            joined = behind[leg].is_some();
+            follows = behind[leg].is_some();
             leg = behind[leg].unwrap_or((leg + 1) % legs.len());
             if leg == first {
                 break;
@@ -52,9 +55,9 @@ impl HybridOrbit {
             return self.without_events(first, all.swap_remove(0), q).map(Some);
         }
         // The last leg goes on as the first.
-        let (end, _, duration) = all.remove(0);
+        let (end, motion, duration) = all.remove(0);
         if let Some(last) = all.last_mut() {
-            (last.0, last.2) = (end, last.2 + duration);
+            joined_to(last, (end, &motion, duration));
         }
         Ok(Some(self.with_legs(all, begins + duration)))
     }
@@ -63,20 +66,23 @@ impl HybridOrbit {
     fn without_events(
         &self,
         first: usize,
-        (leg, mut start, duration): Lasting,
+        (leg, motion, duration): Lasting,
         q: &[f64],
     ) -> Result<Birth<Self>, Failure> {
         let problem = self.like(Itinerary::smooth(leg.mode, self.itinerary.periods));
         if !self.forced {
-            return Ok(Birth { problem, starts: start, extras: vec![duration], beside: None });
+            let (trajectories, extras) = (vec![motion], vec![duration]);
+            return Ok(Birth { problem, trajectories, extras, beside: None });
         }
         // They begin at time 0, or a whole number of periods later.
         let p = self.split(q).0;
         let wait = (-self.time(first, q)).rem_euclid(self.system.period(p));
         let numbers = self.numbers_of(first, q);
         let field = Residual::<f64>::on_segment(self, first, &numbers);
-        Flow::<f64>::default().advance(&field, 0.0, wait, &mut start, &numbers)?;
-        Ok(Birth { problem, starts: start, extras: Vec::new(), beside: None })
+        let start = motion.states_at(&field, wait, &numbers)?;
+        let mut trajectory = motion.part(start, wait..duration);
+        trajectory.join(duration - wait, &motion.part(motion.start().to_vec(), 0.0..wait));
+        Ok(Birth { problem, trajectories: vec![trajectory], extras: Vec::new(), beside: None })
     }
 
     /// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None` if its end is none, or
@@ -84,7 +90,7 @@ impl HybridOrbit {
     fn behind_touch(
         &self,
         leg: usize,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<Option<usize>, Failure> {
         let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
@@ -96,14 +102,14 @@ impl HybridOrbit {
         if !lasts(&leg) {
             return Ok(None);
         }
-        let ((t, x), p) = (self.end_of(leg, starts, q)?, self.split(q).0);
+        let ((t, x), p) = (self.end_of(leg, known, q)?, self.split(q).0);
         if self.has_speed((leg, guard), (t, &x), p) {
             return Ok(None);
         }
         let mut later = (1..=legs.len()).map(|k| (leg + k) % legs.len());
         let next = later.find(lasts).filter(|next| legs[*next].mode == mode);
         let goes_on =
-            |next: &usize| self.moved_state(mode, [&x, &starts[self.of_leg(*next)]], p).is_none();
+            |next: &usize| self.moved_state(mode, [&x, known[*next].start()], p).is_none();
         Ok(next.filter(goes_on))
     }
 
@@ -117,7 +123,11 @@ impl HybridOrbit {
     /// The orbits without the legs that last no time here: the events before them lead to the legs behind them.
     /// `None` where there are no such legs, where they belong to an event without a speed, which vanishes with them, and
     /// where no event leads past them.
-    fn without_vanished(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth<Self>>, Failure> {
+    fn without_vanished(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Result<Option<Birth<Self>>, Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
         let durations = self.durations(extras);
         let least = VANISHES * time_scale(self.system(), p);
@@ -130,7 +140,7 @@ impl HybridOrbit {
         }
         for (k, &leg) in kept.iter().enumerate() {
             let next = kept[(k + 1) % kept.len()];
-            if next != (leg + 1) % legs.len() && !self.leads_past(leg, next, starts, q)? {
+            if next != (leg + 1) % legs.len() && !self.leads_past(leg, next, known, q)? {
                 return Ok(None);
             }
         }
@@ -139,23 +149,33 @@ impl HybridOrbit {
             periods: self.itinerary.periods,
         };
         let begins = self.forced.then(|| self.time(kept[0], q));
-        let starts = kept.iter().flat_map(|&leg| &starts[self.of_leg(leg)]).copied().collect();
+        let trajectories = kept.iter().map(|&leg| known[leg].clone()).collect();
         let extras = begins.into_iter().chain(kept.iter().map(|&leg| durations[leg])).collect();
-        Ok(Some(Birth { problem: self.like(itinerary), starts, extras, beside: None }))
+        Ok(Some(Birth { problem: self.like(itinerary), trajectories, extras, beside: None }))
     }
 
     /// Time and state where a leg ends.
     pub(super) fn end_of(
         &self,
         leg: usize,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<(f64, Vec<f64>), Failure> {
-        let (mut x, numbers) = (starts[self.of_leg(leg)].to_vec(), self.numbers_of(leg, q));
-        let field = Residual::<f64>::on_segment(self, leg, &numbers);
         let duration = self.durations(self.split(q).1)[leg];
-        Flow::<f64>::default().advance(&field, 0.0, duration, &mut x, &numbers)?;
-        Ok((self.time(leg, q) + duration, x))
+        Ok((self.time(leg, q) + duration, self.state_on(leg, duration, known, q)?))
+    }
+
+    /// The state at a time since the beginning of a leg.
+    pub(in crate::core) fn state_on(
+        &self,
+        leg: usize,
+        since: f64,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
+        let numbers = self.numbers_of(leg, q);
+        let field = Residual::<f64>::on_segment(self, leg, &numbers);
+        Ok(known[leg].states_at(&field, since, &numbers)?)
     }
 
     /// Whether the event that ends a leg has a speed, and a reset to the mode of a later one.
@@ -163,17 +183,23 @@ impl HybridOrbit {
         &self,
         leg: usize,
         next: usize,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<bool, Failure> {
         let (p, system) = (self.split(q).0, self.system());
         let Leg { mode, exit: Some(guard), accumulates: false } = self.legs()[leg] else {
             return Ok(false);
         };
-        let (t, x) = self.end_of(leg, starts, q)?;
+        let (t, x) = self.end_of(leg, known, q)?;
         let mode_after = self.legs()[next].mode;
         let mut after = vec![0.0; self.modes[mode_after].states.len()];
         system.reset(guard, (mode, mode_after), t, &x, p, &mut after);
         Ok(self.has_speed((leg, guard), (t, &x), p) && after.iter().all(|x| x.is_finite()))
     }
+}
+
+/// Lets a leg go on as another one does, to the end of that.
+pub(super) fn joined_to(last: &mut Lasting, (leg, motion, duration): (Leg, &Trajectory, f64)) {
+    last.1.join(last.2, motion);
+    (last.0, last.2) = (leg, last.2 + duration);
 }

@@ -6,8 +6,8 @@ use super::itinerary::{Itinerary, Leg};
 use super::measures::{APPROACH, DECISION, SHORTEST};
 use super::returning::mean_rate;
 use crate::core::bvp::{
-    Birth, Ends, Equations, IntoEquations, Legs, Monitor, Residual, Return, Unknown, Watched,
-    Watches,
+    Birth, Ends, Equations, IntoEquations, Legs, Monitor, Residual, Return, Trajectory, Unknown,
+    Watched, Watches,
 };
 use crate::core::condition::Failure;
 use crate::core::domain::OutOfDomain;
@@ -264,37 +264,42 @@ impl Equations for HybridOrbit {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    fn born_at_grazing(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
+    fn born_at_grazing(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
         if self.guards.is_empty() {
             return Ok(None);
         }
-        let mut birth = self.without(starts, q)?;
+        let mut birth = self.without(known, q)?;
         if birth.is_none() {
-            birth = self.decided_otherwise(starts, q)?;
+            birth = self.decided_otherwise(known, q)?;
         }
-        let birth = birth.map_or_else(|| self.born(starts, q), Ok)?;
+        let birth = birth.map_or_else(|| self.born(known, q), Ok)?;
         Ok(Some(birth.erased()))
     }
 
-    fn kind_of_grazing(&self, monitor: usize, starts: &[f64], q: &[f64]) -> Option<&'static str> {
-        self.name_of_grazing(monitor, starts, q)
+    fn kind_of_grazing(
+        &self,
+        monitor: usize,
+        known: &[Trajectory],
+        q: &[f64],
+    ) -> Option<&'static str> {
+        self.name_of_grazing(monitor, known, q)
     }
 
-    fn without_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        Ok(self.without(starts, q)?.map(Birth::erased))
+    fn without_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
+        Ok(self.without(known, q)?.map(Birth::erased))
     }
 
-    fn with_touched(&self, starts: &[f64], q: &[f64]) -> Result<Option<Birth>, Failure> {
+    fn with_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
         match self.guards.is_empty() {
             true => Ok(None),
-            false => Ok(Some(self.with_touches(starts, q)?.erased())),
+            false => Ok(Some(self.with_touches(known, q)?.erased())),
         }
     }
 
-    fn touch_matters(&self, starts: &[f64], q: &[f64]) -> Result<bool, Failure> {
+    fn touch_matters(&self, known: &[Trajectory], q: &[f64]) -> Result<bool, Failure> {
         Ok(!self.guards.is_empty()
-            && self.decided_otherwise(starts, q)?.is_none()
-            && self.born(starts, q)?.beside.is_none())
+            && self.decided_otherwise(known, q)?.is_none()
+            && self.born(known, q)?.beside.is_none())
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

@@ -2,6 +2,7 @@
 
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
+use crate::core::bvp::Trajectory;
 use crate::core::chunk::Chunk;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Moment, guard_scale, time_scale};
@@ -31,8 +32,8 @@ pub(super) struct Onset {
     pub near: (f64, Vec<f64>),
 }
 
-/// A leg with the state with which it begins, and how long it lasts.
-pub(super) type Lasting = (Leg, Vec<f64>, f64);
+/// A leg with the motion on it, and how long it lasts.
+pub(super) type Lasting = (Leg, Trajectory, f64);
 
 /// What follows an event at once until motion goes on in a mode: the legs, and the state with which it does.
 pub(super) struct Following {
@@ -81,8 +82,8 @@ impl HybridOrbit {
                 )));
             };
             let leg = Leg::new(mode, Some(exit));
-            there.push((leg, limit.clone(), 0.0));
-            beside.push((leg, near.clone(), duration));
+            there.push((leg, limit.clone().into(), 0.0));
+            beside.push((leg, near.clone().into(), duration));
             near = self.moved(Moment { system, mode, t: time, x: &near, p }, duration);
             time += duration;
             (guard, last) = (exit, mode);

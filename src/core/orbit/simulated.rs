@@ -23,7 +23,7 @@ impl HybridOrbit {
             |leg: &CycleLeg| Leg { accumulates: leg.accumulation, ..Leg::new(leg.mode, leg.exit) };
         let legs = cycle_legs.iter().map(leg).collect();
         let itinerary = Itinerary { legs, periods: cycle.periods };
-        let starts = cycle_legs.iter().flat_map(|leg| leg.start.clone()).collect();
+        let trajectories = cycle_legs.iter().map(|leg| leg.start.clone().into()).collect();
         let durations = cycle_legs.iter().map(|leg| leg.duration);
         let problem = HybridOrbit::of(system, itinerary);
         // The time of the start comes first where it is an unknown.
@@ -32,7 +32,7 @@ impl HybridOrbit {
             Some(0) => durations.collect(),
             Some(_) => std::iter::once(start).chain(durations).collect(),
         };
-        Ok(Birth { problem, starts, extras, beside: None })
+        Ok(Birth { problem, trajectories, extras, beside: None })
     }
 }
 

@@ -5,7 +5,7 @@ use super::departed::VANISHES;
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
 use super::measures::{APPROACH, DECISION};
-use crate::core::bvp::{Equations, Monitor};
+use crate::core::bvp::{Equations, Monitor, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Moment, Tangency, time_scale};
 
@@ -20,20 +20,20 @@ impl HybridOrbit {
     pub(super) fn name_of_grazing(
         &self,
         monitor: usize,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Option<&'static str> {
         let mut several = false;
         let place = match self.monitors().swap_remove(monitor).1 {
             Monitor::Distance(_) => {
-                let touches = self.touches(starts, q).ok()?;
+                let touches = self.touches(known, q).ok()?;
                 several = touches.iter().any(|touch| touch.guard != touches[0].guard);
                 Ok(touches.into_iter().next().map(|touch| self.place_of(touch, q)))
             }
             // Where a leg vanishes its event has no speed, and a decision vanishes with it.
             Monitor::Ends(function) => self
-                .vanished(starts, q)
-                .map_or_else(|| self.at_event(function, starts, q), |place| Ok(Some(place))),
+                .vanished(known, q)
+                .map_or_else(|| self.at_event(function, known, q), |place| Ok(Some(place))),
             _ => Ok(None),
         };
         let (tangency, t, x) = place.ok().flatten()?;
@@ -49,28 +49,28 @@ impl HybridOrbit {
     }
 
     /// The first leg that lasts no time.
-    fn vanished(&self, starts: &[f64], q: &[f64]) -> Option<Place> {
+    fn vanished(&self, known: &[Trajectory], q: &[f64]) -> Option<Place> {
         let (legs, (p, extras)) = (self.legs(), self.split(q));
         let least = VANISHES * time_scale(self.system(), p);
         let durations = self.durations(extras);
         let leg = (0..legs.len()).find(|leg| durations[*leg].abs() <= least)?;
         let before = legs[(leg + legs.len() - 1) % legs.len()].mode;
         let tangency = Tangency::Leg { before, mode: legs[leg].mode, after: self.mode_after(leg) };
-        Some((tangency, self.time(leg, q), starts[self.of_leg(leg)].to_vec()))
+        Some((tangency, self.time(leg, q), known[leg].start().to_vec()))
     }
 
     /// The event with the least speed, or with the least margin of its decision.
     fn at_event(
         &self,
         function: usize,
-        starts: &[f64],
+        known: &[Trajectory],
         q: &[f64],
     ) -> Result<Option<Place>, Failure> {
         let (system, p) = (self.system(), self.split(q).0);
         let mut least: Option<(f64, Place)> = None;
         for (leg, Leg { mode, exit, accumulates }) in self.legs().iter().copied().enumerate() {
             let Some(guard) = exit.filter(|_| !accumulates) else { continue };
-            let (t, x) = self.end_of(leg, starts, q)?;
+            let (t, x) = self.end_of(leg, known, q)?;
             let (at, next) = (Moment { system, mode, t, x: &x, p }, self.mode_after(leg));
             let (value, tangency) = match function {
                 APPROACH => (Some(at.rate(guard).abs()), Tangency::Slow { guard, mode, next }),

@@ -1,6 +1,8 @@
 //! The other solutions that graze where one of a system does: with the event that it touches, or without it.
 
 use super::BoundarySystem;
+use super::layout::Segment;
+use crate::core::bvp::{Mesh, Number, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::zero::{Across, System};
 
@@ -13,11 +15,35 @@ pub(super) struct Beside {
 }
 
 impl BoundarySystem {
-    /// The states where the segments of a solution begin, and its numbers `q`.
-    pub(super) fn starts_of(&self, z: &[f64], p: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let layout = &self.equations.layout;
-        let starts = layout.ends[..layout.states].iter().map(|&k| z[k]).collect();
-        (starts, [p, &z[layout.values()..]].concat())
+    /// The trajectories of a solution by the states where intervals begin, and its numbers `q`.
+    pub(in crate::core) fn trajectories_of(
+        &self,
+        z: &[f64],
+        p: &[f64],
+    ) -> (Vec<Trajectory>, Vec<f64>) {
+        let (layout, mut numbers) = (&self.equations.layout, Vec::new());
+        let q = [p, &z[layout.values()..]].concat();
+        layout.spread(&q, &mut numbers);
+        let equations = f64::residual(&**self.problem());
+        let trajectory = |(segment, s): (usize, &Segment)| {
+            let states = |interval: usize| -> Vec<f64> {
+                let node = &layout.order[layout.interval(segment, interval)][..s.states];
+                node.iter().map(|&k| z[k]).collect()
+            };
+            let duration = equations.duration_in(segment, &numbers[layout.local(segment)]);
+            let mut known = Trajectory::from(states(0));
+            for interval in 1..s.intervals {
+                let start = self.equations.span(segment, interval).start;
+                known.push(start * duration, &states(interval));
+            }
+            known
+        };
+        (layout.segments.iter().enumerate().map(trajectory).collect(), q)
+    }
+
+    /// The number of intervals of the segment that has most.
+    pub(super) fn most_intervals(&self) -> usize {
+        self.meshes().iter().map(Mesh::intervals).max().unwrap_or(1)
     }
 
     /// The other solution at a grazing, computed once for each.
@@ -32,18 +58,18 @@ impl BoundarySystem {
     fn beside_found(&mut self, x: &[f64]) -> Result<Option<Beside>, Failure> {
         let passes = (self as &mut dyn System).passes_touched(x)?;
         let (z, p) = x.split_at(self.equations.layout.dimension);
-        let (starts, q) = self.starts_of(z, p);
+        let (known, q) = self.trajectories_of(z, p);
         let problem = self.problem();
         let other = match passes {
-            true => problem.without_touched(&starts, &q)?,
+            true => problem.without_touched(&known, &q)?,
             // What holds at the start of a curve holds along it.
-            false if self.beside.is_some() || problem.touch_matters(&starts, &q)? => {
-                problem.with_touched(&starts, &q)?
+            false if self.beside.is_some() || problem.touch_matters(&known, &q)? => {
+                problem.with_touched(&known, &q)?
             }
             false => None,
         };
         let Some(other) = other else { return Ok(None) };
-        let (method, intervals) = (self.equations.method.clone(), self.meshes()[0].intervals());
+        let (method, intervals) = (self.equations.method.clone(), self.most_intervals());
         let (system, mut x_there) = other.discretised(p, method, intervals)?;
         x_there.extend_from_slice(p);
         Ok(Some(Beside { at: x.to_vec(), system: Box::new(system), x: x_there }))

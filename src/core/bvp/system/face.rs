@@ -315,8 +315,8 @@ impl Admissible for BoundarySystem {
 
     fn kind_of_grazing(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
         let (z, p) = x.split_at(self.names().dimension());
-        let (starts, q) = self.starts_of(z, p);
-        self.problem().kind_of_grazing(monitor, &starts, &q)
+        let (known, q) = self.trajectories_of(z, p);
+        self.problem().kind_of_grazing(monitor, &known, &q)
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

@@ -1,8 +1,9 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
 
+use super::layout::Segment;
 use super::{BoundarySystem, Method};
 use crate::core::bvp::{
-    Birth, BoundaryError, Collocation, Equations, IntoEquations, Mesh, Number, Shooting,
+    Birth, BoundaryError, Collocation, Equations, IntoEquations, Mesh, Number, Shooting, Trajectory,
 };
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::condition::Failure;
@@ -85,9 +86,9 @@ impl BoundarySystem {
         Ok(Adopted { z: solution.state, start })
     }
 
-    /// Another problem, on as many intervals a segment as the first one has now.
+    /// Another problem, on as many intervals a segment as the segment with most has now.
     fn change_to(&mut self, problem: Arc<dyn Equations>) -> Result<(), Failure> {
-        let intervals = self.meshes()[0].intervals();
+        let intervals = self.most_intervals();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         *self = BoundarySystem::new(problem, self.equations.method.clone(), meshes)?;
         Ok(())
@@ -114,15 +115,15 @@ impl BoundarySystem {
 
     /// The solutions that are born where one touches a surface, beginning with the one that touches.
     fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, Failure> {
-        let (starts, q) = self.starts_of(z, p);
-        let Some(birth) = self.problem().born_at_grazing(&starts, &q)? else {
+        let (known, q) = self.trajectories_of(z, p);
+        let Some(birth) = self.problem().born_at_grazing(&known, &q)? else {
             let reason = "no other branch is known where solutions of this problem graze";
             return Err(Failure::Unsupported(reason.into()));
         };
         let (method, beside) = (self.equations.method.clone(), birth.beside.clone());
         let z;
-        (*self, z) = birth.discretised(p, method, self.meshes()[0].intervals())?;
-        let near = beside.map(|(starts, extras)| self.flowed(&starts, &extras, p)).transpose()?;
+        (*self, z) = birth.discretised(p, method, self.most_intervals())?;
+        let near = beside.map(|(near, extras)| self.filled(&near, &extras, p)).transpose()?;
         let along = near.map(|near| {
             let across = near.iter().zip(&z).map(|(near, z)| near - z);
             across.chain(p.iter().map(|_| 0.0)).collect()
@@ -135,26 +136,33 @@ impl BoundarySystem {
     /// # Errors
     /// [`Failure`] where a trajectory leaves the domain of its field.
     pub fn flowed(&self, starts: &[f64], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
+        let start = |s: &Segment| Trajectory::from(starts[s.ends..s.ends + s.states].to_vec());
+        let known: Vec<_> = self.equations.layout.segments.iter().map(start).collect();
+        self.filled(&known, extras, p)
+    }
+
+    /// The unknowns `z` of trajectories that are known at nodes.
+    fn filled(&self, known: &[Trajectory], extras: &[f64], p: &[f64]) -> Result<Vec<f64>, Failure> {
         let (problem, mut numbers) = (self.problem(), Vec::new());
         self.equations.layout.spread(&[p, extras].concat(), &mut numbers);
         let mut flow = Flow::<f64>::default();
         let mut at = (usize::MAX, 0.0, Vec::new());
         let mut outcome = Ok(());
         let z = self.sampled(extras, |segment, tau, out| {
-            if at.0 != segment {
-                let s = &self.equations.layout.segments[segment];
-                at = (segment, 0.0, starts[s.ends..s.ends + s.states].to_vec());
-            }
             let (equations, q) =
                 (f64::residual(&**problem), &numbers[self.equations.layout.local(segment)]);
             let field = equations.on_segment(segment, q);
             let duration = equations.duration_in(segment, q);
-            let (from, x) = (at.1, &mut at.2);
-            if outcome.is_ok() && tau > from {
-                let length = (tau - from) * duration;
-                outcome = flow.advance(&field, from * duration, length, x, q).map(|_| ());
+            let time = tau * duration;
+            let (node, states) = known[segment].before(time);
+            if at.0 != segment || node > at.1 {
+                at = (segment, node, states.to_vec());
             }
-            at.1 = tau;
+            let (from, x) = (at.1, &mut at.2);
+            if outcome.is_ok() && time != from {
+                outcome = flow.advance(&field, from, time - from, x, q).map(|_| ());
+            }
+            at.1 = time;
             out.copy_from_slice(&at.2);
         });
         outcome?;
@@ -277,7 +285,7 @@ impl BoundarySystem {
 
 impl<P: IntoEquations> Birth<P> {
     /// The system of the problem, with a number of intervals for each segment, and its unknowns `z` at parameters `p`,
-    /// integrated from the states where segments begin.
+    /// integrated from one node of the known trajectories to the next.
     ///
     /// # Errors
     /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
@@ -287,10 +295,10 @@ impl<P: IntoEquations> Birth<P> {
         method: impl Into<Method>,
         intervals: usize,
     ) -> Result<(BoundarySystem, Vec<f64>), Failure> {
-        let Birth { problem, starts, extras, .. } = self.erased();
+        let Birth { problem, trajectories, extras, .. } = self.erased();
         let meshes = vec![Mesh::uniform(intervals); problem.segments().len()];
         let system = BoundarySystem::new(problem, method, meshes)?;
-        let z = system.flowed(&starts, &extras, p)?;
+        let z = system.filled(&trajectories, &extras, p)?;
         Ok((system, z))
     }
 }

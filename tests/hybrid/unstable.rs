@@ -1,0 +1,153 @@
+//! Promise: branches begin at the grazings of orbits of any multiplier, if segments are short enough for the digits.
+
+use crate::common::close;
+use std::f64::consts::{PI, TAU};
+use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
+use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
+use tangency::core::field::Forcing;
+use tangency::core::grazing::GrazingPoint;
+use tangency::core::hybrid::{Guard, HybridSystem, Mode};
+use tangency::core::orbit::{HybridOrbit, Itinerary};
+use tangency::core::scalar::Scalar;
+
+/// An inverted oscillator, `x'' = b² x + (1 + b²) a cos(t + φ)`, beside one wall at `x = 1`, or between that and one at `x = −1`, with impacts of
+/// restitution 0.8.
+///
+/// Without impacts `x = −a cos(t + φ)` with the multipliers `e^{±2πb}`: it touches the walls at `a = 1`, at `t + φ = π` and 0.
+#[derive(Clone)]
+struct Inverted {
+    rate: f64,
+    walls: usize,
+    phase: f64,
+}
+
+const RESTITUTION: f64 = 0.8;
+
+impl HybridSystem for Inverted {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("free", ["x", "v"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        [Guard::new("right", [0]), Guard::new("left", [0])][..self.walls].to_vec()
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["a".into()]
+    }
+    fn field<T: Scalar>(&self, _mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]) {
+        let square = self.rate * self.rate;
+        f[0] = x[1];
+        f[1] = x[0] * square + p[0] * (t + self.phase).cos() * (1.0 + square);
+    }
+    fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        if guard == 0 { -x[0] + 1.0 } else { x[0] + 1.0 }
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        (after[0], after[1]) = (x[0], x[1] * -RESTITUTION);
+    }
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        0
+    }
+    fn forcing(&self) -> Forcing {
+        Forcing::Periodic { phase: TAU }
+    }
+    fn period<T: Scalar>(&self, _p: &[T]) -> T {
+        T::constant(TAU)
+    }
+}
+
+impl Inverted {
+    /// `(1 − e) b` times the factor by which both ends of a leg see each other, `tanh πb` over a period, `coth πb/2` over half of one.
+    fn stiffness(&self) -> f64 {
+        let ends = if self.walls == 1 {
+            (PI * self.rate).tanh()
+        } else {
+            1.0 / (PI * self.rate / 2.0).tanh()
+        };
+        (1.0 - RESTITUTION) * self.rate * ends
+    }
+
+    /// The amplitude of the orbits that hit each wall once a period at a speed: with `h = 1 + a cos t` at the impact at `x = 1`,
+    /// motion between impacts is `−a cos t` and a sum of exponentials that is `h` at both ends (`−h` at the other one), so that
+    /// `(1 + e) a sin t = κ h` and the speed is `2 κ h/(1 − e²)`.
+    fn amplitude(&self, speed: f64) -> f64 {
+        let stiffness = self.stiffness();
+        let h = speed * (1.0 - RESTITUTION * RESTITUTION) / (2.0 * stiffness);
+        (stiffness * h / (1.0 + RESTITUTION)).hypot(h - 1.0)
+    }
+
+    /// The least of these.
+    fn fold(&self) -> f64 {
+        self.stiffness() / self.stiffness().hypot(1.0 + RESTITUTION)
+    }
+}
+
+/// The orbits without impacts, and one of them.
+fn free(inverted: Inverted, method: Method, intervals: usize) -> (BoundarySystem, Vec<f64>) {
+    let phase = inverted.phase;
+    let orbit = HybridOrbit::of(inverted, Itinerary::smooth(0, 1));
+    let system = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)]).unwrap();
+    let z = system.sampled(&[], |_, tau, x| {
+        let (sine, cosine) = (TAU * tau + phase).sin_cos();
+        (x[0], x[1]) = (-0.5 * cosine, 0.5 * sine);
+    });
+    (system, z)
+}
+
+/// The branch of these, with the label of its grazing.
+fn to_grazing(system: &mut BoundarySystem, z: &[f64]) -> Result<(Branch, usize), TraceError> {
+    let run = Continuation::of(system).from(z).at("a", 0.5).along("a", 0.1..=2.0);
+    run.trace().map(|branch| {
+        let label = branch.of_kind(Kind::G).next().expect("a grazing").label;
+        (branch, label)
+    })
+}
+
+/// Multipliers from 3e5 to 2e27, with one wall and with two that are touched at a time, one of them where the orbit begins and ends. The
+/// touch at `t = π` is a node of 20 intervals, and none of 31.
+#[test]
+fn impacting_branches_begin_where_unstable_orbits_graze() {
+    let collocation = || Method::from(Collocation::new(7).unwrap());
+    for (rate, method, intervals) in [
+        (2.0, Method::from(Shooting::default()), 1),
+        (2.0, Shooting::default().into(), 20),
+        (3.0, Shooting::default().into(), 20),
+        (10.0, Shooting::default().into(), 20),
+        (10.0, Shooting::default().into(), 31),
+        (2.0, collocation(), 31),
+        (10.0, collocation(), 30),
+    ] {
+        for walls in [1, 2] {
+            let inverted = Inverted { rate, walls, phase: 0.0 };
+            let (mut system, z) = free(inverted.clone(), method.clone(), intervals);
+            // Rounding grows over a segment as deviations do.
+            let digits = 1e-12 + 1e-15 * (TAU * rate / intervals as f64).exp();
+            let (branch, label) = to_grazing(&mut system, &z).unwrap();
+            let grazing = branch.of_kind(Kind::G).next().unwrap();
+            close(grazing.parameters[0], 1.0, digits);
+            let point = GrazingPoint::at(&mut system, &branch.solution(grazing)).unwrap();
+            close(point.x[0].abs(), 1.0, 10.0 * digits);
+            close(point.time.sin(), 0.0, 1e-6);
+            let run = Continuation::of(&mut system).restart(&branch, label).switch();
+            let born = run.along("a", 0.1..=2.0).trace().unwrap();
+            let speed = born.column("approach").unwrap();
+            assert!(born.points.len() > 20);
+            for point in &born.points {
+                let exact = inverted.amplitude(point.value(speed).unwrap());
+                close(point.parameters[0], exact, 10.0 * digits);
+            }
+            let fold = born.of_kind(Kind::LP).next();
+            // Two walls: the fold is within 1e-8 of where symmetry is lost if the rate is large.
+            if walls == 1 || rate == 2.0 {
+                close(fold.expect("a fold").parameters[0], inverted.fold(), 10.0 * digits);
+            }
+        }
+    }
+}
