@@ -231,6 +231,11 @@ impl<'a> Extended<'a> {
         }
     }
 
+    /// The factor by which rounding errors grow inside the problem's discretisation.
+    pub(crate) fn growth(&mut self) -> f64 {
+        self.system.discretised().map_or(1.0, |system| system.growth())
+    }
+
     /// Assembles the problem's matrix at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
         interruption::check()?;

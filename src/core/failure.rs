@@ -39,10 +39,10 @@ pub enum Failure {
     /// The work was given up.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// Deviations grow by so much over a segment that no digit of its end is left.
+    /// Deviations, and rounding errors with them, grow by so much over a segment that too few digits are left.
     #[error(
-        "deviations grow by {0:.1e} over a segment, which leaves no digit of its end: take more segments, or \
-         collocation"
+        "deviations grow by {0:.1e} over a segment, and rounding errors alike, which leaves too few digits: take more \
+         segments, or collocation"
     )]
     Growth(f64),
     /// An iterative method did not find these eigenvalues or multipliers.

@@ -309,7 +309,8 @@ impl Newton {
             }
             damping *= 0.5;
             if damping < LEAST_DAMPING {
-                return Err(hopeless(outcome, iteration, size, damping));
+                let growth = problem.equations.growth();
+                return Err(hopeless(outcome, iteration, (size, growth), damping));
             }
         }
     }
@@ -325,11 +326,14 @@ impl Newton {
 fn hopeless(
     outcome: Result<(), Failure>,
     iteration: usize,
-    size: f64,
+    (size, growth): (f64, f64),
     damping: f64,
 ) -> NewtonError {
     match outcome {
         Err(cause) => NewtonError::Evaluation { iteration, cause },
+        Ok(()) if size <= NOISE * f64::EPSILON * growth => {
+            NewtonError::Evaluation { iteration, cause: Failure::Growth(growth) }
+        }
         Ok(()) if size.is_finite() => {
             NewtonError::Stagnation { iterations: iteration, correction: size, damping }
         }

@@ -307,6 +307,12 @@ pub trait Discretised {
     /// evaluated meanwhile, since a solution is only approached; 0 restores full accuracy.
     fn set_inexactness(&mut self, _error: f64) {}
 
+    /// The factor by which rounding errors grow inside the discretisation, as deviations do over a segment of shooting, for what
+    /// is assembled. Corrections of Newton's that are no larger than rounding times this are noise.
+    fn growth(&self) -> f64 {
+        1.0
+    }
+
     /// The same system, to be changed without changing this one; `None` for systems that no branch changes.
     fn duplicate(&self) -> Option<Box<dyn System>> {
         None

@@ -3,7 +3,7 @@
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{BoundarySystem, Collocation, Mesh, Method, Shooting};
-use tangency::core::continuation::{Branch, Continuation, Kind, TraceError};
+use tangency::core::continuation::{Branch, Continuation, End, Kind, TraceError};
 use tangency::core::field::Forcing;
 use tangency::core::grazing::GrazingPoint;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
@@ -149,5 +149,51 @@ fn impacting_branches_begin_where_unstable_orbits_graze() {
                 close(fold.expect("a fold").parameters[0], inverted.fold(), 10.0 * digits);
             }
         }
+    }
+}
+
+/// With one segment the largest multipliers leave no digits, and others too few for what is singular but for them: for the border of a
+/// matrix, where all velocities among the unknowns vanish, or for the correction at a birth.
+#[test]
+fn one_segment_says_where_its_digits_end() {
+    let of = |rate: f64, phase: f64| {
+        free(Inverted { rate, walls: 1, phase }, Shooting::default().into(), 1)
+    };
+    let grown = |error: TraceError, growth: &str| {
+        let error = error.to_string();
+        let cause = format!("deviations grow by {growth}");
+        assert!(error.contains(&cause) && error.contains("take more segments"), "{error}");
+    };
+    // A deviation grows by cosh 2πb.
+    let (mut system, z) = of(1.0, 0.0);
+    to_grazing(&mut system, &z).unwrap();
+    for (rate, growth) in [(3.0, "7.7e7"), (6.0, "1.2e16"), (10.0, "9.7e26")] {
+        let (mut system, z) = of(rate, 0.0);
+        grown(to_grazing(&mut system, &z).err().expect("a refusal"), growth);
+    }
+    let mut refused = 0;
+    for rate in (15..27).map(|k| f64::from(k) / 5.0) {
+        let (mut system, z) = of(rate, 0.3);
+        let born = to_grazing(&mut system, &z).and_then(|(branch, label)| {
+            assert!(branch.ends.iter().all(told), "{:?}", branch.ends);
+            let run = Continuation::of(&mut system).restart(&branch, label).switch();
+            run.along("a", 0.1..=2.0).trace()
+        });
+        match born {
+            Ok(born) => assert!(born.ends.iter().all(told), "{:?}", born.ends),
+            Err(error) => {
+                grown(error, "");
+                refused += 1;
+            }
+        }
+    }
+    assert!((1..4).contains(&refused), "{refused}");
+}
+
+/// Whether a branch ends at a bound, at a grazing or by growth.
+fn told(end: &End) -> bool {
+    match end {
+        End::ParameterBound { .. } | End::Grazing { .. } => true,
+        other => other.to_string().contains("deviations grow"),
     }
 }

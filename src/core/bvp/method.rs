@@ -3,7 +3,7 @@
 use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions};
-use super::shooting::Shooting;
+use super::shooting::{self, Shooting};
 use crate::core::failure::Failure;
 use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
@@ -206,6 +206,15 @@ impl Method {
         match self {
             Method::Collocation(method) => Some(method.error_constant()),
             Method::Shooting(_) => None,
+        }
+    }
+
+    /// By how much deviations grow over an interval, from its derivatives by the nodes of `n` states; 1 where equations
+    /// hold inside intervals.
+    pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
+        match self {
+            Method::Collocation(_) => 1.0,
+            Method::Shooting(_) => shooting::growth(nodes, n),
         }
     }
 

@@ -95,14 +95,17 @@ impl Clone for Shooting {
 /// A segment over which a deviation grows by more leaves but one or two digits: rounding grows alike.
 const LARGEST_GROWTH: f64 = 1e14;
 
-/// Refuses a linearisation that nothing can be concluded from; by the derivatives of states by themselves, which have no unit.
-fn growth(nodes: &[f64], n: usize) -> Result<(), Failure> {
+/// By how much deviations grow over a segment, from its derivatives by the nodes; by those of states by themselves, which have no
+/// unit.
+pub(super) fn growth(nodes: &[f64], n: usize) -> f64 {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
-    let value = own.fold(0.0, f64::max);
-    if value <= LARGEST_GROWTH {
-        return Ok(());
-    }
-    Err(Failure::Growth(value))
+    own.fold(0.0, f64::max)
+}
+
+/// Refuses a linearisation that nothing can be concluded from.
+fn check_growth(nodes: &[f64], n: usize) -> Result<(), Failure> {
+    let value = growth(nodes, n);
+    if value <= LARGEST_GROWTH { Ok(()) } else { Err(Failure::Growth(value)) }
 }
 
 impl Shooting {
@@ -220,7 +223,7 @@ impl Shooting {
                 self.eight.linearise(settings, interval, (active, first), block, search)
             }),
         };
-        flowed.and_then(|()| growth(block.nodes, n))
+        flowed.and_then(|()| check_growth(block.nodes, n))
     }
 
     /// As [`Method::allow`](super::Method).

@@ -277,6 +277,10 @@ impl zero::Discretised for BoundarySystem {
         self.equations.rough = self.equations.method.allow(error);
     }
 
+    fn growth(&self) -> f64 {
+        self.growth_of_deviations()
+    }
+
     fn duplicate(&self) -> Option<Box<dyn System>> {
         let (problem, method) = (self.problem().clone(), self.equations.method.clone());
         let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;

@@ -5,7 +5,7 @@ use super::bordered::{Bordered, Form as Kept};
 use super::factorisation::{Factorisation, form_of};
 use super::layout::Layout;
 use super::rotating::Rotating;
-use crate::core::failure::Failure;
+use crate::core::failure::{Failure, SINGULAR};
 use crate::core::linear::{self, Factors};
 use crate::core::zero::{Border, Form};
 use std::sync::Arc;
@@ -50,7 +50,8 @@ impl BoundarySystem {
             }
             let fits = |known: &Rotating| Arc::ptr_eq(&known.layout, shared);
             let rotating = into.reuse(fits, || Rotating::new(shared));
-            return rotating.factor(assembled, omega, border);
+            let outcome = rotating.factor(assembled, omega, border);
+            return outcome.map_err(|cause| self.singular_by_growth(cause));
         }
         let condensed = into.reuse(
             |known: &Condensed| Arc::ptr_eq(&known.layout, shared),
@@ -65,6 +66,31 @@ impl BoundarySystem {
         if layout.closes() && factors.pencil(layout, assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }
-        outcome
+        outcome.map_err(|cause| self.singular_by_growth(cause))
+    }
+
+    /// By how much deviations grow, at most, over an interval of what is assembled.
+    pub(super) fn growth_of_deviations(&self) -> f64 {
+        let (method, layout) = (&self.equations.method, &self.equations.layout);
+        let segments = layout.segments.iter().zip(&self.linearisation.blocks);
+        let intervals = segments.flat_map(|(s, blocks)| {
+            let rows = layout.degree * s.states;
+            blocks
+                .chunks_exact(rows * (rows + s.states))
+                .map(|nodes| method.growth(nodes, s.states))
+        });
+        intervals.fold(1.0, f64::max)
+    }
+
+    /// Where deviations grow by `G` over an interval, pivots as small as `1/G²` belong to regular matrices: those of the states at
+    /// its end, and of the border. If these count as zero nothing is known of the matrix.
+    pub(super) fn singular_by_growth(&self, cause: Failure) -> Failure {
+        let growth = self.growth_of_deviations();
+        match cause {
+            Failure::Singular { .. } if growth * growth * SINGULAR >= 1.0 => {
+                Failure::Growth(growth)
+            }
+            cause => cause,
+        }
     }
 }

@@ -193,7 +193,7 @@ impl BoundarySystem {
             }
         }
         if let Some(cause) = singular.filter(|_| best.is_infinite()) {
-            return Err(cause);
+            return Err(self.singular_by_growth(cause));
         }
         // Where motion goes on behind an event of no speed as if it were none, every μ solves the equations.
         if best > SINGULAR {
