@@ -171,6 +171,35 @@ fn branches_begin_at_orbits_with_an_accumulation() {
     }
 }
 
+/// The same by the height over the ground: just behind its release the ball is on the table to rounding, with its rate and that of
+/// the rate, and does not graze it. The times of the last impacts are known to fewer digits.
+#[test]
+fn a_release_over_the_ground_is_no_grazing() {
+    for e in [0.05, 0.3, 0.5] {
+        for gamma in [1.1, 1.15, 1.2] {
+            let mut flow = HybridFlow::new(&BouncingBall, HybridSettings::default()).unwrap();
+            let search = CycleSearch::default();
+            let cycle = search.find(&mut flow, thrown(1.0), &[gamma, e]).unwrap();
+            let (mut orbits, z) =
+                from_cycle(BouncingBall, &cycle, &[gamma, e], Shooting::default(), 1).unwrap();
+            let run = Continuation::of(&mut orbits).from(&z).at("acceleration", gamma);
+            let run =
+                (0..20).fold(run, |run, k| run.mark("acceleration", 1.055 + 0.01 * f64::from(k)));
+            let run = run.at("restitution", e).along("acceleration", 1.05..=1.25);
+            let branch = run.trace().unwrap();
+            assert!(branch.points.iter().all(|point| point.admissible));
+            let kinds = branch.special.iter().map(|point| point.kind);
+            assert!(kinds.clone().all(|kind| [Kind::EP, Kind::UZ].contains(&kind)), "{e} {gamma}");
+            assert_eq!(kinds.count(), 22, "e = {e}, Γ = {gamma}");
+            let legs = branch.itinerary.split(' ').count();
+            for mark in branch.of_kind(Kind::UZ) {
+                let [duration, _] = rests(mark.parameters[0], e);
+                close(mark.state[mark.state.len() - legs], duration, 1e-7);
+            }
+        }
+    }
+}
+
 /// Where the height is that over the ground, rounding tells the times of the last impacts to few digits: a branch that does
 /// not begin says so.
 #[test]

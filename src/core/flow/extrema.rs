@@ -146,7 +146,8 @@ impl<T: Scalar> Extrema<T> {
 }
 
 /// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every round gains the
-/// digits that dense output has, and one order of derivatives. Returns `θ` and the value there.
+/// digits that dense output has, and one order of derivatives; a round that makes the slope larger is undone. Returns `θ` and
+/// the value there.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,
@@ -156,8 +157,17 @@ pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     let curvature = sampler.curvature(step, watch, guess);
     let mut theta = T::constant(step.met_near(guess).unwrap_or(guess));
     let mut extreme = T::zero();
+    let mut before: Option<(T, T, f64)> = None;
     for round in 0..ROUNDS {
         let (value, slope) = sampler.exact(step, watch, theta);
+        // Where the curvature is rounding, as just behind a release from rest, its parabola leads away.
+        if let Some((place, known, steep)) = before
+            && slope.real().abs() > steep
+            && (theta - place).real().abs() > SETTLED
+        {
+            return (place, known);
+        }
+        before = Some((theta, value, slope.real().abs()));
         let change = slope / curvature;
         extreme = value;
         let strayed = (theta - change - guess).real().abs() > 1.0 / PARTS as f64;
