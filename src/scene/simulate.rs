@@ -15,10 +15,11 @@ use crate::core::hybrid::{
 use crate::core::names::{distinct, position};
 use crate::core::orbit::HybridOrbit;
 use crate::core::zero::Profile;
+use cpu_time::ThreadTime;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A simulation of a vector field, or of a hybrid system from its first mode. Times are in periods of the forcing, or in units of
 /// time where there is none.
@@ -61,12 +62,12 @@ const SAMPLES: usize = 8;
 /// How long motion is followed to see how long it takes.
 const TRIAL: Duration = Duration::from_millis(20);
 
-/// Motion is followed until an instant.
-struct Until(Instant);
+/// Motion is followed for a time of the processor.
+struct Until(ThreadTime);
 
 impl HybridObserver<f64> for Until {
     fn ends(&self) -> bool {
-        Instant::now() >= self.0
+        self.0.elapsed() >= TRIAL
     }
 
     fn event(&mut self, _event: &Event<f64>) -> ControlFlow<()> {
@@ -82,9 +83,9 @@ fn foresee(
     (duration, p): (f64, &[f64]),
     observer: &mut dyn SceneObserver,
 ) {
-    let (mut state, begin) = (start.clone(), Instant::now());
+    let (mut state, begin) = (start.clone(), ThreadTime::now());
     // What fails fails again, and is said then.
-    let followed = uncounted(|| flow.advance(&mut state, duration, p, &mut Until(begin + TRIAL)));
+    let followed = uncounted(|| flow.advance(&mut state, duration, p, &mut Until(begin)));
     let share = (state.time - start.time) / duration;
     if followed.is_ok() && share < 1.0 {
         let seconds = begin.elapsed().as_secs_f64() / share;

@@ -14,8 +14,8 @@ use crate::core::interruption::{interrupted, interruptible};
 use crate::core::names::position;
 use crate::core::zero::{Group, System};
 use crate::output::Document;
+use cpu_time::ThreadTime;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 /// What came of a scene: all branches that were traced, and the error that stopped it, if one did.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +179,7 @@ fn trace(
             if *switch { curve.switch() } else { curve }
         }
     };
-    let begin = Instant::now();
+    let begin = ThreadTime::now();
     let steps = conditions(curve, run).steps();
     let steps = steps.map_err(|cause| SceneError::of_run(&run.name, cause))?;
     // A point takes about as long as the start.

@@ -3,9 +3,10 @@
 use super::plan::Plan;
 use crate::core::attractor::StroboscopicMap;
 use crate::core::hybrid::Member;
-use std::time::{Duration, Instant};
+use cpu_time::ThreadTime;
+use std::time::Duration;
 
-/// How long periods are followed to see how long one takes …
+/// How long periods are followed, in time of the processor, to see how long one takes, whatever else the machine does …
 const TRIAL: Duration = Duration::from_millis(20);
 /// … and how many at most.
 const TRIAL_PERIODS: u32 = 64;
@@ -61,7 +62,7 @@ impl Plan {
         threads: usize,
     ) -> Option<Work> {
         let (p, state) = self.setting(0, p);
-        let (mut member, begin, mut followed) = (Member { state, p }, Instant::now(), 0);
+        let (mut member, begin, mut followed) = (Member { state, p }, ThreadTime::now(), 0);
         while followed < TRIAL_PERIODS && (followed == 0 || begin.elapsed() < TRIAL) {
             map.advance(&mut member).ok()?;
             followed += 1;
