@@ -5,11 +5,12 @@ use crate::common::close;
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use crate::hybrid::systems::orbits::{DIGITS, Start, found, impacting, nonimpacting, resting};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::Shooting;
 use tangency::core::continuation::{Branch, Continuation, End, Kind, Point};
 use tangency::core::field::Forcing;
 use tangency::core::flow::Scheme;
+use tangency::core::grazing::GrazingPoint;
 use tangency::core::hybrid::{
     CycleSearch, Guard, HybridFlow, HybridSettings, HybridState, HybridSystem, Mode,
 };
@@ -193,22 +194,38 @@ impl HybridSystem for Neuron {
     }
 }
 
-/// Where the reset jumps, the orbits with the event are not near that which touches: `switch()` says so.
+/// Where the reset jumps, the orbits with the event are not near that which touches, nor those without it near that whose event has no
+/// speed: `switch()` says so, and there is no local map. In silence `x = I + A sin(ωt − φ)/√(1 + ω²)`, which touches 1 at
+/// `I = 1 − A/√(1 + ω²)`. The neuron that fires once a period at the phase `θ` has no speed there if `I = 1 − A sin θ`, and comes from 0
+/// to 1 if `−A sin(θ + acot ω) ω/√(1 + ω²) = d/(1 − d)` with the decay `d` of a period.
 #[test]
 fn no_branch_begins_where_a_reset_jumps() {
-    let p = [0.1, 0.5, 4.0];
-    let mut flow = HybridFlow::new(&Neuron, HybridSettings::default()).unwrap();
-    let start = HybridState { mode: 0, time: 0.0, x: vec![0.0] };
-    let cycle = CycleSearch::default().find(&mut flow, start, &p).unwrap();
-    let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
-    let (mut orbits, z) = from_cycle(Neuron, &cycle, &p, method, 1).unwrap();
-    let names = Neuron.parameters();
-    let run = Continuation::of(&mut orbits).from(&z);
-    let run = names.iter().zip(&p).fold(run, |run, (name, p)| run.at(name, *p));
-    let branch = run.along("current", 0.0..=2.0).trace().unwrap();
-    are(&branch, &[(Kind::G, 1.0 - 0.5 / 17.0_f64.sqrt())]);
-    let label = branch.of_kind(Kind::G).next().unwrap().label;
-    let run = Continuation::of(&mut orbits).restart(&branch, label).switch();
-    let error = run.along("current", 0.0..=2.0).trace().unwrap_err().to_string();
-    assert!(error.contains("the event spike takes voltage from 1.0"), "{error}");
+    let [amplitude, frequency] = [0.5, 4.0_f64];
+    let root = frequency.hypot(1.0);
+    let decay = (-TAU / frequency).exp();
+    let sine = decay / (1.0 - decay) * root / (amplitude * frequency);
+    let phase = PI + sine.asin() - (1.0 / frequency).atan();
+    let silent = (0.1, "distance", 1.0 - amplitude / root);
+    let firing = (1.26, "approach", 1.0 - amplitude * phase.sin());
+    for (current, monitor, exact) in [silent, firing] {
+        let p = [current, amplitude, frequency];
+        let mut flow = HybridFlow::new(&Neuron, HybridSettings::default()).unwrap();
+        let start = HybridState { mode: 0, time: 0.0, x: vec![0.0] };
+        let cycle = CycleSearch::default().find(&mut flow, start, &p).unwrap();
+        let method = Shooting::new(Scheme::DormandPrince8, 1e-13).unwrap();
+        let (mut orbits, z) = from_cycle(Neuron, &cycle, &p, method, 1).unwrap();
+        let names = Neuron.parameters();
+        let run = Continuation::of(&mut orbits).from(&z);
+        let run = names.iter().zip(&p).fold(run, |run, (name, p)| run.at(name, *p));
+        let branch = run.along("current", 0.0..=2.0).trace().unwrap();
+        let mut grazings = branch.of_kind(Kind::G);
+        let grazing = grazings.find(|point| point.event.contains(monitor)).unwrap();
+        close(grazing.parameters[0], exact, DIGITS);
+        let run = Continuation::of(&mut orbits).restart(&branch, grazing.label).switch();
+        let refused = run.along("current", 0.0..=2.0).trace().unwrap_err().to_string();
+        let no_point = GrazingPoint::at(&mut orbits, &branch.solution(grazing)).unwrap_err();
+        for error in [refused, no_point.to_string()] {
+            assert!(error.contains("the event spike takes voltage from 1.0"), "{error}");
+        }
+    }
 }

@@ -53,6 +53,8 @@ impl Orbit<'_> {
         if legs[..returns].iter().any(|(_, duration)| duration.abs() > VANISHES * unit) {
             return Ok(None);
         }
+        let next = (leg + 1 + returns) % self.legs.len();
+        self.problem.unmoved((mode, guard), [&x, self.legs[next].start()], p)?;
         let following = legs.drain(..returns).map(|(leg, _)| leg).collect();
         let (p, periods) = (p.to_vec(), self.problem.itinerary().periods);
         Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))

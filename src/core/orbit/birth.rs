@@ -261,24 +261,28 @@ impl HybridOrbit {
         let near = self.nudged(guard, at, |at| at.rate(guard), -speed);
         let onset = Onset { guard, mode, next: None, at: (t, touch.x.clone()), near };
         let [following, _] = self.following(onset, mode, p)?;
-        self.unmoved(touch, &following.state, p)?;
+        self.unmoved((mode, guard), [&touch.x, &following.state], p)?;
         let Touch { leg, since, value, .. } = *touch;
         Ok(Passed { leg, guard, since, distance: value.abs(), following })
     }
 
-    /// Refuses a touch after which motion goes on elsewhere: the orbits with the event lie apart from those without.
-    fn unmoved(&self, touch: &Touch, after: &[f64], p: &[f64]) -> Result<(), Failure> {
-        let mode = self.legs()[touch.leg].mode;
-        let Some(i) = self.moved_state(mode, [&touch.x, after], p) else { return Ok(()) };
+    /// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie apart from those without.
+    pub(in crate::core) fn unmoved(
+        &self,
+        (mode, guard): (usize, usize),
+        [before, after]: [&[f64]; 2],
+        p: &[f64],
+    ) -> Result<(), Failure> {
+        let Some(i) = self.moved_state(mode, [before, after], p) else { return Ok(()) };
         Err(Failure::Undetermined(format!(
-            "at the touch the event {} takes {} from {:.6e} to {:.6e}: no branch of orbits with the event begins \
-             where its reset jumps; start it from a simulated cycle (`orbit::from_cycle`)",
-            self.guards[touch.guard].name, self.modes[mode].states[i], touch.x[i], after[i]
+            "at the touch the event {} takes {} from {:.6e} to {:.6e}: orbits with the event and orbits without it do not \
+             meet where its reset jumps; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
+            self.guards[guard].name, self.modes[mode].states[i], before[i], after[i]
         )))
     }
 
     /// A state of a mode by which a touch moves motion, if there is one.
-    pub(super) fn moved_state(&self, mode: usize, [before, after]: [&[f64]; 2], p: &[f64]) -> Option<usize> {
+    fn moved_state(&self, mode: usize, [before, after]: [&[f64]; 2], p: &[f64]) -> Option<usize> {
         let mut sizes = self.system().scales_of(mode, p);
         sizes.resize(after.len(), 1.0);
         let moved = |i: &usize| {

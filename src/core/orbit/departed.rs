@@ -86,7 +86,10 @@ impl HybridOrbit {
     }
 
     /// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None` if its end is none, or
-    /// leads to another mode, or its reset jumps.
+    /// leads to another mode.
+    ///
+    /// # Errors
+    /// [`Failure::Undetermined`] if its reset jumps.
     fn behind_touch(
         &self,
         leg: usize,
@@ -108,9 +111,10 @@ impl HybridOrbit {
         }
         let mut later = (1..=legs.len()).map(|k| (leg + k) % legs.len());
         let next = later.find(lasts).filter(|next| legs[*next].mode == mode);
-        let goes_on =
-            |next: &usize| self.moved_state(mode, [&x, known[*next].start()], p).is_none();
-        Ok(next.filter(goes_on))
+        if let Some(next) = next {
+            self.unmoved((mode, guard), [&x, known[next].start()], p)?;
+        }
+        Ok(next)
     }
 
     /// Whether a guard is passed with a speed.
