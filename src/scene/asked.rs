@@ -2,7 +2,7 @@
 
 use super::error::SceneError;
 use super::problem::Problem;
-use super::simulate::{Simulated, at_rest};
+use super::simulate::{Simulated, stated};
 use super::statement::{Range, Run, Scene, Start, Way};
 use super::trace::traced;
 use crate::core::continuation::{Kind, Settings};
@@ -243,9 +243,10 @@ impl Scene {
     ) -> Result<Start, SceneError> {
         let p = self.values()?;
         let began = Simulated { state: asked.state.clone(), ..Simulated::default() };
-        let mut state = at_rest(&motion.modes()[0], &began.from(&self.problem.initial(&p)).state)?;
+        let state = stated(&motion.modes()[0], &began.from(&self.problem.initial(&p)).state)?;
         let failed = |cause| SceneError::of_run("the start", cause);
         let mut flow = HybridFlow::new(motion, HybridSettings::default()).map_err(failed)?;
+        let mut state = flow.initial(state, &p);
         flow.advance(&mut state, settle, &p, &mut ()).map_err(failed)?;
         let mut rates = vec![0.0; state.x.len()];
         motion.field(0, state.time, &state.x, &p, &mut rates);

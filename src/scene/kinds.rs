@@ -7,7 +7,7 @@ use super::discretisation::{
 use super::error::{ProblemError, SceneError};
 use super::local::Local;
 use super::problem::{Configured, Model, Parameters};
-use super::simulate::{Simulated, at_rest};
+use super::simulate::{Simulated, stated};
 use crate::core::bvp::{Birth, Equations};
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::dense::Dense;
@@ -104,7 +104,7 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
 
     fn settled(&self, _run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
         let names = self.problem.names().unknowns.into_iter().map(|state| state.name);
-        let start = at_rest(&Mode::new("map", names), &simulated.state)?.x;
+        let start = stated(&Mode::new("map", names), &simulated.state)?.x;
         let transient = simulated.transient.round() as usize;
         let cycle = MapCycle::settled(self.problem.clone(), &start, transient, p);
         let (cycles, states) = cycle.map_err(no_start)?;

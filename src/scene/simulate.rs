@@ -21,7 +21,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A simulation of a vector field, or of a hybrid system from its first mode. Times are in periods of the forcing, or in units of
+/// A simulation of a vector field, or of a hybrid system from a state of its first mode; of a Filippov system from the side of the
+/// surface on which the state is. Times are in periods of the forcing, or in units of
 /// time where there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -104,12 +105,13 @@ pub(super) fn simulate(
     (start, observer): (Option<HybridState<f64>>, &mut dyn SceneObserver),
 ) -> Result<(Branch, HybridState<f64>), SceneError> {
     let failed = |cause: HybridError| SceneError::of_run(name, cause);
-    let mut state = match start {
+    let start = match start {
         Some(state) => state,
-        None => at_rest(&system.modes()[0], &simulated.state)?,
+        None => stated(&system.modes()[0], &simulated.state)?,
     };
     let unit = system.period(p);
     let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
+    let mut state = flow.initial(start, p);
     let duration = (simulated.transient + simulated.duration) * unit;
     foresee(name, &mut flow, &state, (duration, p), observer);
     flow.advance(&mut state, simulated.transient * unit, p, &mut ()).map_err(failed)?;
@@ -136,10 +138,11 @@ pub(super) fn foresee_settling(
     p: &[f64],
     observer: &mut dyn SceneObserver,
 ) -> Result<(), SceneError> {
-    let start = at_rest(&system.modes()[0], &simulated.state)?;
+    let start = stated(&system.modes()[0], &simulated.state)?;
     let mut flow = HybridFlow::new(system, HybridSettings::default())
         .map_err(|cause| SceneError::of_run(run, cause))?;
     let longest = search(system, simulated, p).longest_time(system, p);
+    let start = flow.initial(start, p);
     foresee(run, &mut flow, &start, (longest, p), observer);
     Ok(())
 }
@@ -152,7 +155,7 @@ pub(super) fn settled(
     p: &[f64],
 ) -> Result<Birth<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
-    let start = at_rest(&system.modes()[0], &simulated.state)?;
+    let start = stated(&system.modes()[0], &simulated.state)?;
     let search = search(&*system, simulated, p);
     let mut flow = HybridFlow::new(&*system, HybridSettings::default())
         .map_err(|cause| unsettled(cause.into()))?;
@@ -161,8 +164,8 @@ pub(super) fn settled(
     HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
 }
 
-/// A state of the first mode, given by name where it is not zero.
-pub(super) fn at_rest(
+/// A state of the first mode, given by name where it is not zero: which mode it begins in the system says.
+pub(super) fn stated(
     mode: &Mode,
     given: &[(String, f64)],
 ) -> Result<HybridState<f64>, SceneError> {

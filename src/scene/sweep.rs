@@ -1,7 +1,7 @@
 //! Sweeps of a scene: what motions settle on, over parameters and starts.
 
 use super::error::SceneError;
-use super::simulate::at_rest;
+use super::simulate::stated;
 use super::statement::{Grid, Scene, Sweep};
 use super::trace::map_of;
 use crate::core::attractor::{Layout, PeriodMap, ReturnMap, StroboscopicError, StroboscopicMap};
@@ -106,7 +106,7 @@ impl Scene {
         };
         let axes = sweep.over.iter().map(axis).collect::<Result<_, _>>()?;
         let starts = if sweep.starts.is_empty() { &[Vec::new()] } else { &sweep.starts[..] };
-        let starts = starts.iter().map(|state| at_rest(mode, state)).collect::<Result<_, _>>()?;
+        let starts = starts.iter().map(|state| stated(mode, state)).collect::<Result<_, _>>()?;
         let crisis = sweep.crisis.as_ref().map(|sought| sought.among(&parameters)).transpose()?;
         let Sweep { order, strands, search, .. } = *sweep;
         let plan = Plan { axes, starts, order, strands, search, crisis };

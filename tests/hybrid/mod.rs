@@ -15,6 +15,7 @@ mod recorded;
 mod references;
 mod resting;
 mod scales;
+mod sides;
 mod simulation;
 mod sliding;
 pub mod systems;

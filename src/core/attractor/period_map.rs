@@ -118,6 +118,10 @@ impl StroboscopicMap for PeriodMap<'_> {
         &self.layout
     }
 
+    fn initial(&self, state: HybridState<f64>, p: &[f64]) -> HybridState<f64> {
+        self.real.initial(state, p)
+    }
+
     fn advance(&mut self, Member { state, p }: &mut Member<f64>) -> Result<(), StroboscopicError> {
         let (period, phase) = (period(self.real.system(), p)?, state.time);
         self.real.advance(state, period, p, &mut ())?;

@@ -8,7 +8,7 @@ use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{
     Event, EventNumber, GuardOf, HybridEquations, HybridFlow, HybridObserver, HybridSettings,
-    Member, time_scale,
+    HybridState, Member, time_scale,
 };
 use crate::core::names::position;
 use crate::core::scalar_field::FieldIn;
@@ -154,6 +154,10 @@ where
 impl StroboscopicMap for ReturnMap<'_> {
     fn layout(&self) -> &Layout {
         &self.seen.layout
+    }
+
+    fn initial(&self, state: HybridState<f64>, p: &[f64]) -> HybridState<f64> {
+        self.real.initial(state, p)
     }
 
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {

@@ -108,7 +108,12 @@ struct Run {
 }
 
 impl Run {
-    fn new(search: &AttractorSearch, member: Member<f64>) -> Self {
+    fn new(
+        search: &AttractorSearch,
+        map: &dyn StroboscopicMap,
+        Member { state, p }: Member<f64>,
+    ) -> Self {
+        let member = Member { state: map.initial(state, &p), p };
         Run {
             member,
             periods: 0,
@@ -241,7 +246,8 @@ impl Following<'_> {
 }
 
 impl AttractorSearch {
-    /// Follows a motion and finds the attractor that it is on.
+    /// Follows a motion and finds the attractor that it is on. It begins in the mode that the system says
+    /// ([`HybridSystem::initial_mode`](crate::core::hybrid::HybridSystem::initial_mode)).
     ///
     /// # Errors
     /// [`StroboscopicError`] if the motion ends.
@@ -261,7 +267,7 @@ impl AttractorSearch {
         member: Member<f64>,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Attractor, StroboscopicError> {
-        let mut run = [Run::new(self, member)];
+        let mut run = [Run::new(self, map, member)];
         Following { map, abreast: false, goes_on }.follow(self, &mut run);
         let [run] = run;
         run.finish(map.layout())
@@ -278,7 +284,8 @@ impl AttractorSearch {
         members: Vec<Member<f64>>,
         goes_on: &dyn Fn() -> bool,
     ) -> Vec<Result<Attractor, StroboscopicError>> {
-        let mut runs: Vec<Run> = members.into_iter().map(|member| Run::new(self, member)).collect();
+        let begin = |member| Run::new(self, map, member);
+        let mut runs: Vec<Run> = members.into_iter().map(begin).collect();
         Following { map, abreast: true, goes_on }.follow(self, &mut runs);
         runs.into_iter().map(|run| run.finish(map.layout())).collect()
     }

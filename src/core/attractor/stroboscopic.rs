@@ -37,6 +37,11 @@ pub trait StroboscopicMap {
     /// The names of modes, events and measures.
     fn layout(&self) -> &Layout;
 
+    /// The state from which motion begins that is given as one of a mode: by default the same.
+    fn initial(&self, state: HybridState<f64>, _p: &[f64]) -> HybridState<f64> {
+        state
+    }
+
     /// Follows the motion for one period.
     ///
     /// # Errors

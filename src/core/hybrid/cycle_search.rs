@@ -99,7 +99,8 @@ impl Default for CycleSearch {
 }
 
 impl CycleSearch {
-    /// Follows a motion until it repeats.
+    /// Follows a motion until it repeats. It begins in the mode that the system says
+    /// ([`HybridFlow::initial`]).
     ///
     /// ```
     /// use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridState};
@@ -127,6 +128,7 @@ impl CycleSearch {
         start: HybridState<f64>,
         p: &[f64],
     ) -> Result<Cycle, CycleSearchError> {
+        let start = flow.initial(start, p);
         flow.begin(&start, 0.0, p)?;
         match flow.system().forcing() {
             Forcing::Periodic { .. } => self.strobed(flow, start, flow.system().period(p), p),

@@ -168,6 +168,7 @@ equations! {
     fn guards() -> Vec<Guard>;
     fn parameters() -> Vec<String>;
     fn defaults() -> Vec<f64>;
+    fn initial_mode(mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
     fn may_follow(guard: usize, mode: usize) -> Vec<usize>;
     fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
     fn mode_after_accumulation(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize>;

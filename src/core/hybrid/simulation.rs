@@ -169,6 +169,19 @@ where
         self.system
     }
 
+    /// The state from which motion begins that is given as one of a mode: in the mode that the system says
+    /// ([`HybridSystem::initial_mode`](super::HybridSystem::initial_mode)).
+    pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
+        let (mode, time) = (state.mode, state.time.real());
+        // Another number of states is refused where motion begins.
+        let lengths = |mode: &Mode| [mode.states.len(), self.system.parameters().len()];
+        if self.modes.get(mode).map(lengths) == Some([state.x.len(), p.len()]) {
+            let [x, p] = [&state.x, p].map(|all| all.iter().map(T::real).collect::<Vec<f64>>());
+            state.mode = self.system.initial_mode(mode, time, &x, &p);
+        }
+        state
+    }
+
     /// Moves a state on for a time, by way of all events, which the observer sees; it may end the motion just
     /// after one, or with a step. Where an error ends the motion, the state is that after the last event, or
     /// just before it if it leads to no mode.

@@ -177,6 +177,13 @@ pub trait HybridSystem: Send + Sync {
         Vec::new()
     }
 
+    /// The mode in which motion begins whose start is given as a state of a mode: by default that mode. Where the state alone
+    /// decides, as on which side of a surface it is, another mode with the same states. Searches for cycles and attractors
+    /// ask it of their starts, and so do scenes, which give them as states of the first mode.
+    fn initial_mode(&self, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        mode
+    }
+
     /// The field of a mode, written into `f` (as long as `x`).
     fn field<T: Scalar>(&self, mode: usize, t: T, x: &[T], p: &[T], f: &mut [T]);
 

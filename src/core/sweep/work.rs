@@ -62,6 +62,7 @@ impl Plan {
         threads: usize,
     ) -> Option<Work> {
         let (p, state) = self.setting(0, p);
+        let state = map.initial(state, &p);
         let (mut member, begin, mut followed) = (Member { state, p }, ThreadTime::now(), 0);
         while followed < TRIAL_PERIODS && (followed == 0 || begin.elapsed() < TRIAL) {
             map.advance(&mut member).ok()?;

@@ -4,6 +4,8 @@ use super::normal::project;
 use super::{FilippovNames, FilippovSystem, Side};
 use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
+use crate::core::flow::NEGATIVE;
+use crate::core::hybrid::scales::guard_scale;
 use crate::core::hybrid::system::{Guard, HybridSystem, Mode, Scales};
 use crate::core::hybrid::tangency::Tangency;
 use crate::core::measure::Measure;
@@ -76,6 +78,21 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
 
     fn defaults(&self) -> Vec<f64> {
         self.0.defaults()
+    }
+
+    /// That of the side on which the state is. On the surface motion slides where it is held on both sides, and leaves to the
+    /// one on which it is not; where it may leave to both it is the mode that is given.
+    fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        let (height, scale) = (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));
+        if height.abs() > NEGATIVE * scale {
+            return if height > 0.0 { Self::ABOVE } else { Self::BELOW };
+        }
+        match [Side::Above, Side::Below].map(|side| self.0.holds(side, t, x, p) > 0.0) {
+            [true, true] => Self::SLIDING,
+            [false, true] => Self::ABOVE,
+            [true, false] => Self::BELOW,
+            [false, false] => mode,
+        }
     }
 
     #[inline]
