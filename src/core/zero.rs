@@ -344,7 +344,7 @@ pub trait Admissible {
     /// there are marked. Not called where a solution grazes, where nothing can be decided.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] with what is decided otherwise.
+    /// [`Failure::Mismatch`] with what is decided otherwise, [`Failure::OutOfDomain`] where the solution has no meaning.
     fn check_start(&self, x: &[f64]) -> Result<(), Failure>;
 
     /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.

@@ -165,10 +165,7 @@ pub(super) fn settled(
 }
 
 /// A state of the first mode, given by name where it is not zero: which mode it begins in the system says.
-pub(super) fn stated(
-    mode: &Mode,
-    given: &[(String, f64)],
-) -> Result<HybridState<f64>, SceneError> {
+pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
     for (name, value) in given {
         x[position("state", name, &mode.states)?] = *value;

@@ -18,6 +18,7 @@ mod scales;
 mod sides;
 mod simulation;
 mod sliding;
+mod sliding_fields;
 pub mod systems;
 mod torus;
 mod unstable;

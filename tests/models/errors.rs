@@ -464,4 +464,24 @@ fn sliding() {
     says(&with("names: [(\"»slide«\", \"stick\")]"), "unknown mode or event `slide`");
     says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode or an event already");
     says(&with("sliding: [(\"x\", \"»u«\"), (\"y\", \"0\")]"), "unknown name `u`");
+    // What motion needs where it begins: the rates of its mode, on the surface all that decides there.
+    let undefined = |rest: &str, x: f64| {
+        let text = "FilippovEquations(above: [(\"x\", \"sqrt(x)\"), (\"y\", \"-1\")], below: [(\"x\", \"sqrt(-x)\"), (\"y\", \"1\")]";
+        let model = Model::read(&Source::new("", format!("{text}, {rest})")), &[]).unwrap();
+        model.undefined_at(&[x, 0.0], &[]).map(|error| error.to_string())
+    };
+    let slides = |surface: &str, hold: &str| {
+        let sliding = "sliding: [(\"x\", \"0\"), (\"y\", \"1/y\")]";
+        format!(
+            "surface: \"{surface}\", {sliding}, holds: [(\"above\", \"{hold}\"), (\"below\", \"1\")]"
+        )
+    };
+    let plain = slides("x", "ln(y - 1)");
+    assert_eq!([1.0, -1.0].map(|x| undefined(&plain, x)), [None, None]);
+    let on = undefined(&plain, 0.0).unwrap();
+    assert!(on.contains("a value that is not a number at the start: ln of -1"), "{on}");
+    for (rest, x) in [(slides("x", "1"), 0.0), (slides("x + 1/y", "1"), 1.0)] {
+        let error = undefined(&rest, x).unwrap();
+        assert!(error.contains("a division by zero at the start: 1/0"), "{error}");
+    }
 }

@@ -29,7 +29,7 @@ impl Stepper<'_> {
         point: &Point,
     ) -> Result<Vec<Option<f64>>, Failure> {
         let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
-        let leads = self.leads();
+        let leads = self.leads()?;
         let system = self.equations.system();
         let (dynamics, orientation) = (system.dynamics(), system.orientation());
         let stability = |all: &Spectrum| Stability::of(dynamics, all).oriented(orientation);
@@ -70,10 +70,15 @@ impl Stepper<'_> {
     }
 
     /// Whether events lead on at the point recorded, as a sign, if an event asks for it.
-    fn leads(&mut self) -> Option<f64> {
+    fn leads(&mut self) -> Result<Option<f64>, Failure> {
         let asked = self.events.iter().any(|event| event.test == Test::Itinerary);
-        let At { system, x, .. } = Some(self.equations.at()).filter(|_| asked)?;
-        Some(if system.admissible()?.check_start(x).is_ok() { 1.0 } else { -1.0 })
+        let At { system, x, .. } = self.equations.at();
+        match system.admissible().filter(|_| asked).map(|admissible| admissible.check_start(x)) {
+            None => Ok(None),
+            Some(Ok(())) => Ok(Some(1.0)),
+            Some(Err(failure @ Failure::OutOfDomain(_))) => Err(failure),
+            Some(Err(_)) => Ok(Some(-1.0)),
+        }
     }
 
     /// The oscillation of a cycle, if an event asks for it.

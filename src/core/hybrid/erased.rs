@@ -169,6 +169,7 @@ equations! {
     fn parameters() -> Vec<String>;
     fn defaults() -> Vec<f64>;
     fn initial_mode(mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
+    fn domain_at_ends(mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain>;
     fn may_follow(guard: usize, mode: usize) -> Vec<usize>;
     fn next_mode(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize;
     fn mode_after_accumulation(guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Option<usize>;

@@ -36,6 +36,10 @@ where
         };
         self.real_event();
         let time_of_event = self.event.time.real();
+        if let Err(left) = self.check_end(self.event.mode, time_of_event) {
+            (state.time, state.x) = (self.event.time, self.event.before.clone());
+            return Err(left);
+        }
         run.statistics.together += usize::from(self.another_vanishes(time_of_event));
         let next = self.system.next_mode(guard, self.event.mode, time_of_event, &self.x, &self.p);
         if self.pass(next, state, run)?.is_break() {

@@ -9,7 +9,7 @@ use super::leg::GuardOf;
 use super::scales::{guard_scale, time_scale};
 use super::system::{Guard, Mode};
 use crate::core::field::Forcing;
-use crate::core::flow::{Flow, NEGATIVE, Roots, Settings, Statistics};
+use crate::core::flow::{Flow, FlowError, NEGATIVE, Roots, Settings, Statistics};
 use crate::core::scalar::Scalar;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
@@ -274,7 +274,15 @@ where
                 return Err(HybridError::Outside { time, mode, guard, value, after });
             }
         }
-        Ok(())
+        self.check_end(state.mode, time)
+    }
+
+    /// Refuses a place where a mode begins or ends, the state in `x`, if it must not.
+    pub(super) fn check_end(&self, mode: usize, time: f64) -> Result<(), HybridError> {
+        self.system.domain_at_ends(mode, time, &self.x, &self.p).map_err(|left| {
+            let source = FlowError::OutOfDomain { time, left };
+            HybridError::Flow { mode: self.modes[mode].name.clone(), source }
+        })
     }
 
     /// That something is after an event, in words.

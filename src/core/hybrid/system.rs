@@ -369,4 +369,19 @@ pub trait HybridSystem: Send + Sync {
     fn domain(&self, _mode: usize, _x: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
+
+    /// Refuses places at which a mode must not begin or end, as on a surface that a field of sliding motion leaves. It is asked
+    /// there only; [`domain`](Self::domain) is asked at every step.
+    ///
+    /// # Errors
+    /// [`OutOfDomain`] with the quantity, its value and what to change.
+    fn domain_at_ends(
+        &self,
+        _mode: usize,
+        _t: f64,
+        _x: &[f64],
+        _p: &[f64],
+    ) -> Result<(), OutOfDomain> {
+        Ok(())
+    }
 }

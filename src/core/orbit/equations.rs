@@ -307,9 +307,17 @@ impl Equations for HybridOrbit {
         [ends, Monitor::Ends(SHORTEST)].contains(&self.monitors().swap_remove(monitor).1)
     }
 
-    /// Every event, and every accumulation, must lead to the mode that the itinerary says.
+    /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs must be able to begin and end
+    /// where they do.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
+        for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {
+            let begins = self.time(s, q);
+            let ended = begins + Residual::<f64>::duration_in(self, s, &self.numbers_of(s, q));
+            for (t, states) in [(begins, ends.start), (ended, ends.end)] {
+                self.system.domain_at_ends(leg.mode, t, &states[self.of_leg(s)], p)?;
+            }
+        }
         let mut time = self.time(0, q);
         for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| leg.exit.is_some()) {
             let (duration, x) = (self.durations(extras)[s], &ends.end[self.of_leg(s)]);

@@ -230,6 +230,20 @@ pub(super) fn undefined(
     assembling.undefined(&values, t, x, p)
 }
 
+/// The same of one formula in states that have rates.
+pub(super) fn undefined_formula(
+    basis: &Basis,
+    common: Common,
+    (states, formula): (&Formulas, &Phrase),
+    (t, x, p): (f64, &[f64], &[f64]),
+) -> Option<ModelError> {
+    let (names, _) = states_of(basis, common, states, "state").ok()?;
+    let scope = basis.scope(common, &names).ok()?;
+    let mut assembling = Assembling::new(&scope);
+    let value = assembling.read(formula).ok()?;
+    assembling.undefined(&[value], t, x, p)
+}
+
 /// Monitors by name.
 pub(super) fn monitors_of(
     scope: &Scope,

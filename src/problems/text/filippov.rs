@@ -2,7 +2,8 @@
 
 use super::assembling::Assembling;
 use super::basis::{
-    Basis, States, measures, monitors_of, plain, scales_of, states_of, undefined, values_of,
+    Basis, States, measures, monitors_of, plain, scales_of, states_of, undefined,
+    undefined_formula, values_of,
 };
 use super::hybrid::scales;
 use super::period::Period;
@@ -13,7 +14,7 @@ use super::tape::Tape;
 use crate::core::field::Forcing;
 use crate::core::hybrid::Scales;
 use crate::core::hybrid::filippov::{
-    FilippovNames, FilippovSystem, Side, convex_combination, held_by_field,
+    Filippov, FilippovNames, FilippovSystem, Side, convex_combination, held_by_field,
 };
 use crate::core::measure::Measure;
 use crate::core::names::position;
@@ -96,11 +97,29 @@ impl TwoFields {
         self.period.refused(&self.basis.source, p)
     }
 
-    /// The formula of a field that has no finite value at `(t, x, p)`, if one has none.
-    pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        let FilippovEquations { above, below, .. } = &self.statement;
-        let common = self.statement.common();
-        [above, below].into_iter().find_map(|f| undefined(&self.basis, common, f, (t, x, p)))
+    /// The formula that has no finite value where motion begins in a mode, if one has none: the surface, the rates, and on the
+    /// surface all that decides there.
+    pub(super) fn undefined(
+        &self,
+        mode: usize,
+        (t, x, p): (f64, &[f64], &[f64]),
+    ) -> Option<ModelError> {
+        let FilippovEquations { above, below, sliding, surface, holds, .. } = &self.statement;
+        let (common, at) = (self.statement.common(), (t, x, p));
+        let of_fields = |fields: &[&Formulas]| {
+            fields.iter().find_map(|rates| undefined(&self.basis, common, rates, at))
+        };
+        let of_formula = |formula| undefined_formula(&self.basis, common, (above, formula), at);
+        let on_surface = self.surface.value(t, x, p) == 0.0 || mode == Filippov::<Self>::SLIDING;
+        surface.as_ref().and_then(of_formula).or_else(|| match mode {
+            _ if on_surface => holds
+                .iter()
+                .find_map(|(_, formula)| of_formula(formula))
+                .or_else(|| of_fields(&[above, below]))
+                .or_else(|| of_fields(&[sliding]).filter(|_| !sliding.is_empty())),
+            Filippov::<Self>::ABOVE => of_fields(&[above]),
+            _ => of_fields(&[below]),
+        })
     }
 }
 

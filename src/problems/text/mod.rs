@@ -239,7 +239,11 @@ impl Model {
             Model::Zero(zero) => zero.undefined(x, p),
             Model::Map(map) => map.undefined(x, p),
             Model::Hybrid(hybrid) => hybrid.undefined(0.0, x, p),
-            Model::Filippov(system) => system.0.undefined(0.0, x, p),
+            Model::Filippov(system) => {
+                use crate::core::hybrid::HybridSystem;
+                let mode = system.initial_mode(Filippov::<TwoFields>::ABOVE, 0.0, x, p);
+                system.0.undefined(mode, (0.0, x, p))
+            }
             Model::Boundary(_) => None,
         }
     }

@@ -115,7 +115,8 @@ pub trait FilippovSystem: Send + Sync {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
     /// The field of sliding motion, written into `f`: by default Filippov's [`convex_combination`] of both fields. Another one
-    /// must keep motion on the surface: its [`normal_velocity`] must vanish there.
+    /// must keep motion on the surface: its normal velocity `h_t + h_x f` must vanish there. That is checked where sliding begins
+    /// and ends.
     fn sliding<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         convex_combination(self, t, x, p, f);
     }

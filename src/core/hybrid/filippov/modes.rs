@@ -1,11 +1,11 @@
 //! A Filippov system as a hybrid one: modes above, below and on the surface.
 
-use super::normal::project;
+use super::normal::{project, sliding_velocity};
 use super::{FilippovNames, FilippovSystem, Side};
 use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::flow::NEGATIVE;
-use crate::core::hybrid::scales::guard_scale;
+use crate::core::hybrid::scales::{guard_scale, time_scale};
 use crate::core::hybrid::system::{Guard, HybridSystem, Mode, Scales};
 use crate::core::hybrid::tangency::Tangency;
 use crate::core::measure::Measure;
@@ -21,6 +21,9 @@ pub struct Filippov<S>(pub S);
 
 /// Where motion reaches the surface, from either side.
 const SURFACE: usize = 0;
+/// Sliding that is faster across the surface, in units of what moves there, is off it: less is the rounding of stated
+/// constants.
+const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {
     /// The mode above the surface.
@@ -83,7 +86,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
     /// That of the side on which the state is. On the surface motion slides where it is held on both sides, and leaves to the
     /// one on which it is not; where it may leave to both it is the mode that is given.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        let (height, scale) = (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));
+        let (height, scale) =
+            (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));
         if height.abs() > NEGATIVE * scale {
             return if height > 0.0 { Self::ABOVE } else { Self::BELOW };
         }
@@ -209,5 +213,21 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.0.domain(x, p)
+    }
+
+    /// Sliding must stay on the surface.
+    fn domain_at_ends(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
+        if mode != Self::SLIDING {
+            return Ok(());
+        }
+        let [velocity, terms] = sliding_velocity(&self.0, (t, x, p));
+        let scale = guard_scale(self, (SURFACE, Self::ABOVE), (t, x), p) / time_scale(self, p);
+        if velocity.abs() > OFF * (terms + scale) {
+            let quantity = "the normal velocity of the field of sliding motion on the surface";
+            let remedy = "it must vanish there, since motion by this field drifts off: correct `sliding`, or leave it out \
+                for the convex combination of both fields";
+            return Err(OutOfDomain::new(quantity, velocity, remedy));
+        }
+        Ok(())
     }
 }

@@ -62,6 +62,25 @@ pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
+/// How fast sliding motion moves across the surface, and the sizes of the terms of which that is the sum.
+pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
+    system: &S,
+    (t, x, p): (f64, &[f64], &[f64]),
+) -> [f64; 2] {
+    let mut f = vec![0.0; x.len()];
+    system.sliding(t, x, p, &mut f);
+    f.push(1.0);
+    let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+    let term = |i: usize| {
+        let place = x.iter().chain([&t]).copied().map(Dual64::from);
+        let mut place: Vec<Dual64> = place.collect();
+        place[i].eps = f[i];
+        system.surface(place[x.len()], &place[..x.len()], &p).eps
+    };
+    let terms = (0..=x.len()).map(term);
+    terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
+}
+
 /// Moves a state that is on the surface but for an error onto it, by one step of Newton's in units of the states' sizes.
 /// Of states on the surface derivatives along it stay what they are.
 pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
