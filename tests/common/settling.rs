@@ -106,6 +106,16 @@ impl<'a> Orbit<'a> {
     }
 }
 
+/// The motion in the middle of the longest leg of an orbit, and its period.
+pub fn middle(
+    system: &dyn HybridEquations,
+    branch: &Branch,
+    point: &SpecialPoint,
+) -> (HybridState<f64>, f64) {
+    let orbit = Orbit::of(system, branch, point);
+    (orbit.middle, orbit.period)
+}
+
 /// How many of the marked orbits of a branch attract, how many are unstable, how many virtual, and for how many it takes too long
 /// to tell. Asserts that simulations and the branch agree.
 #[track_caller]

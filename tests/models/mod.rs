@@ -8,3 +8,4 @@ mod library_of_impacts;
 mod ode;
 mod restated;
 mod settling;
+mod sliding_curves;

@@ -204,9 +204,18 @@ impl ByHand<'_> {
     }
 
     /// Follows motion from above the surface for a time, and shows its marks.
-    pub fn run(&self, start: [f64; 3], duration: f64, mut show: impl FnMut(Mark, f64, &[f64; 3])) {
-        let (mut mode, mut t, mut x) = (0, 0.0, start);
-        while t < duration {
+    pub fn run(&self, start: [f64; 3], duration: f64, show: impl FnMut(Mark, f64, &[f64; 3])) {
+        self.follow((0, 0.0, start), duration, show);
+    }
+
+    /// Follows motion from a mode, a time and a state until a time, no farther than a step beyond it, and shows its marks.
+    pub fn follow(
+        &self,
+        (mut mode, mut t, mut x): (usize, f64, [f64; 3]),
+        end: f64,
+        mut show: impl FnMut(Mark, f64, &[f64; 3]),
+    ) -> (usize, f64, [f64; 3]) {
+        while t < end {
             let next = self.stepped(mode, t, &x, self.step);
             let probe = |t, x: &[f64; 3]| (self.probe)(mode, t, x);
             let [before, after] = [probe(t, &x), probe(t + self.step, &next)];
@@ -231,6 +240,20 @@ impl ByHand<'_> {
             show(Mark::Arrival(mode), t, &x);
             mode = self.next(mode, t, &x);
         }
+        (mode, t, x)
+    }
+
+    /// How far motion is from where it was a period ago, with the last part of the period in one step.
+    pub fn miss(
+        &self,
+        (mode, t, x): (usize, f64, [f64; 3]),
+        period: f64,
+        show: impl FnMut(Mark, f64, &[f64; 3]),
+    ) -> f64 {
+        let (last, at, end) = self.follow((mode, t, x), t + period - self.step, show);
+        let end = self.stepped(last, at, &end, t + period - at);
+        let apart = end.iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if last == mode { apart } else { f64::INFINITY }
     }
 }
 
