@@ -19,6 +19,7 @@ mod sides;
 mod simulation;
 mod sliding;
 mod sliding_fields;
+mod sliding_switches;
 pub mod systems;
 mod torus;
 mod unstable;

@@ -177,7 +177,7 @@ fn a_scene_begins_on_either_side() {
     };
     let [above, below] = [history([0.5, 0.1, -0.3]), history([-0.5, -0.1, 0.3])];
     assert!(above[2] > 0.0);
-    close(above[0], -below[1], 1e-11);
-    close(above[1], -below[0], 1e-11);
+    close(above[0], -below[1], 1e-9);
+    close(above[1], -below[0], 1e-9);
     assert_eq!(above[2], below[2]);
 }

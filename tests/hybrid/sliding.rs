@@ -29,7 +29,7 @@ fn settled(system: Sliding, p: &[f64]) -> (BoundarySystem, Vec<f64>) {
 }
 
 /// The branch through the orbit on which a simulation settles at a value of a parameter, marked at twenty places.
-fn simulated(
+pub(super) fn simulated(
     system: Sliding,
     (name, value): (&str, f64),
     range: [f64; 2],
@@ -51,7 +51,7 @@ fn marked<'a>(run: Continuation<'a>, name: &str, [low, high]: [f64; 2]) -> Conti
 }
 
 /// The grazing at which a parameter has nearly a value.
-fn at<'a>(branch: &'a Branch, name: &str, value: f64) -> &'a SpecialPoint {
+pub(super) fn at<'a>(branch: &'a Branch, name: &str, value: f64) -> &'a SpecialPoint {
     let column = branch.column(name).unwrap();
     let near = |point: &&SpecialPoint| (point.value(column).unwrap() - value).abs() < 1e-3;
     let found = branch.of_kind(Kind::G).find(near);
@@ -60,7 +60,7 @@ fn at<'a>(branch: &'a Branch, name: &str, value: f64) -> &'a SpecialPoint {
 
 /// A branch ends at a sliding bifurcation of a kind, at a value of a parameter.
 #[track_caller]
-fn ends(branch: &Branch, kind: &str, (name, value): (&str, f64)) {
+pub(super) fn ends(branch: &Branch, kind: &str, (name, value): (&str, f64)) {
     let grazing = at(branch, name, value);
     close(grazing.value(branch.column(name).unwrap()).unwrap(), value, 1e-8);
     assert_eq!(grazing.subkind.as_deref(), Some(kind));
@@ -71,7 +71,7 @@ fn ends(branch: &Branch, kind: &str, (name, value): (&str, f64)) {
 }
 
 /// The branch on the other side of a grazing, marked at twenty places.
-fn switched(
+pub(super) fn switched(
     orbits: &mut BoundarySystem,
     (branch, grazing): (&Branch, usize),
     name: &str,

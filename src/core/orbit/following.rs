@@ -112,20 +112,35 @@ impl HybridOrbit {
         times.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The nearest state, in units of the scales, at which a guard vanishes, to first order.
+    /// A state near one at which a guard vanishes, to first order: the nearest one, in units of the scales, of those that the event's
+    /// reset leaves on the surfaces on which it puts them, as where sliding ends; of all where there is none.
     pub(super) fn onto(&self, guard: usize, at: Moment<f64>) -> Vec<f64> {
         let Moment { system, mode, t, x, p } = at;
         let mut sizes = system.scales_of(mode, p);
         sizes.resize(x.len(), 1.0);
-        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let dual_p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
+        let moved = |along: &dyn Fn(usize) -> f64| -> Vec<Dual64> {
+            x.iter().enumerate().map(|(i, x)| Dual64::new(*x, along(i) * sizes[i])).collect()
+        };
         let slope = |i: usize| {
-            let mut x: Vec<Dual64> = x.iter().map(|x| Dual64::from(*x)).collect();
-            x[i].eps = sizes[i];
-            Moment { system, mode, t: t.into(), x: &x, p: &p }.guard(guard).eps
+            let x = moved(&|k| f64::from(k == i));
+            Moment { system, mode, t: t.into(), x: &x, p: &dual_p }.guard(guard).eps
         };
         let normal: Vec<f64> = (0..x.len()).map(slope).collect();
-        let part = at.guard(guard) / dot(&normal, &normal).max(f64::MIN_POSITIVE);
-        x.iter().zip(normal.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
+        let next = system.next_mode(guard, mode, t, x, p);
+        let mut after = vec![Dual64::from(0.0); self.modes[next].states.len()];
+        let kept = match self.modes[next].states == self.modes[mode].states {
+            true => {
+                let x = moved(&|k| normal[k]);
+                system.reset(guard, (mode, next), t.into(), &x, &dual_p, &mut after);
+                after.iter().zip(&sizes).map(|(after, size)| after.eps / size).collect()
+            }
+            false => Vec::new(),
+        };
+        let whole = dot(&normal, &normal);
+        let way = if dot(&normal, &kept) > ACROSS * whole { &kept } else { &normal };
+        let part = at.guard(guard) / dot(&normal, way).max(f64::MIN_POSITIVE);
+        x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
     }
 
     /// A place beside an event, still on the guard, at which a function is larger by `change`: along the part of its
