@@ -100,7 +100,7 @@ fn grazing_orbit([preload, stiffness, second]: [f64; 3]) -> (BoundarySystem, Bra
     let branch = run.at("A", 0.2).along("A", 0.2..=0.6).trace().unwrap();
     let touch = branch.of_kind(Kind::G).next().unwrap();
     close(touch.parameters[0], grazing(), 1e-10);
-    let point = GrazingPoint::at(&mut orbits, &touch.state, &touch.parameters).unwrap();
+    let point = GrazingPoint::at(&mut orbits, &branch.solution(touch)).unwrap();
     (orbits, branch, point.located(&Stop, "A").unwrap())
 }
 
@@ -226,7 +226,7 @@ fn the_map_of_a_grazing_sliding_has_no_root() {
     let branch = run.at("nu", 4.0).along("nu", 3.0..=4.0).trace().unwrap();
     let touch = branch.of_kind(Kind::G).next().unwrap();
     close(touch.parameters[0], 3.20856896212, 1e-8);
-    let point = GrazingPoint::at(&mut orbits, &touch.state, &touch.parameters).unwrap();
+    let point = GrazingPoint::at(&mut orbits, &branch.solution(touch)).unwrap();
     let point = point.located(&belt, "A").unwrap();
     let map = LocalMap::of(&belt, &point, &["A"], settings(4)).unwrap();
     assert_eq!(map.exponent(), Some(1.0));
