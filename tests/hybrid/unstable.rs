@@ -90,10 +90,10 @@ impl Inverted {
 }
 
 /// The orbits without impacts, and one of them.
-fn free(inverted: Inverted, method: Method, intervals: usize) -> (BoundarySystem, Vec<f64>) {
+fn free(inverted: Inverted, method: Method, mesh: Mesh) -> (BoundarySystem, Vec<f64>) {
     let phase = inverted.phase;
     let orbit = HybridOrbit::of(inverted, Itinerary::smooth(0, 1));
-    let system = BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)]).unwrap();
+    let system = BoundarySystem::new(orbit, method, vec![mesh]).unwrap();
     let z = system.sampled(&[], |_, tau, x| {
         let (sine, cosine) = (TAU * tau + phase).sin_cos();
         (x[0], x[1]) = (-0.5 * cosine, 0.5 * sine);
@@ -126,7 +126,7 @@ fn impacting_branches_begin_where_unstable_orbits_graze() {
     ] {
         for walls in [1, 2] {
             let inverted = Inverted { rate, walls, phase: 0.0 };
-            let (mut system, z) = free(inverted.clone(), method.clone(), intervals);
+            let (mut system, z) = free(inverted.clone(), method.clone(), Mesh::uniform(intervals));
             // Rounding grows over a segment as deviations do.
             let digits = 1e-12 + 1e-15 * (TAU * rate / intervals as f64).exp();
             let (branch, label) = to_grazing(&mut system, &z).unwrap();
@@ -152,12 +152,29 @@ fn impacting_branches_begin_where_unstable_orbits_graze() {
     }
 }
 
+/// An orbit over two periods, as a doubled one, touches twice, and is that of the branch with an impact in each period.
+#[test]
+fn births_are_found_in_all_periods_of_an_orbit() {
+    let inverted = Inverted { rate: 2.0, walls: 1, phase: 0.0 };
+    let mesh = Mesh::uniform(20).stretched(2.0);
+    let (mut system, z) = free(inverted.clone(), Shooting::default().into(), mesh);
+    let (branch, label) = to_grazing(&mut system, &z).unwrap();
+    let run = Continuation::of(&mut system).restart(&branch, label).switch();
+    let born = run.along("a", 0.5..=2.0).trace().unwrap();
+    assert_eq!(born.itinerary, "2* free:right free:right");
+    let speed = born.column("approach").unwrap();
+    assert!(born.points.len() > 5);
+    for point in &born.points {
+        close(point.parameters[0], inverted.amplitude(point.value(speed).unwrap()), 1e-11);
+    }
+}
+
 /// With one segment the largest multipliers leave no digits, and others too few for what is singular but for them: for the border of a
 /// matrix, where all velocities among the unknowns vanish, or for the correction at a birth.
 #[test]
 fn one_segment_says_where_its_digits_end() {
     let of = |rate: f64, phase: f64| {
-        free(Inverted { rate, walls: 1, phase }, Shooting::default().into(), 1)
+        free(Inverted { rate, walls: 1, phase }, Shooting::default().into(), Mesh::uniform(1))
     };
     let grown = |error: TraceError, growth: &str| {
         let error = error.to_string();

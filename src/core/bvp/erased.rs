@@ -119,6 +119,11 @@ pub trait Equations:
     fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
     /// The problem of solutions of two periods, if it is another one.
     fn doubled(&self) -> Option<Arc<dyn Equations>>;
+    /// The problem of which one duration is as long as several of this, as a mesh that ends there has them, and its numbers from
+    /// those of this one; `None` if there is none.
+    fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
+        None
+    }
     /// The extras of a solution that begins with a later segment instead, and at a time near that of others that are given;
     /// `None` if that is no solution of this problem.
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {

@@ -126,12 +126,12 @@ impl GrazingPoint {
     pub fn at(orbits: &mut BoundarySystem, solution: &Solution) -> Result<Self, GrazingError> {
         let adopted = orbits.resume_from(solution)?;
         let z = adopted.map_or_else(|| solution.state.clone(), |adopted| adopted.z);
-        let problem: &dyn Any = &**orbits.problem();
-        let problem = problem.downcast_ref::<HybridOrbit>().cloned().ok_or_else(|| {
+        let known = orbits.trajectories_of(&z, &solution.parameters);
+        let problem: &dyn Any = &*known.problem;
+        let problem = problem.downcast_ref::<HybridOrbit>().ok_or_else(|| {
             let reason = "the solutions are no orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
-        let (legs, q) = orbits.trajectories_of(&z, &solution.parameters);
-        GrazingPoint::on(&problem, &legs, &q)
+        GrazingPoint::on(problem, &known.trajectories, &known.q)
     }
 }

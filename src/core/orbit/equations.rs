@@ -248,6 +248,17 @@ impl Equations for HybridOrbit {
         (!self.smooth()).then(|| doubled() as Arc<dyn Equations>)
     }
 
+    /// Orbits without events over several periods, as those of doubled ones.
+    fn spanning(&self, durations: f64, q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
+        let (mut q, mut itinerary) = (q.to_vec(), self.itinerary.clone());
+        match self.forced {
+            _ if !self.smooth() || durations.fract() != 0.0 => return None,
+            true => itinerary.periods *= durations as usize,
+            false => q[self.parameters.len()..].iter_mut().for_each(|period| *period *= durations),
+        }
+        Some((Arc::new(self.like(itinerary)), q))
+    }
+
     /// Under forcing an orbit may begin any number of periods later.
     fn rotated(&self, segments: usize, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
         let ((p, extras), legs) = (self.split(q), self.legs());

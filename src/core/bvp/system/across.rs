@@ -2,9 +2,10 @@
 
 use super::BoundarySystem;
 use super::layout::Segment;
-use crate::core::bvp::{Mesh, Number, Trajectory};
+use crate::core::bvp::{Equations, Mesh, Number, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::zero::{Across, System};
+use std::sync::Arc;
 
 /// A solution that grazes, as one of the others that do.
 pub(super) struct Beside {
@@ -14,13 +15,19 @@ pub(super) struct Beside {
     x: Vec<f64>,
 }
 
+/// A solution by its trajectories.
+pub(in crate::core) struct Known {
+    /// The problem, with its numbers.
+    pub problem: Arc<dyn Equations>,
+    pub q: Vec<f64>,
+    /// One for each segment.
+    pub trajectories: Vec<Trajectory>,
+}
+
 impl BoundarySystem {
-    /// The trajectories of a solution by the states where intervals begin, and its numbers `q`.
-    pub(in crate::core) fn trajectories_of(
-        &self,
-        z: &[f64],
-        p: &[f64],
-    ) -> (Vec<Trajectory>, Vec<f64>) {
+    /// A solution by its trajectories, with the states where intervals begin: the problem that it solves on meshes from 0 to 1, the
+    /// trajectories, and the numbers `q`.
+    pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
         let (layout, mut numbers) = (&self.equations.layout, Vec::new());
         let q = [p, &z[layout.values()..]].concat();
         layout.spread(&q, &mut numbers);
@@ -38,7 +45,11 @@ impl BoundarySystem {
             }
             known
         };
-        (layout.segments.iter().enumerate().map(trajectory).collect(), q)
+        let trajectories = layout.segments.iter().enumerate().map(trajectory).collect();
+        let end = self.meshes()[0].end();
+        let spanning = if end == 1.0 { None } else { self.problem().spanning(end, &q) };
+        let (problem, q) = spanning.unwrap_or_else(|| (self.problem().clone(), q));
+        Known { problem, trajectories, q }
     }
 
     /// The number of intervals of the segment that has most.
@@ -58,8 +69,7 @@ impl BoundarySystem {
     fn beside_found(&mut self, x: &[f64]) -> Result<Option<Beside>, Failure> {
         let passes = (self as &mut dyn System).passes_touched(x)?;
         let (z, p) = x.split_at(self.equations.layout.dimension);
-        let (known, q) = self.trajectories_of(z, p);
-        let problem = self.problem();
+        let Known { problem, trajectories: known, q } = self.trajectories_of(z, p);
         let other = match passes {
             true => problem.without_touched(&known, &q)?,
             // What holds at the start of a curve holds along it.

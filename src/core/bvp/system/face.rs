@@ -1,5 +1,6 @@
 //! What the stepper sees of a discretised boundary-value problem.
 
+use super::across::Known;
 use super::equations::{Discretised, Work};
 use super::local::{Arguments, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
@@ -319,8 +320,8 @@ impl Admissible for BoundarySystem {
 
     fn kind_of_grazing(&self, monitor: usize, x: &[f64]) -> Option<&'static str> {
         let (z, p) = x.split_at(self.names().dimension());
-        let (known, q) = self.trajectories_of(z, p);
-        self.problem().kind_of_grazing(monitor, &known, &q)
+        let Known { problem, trajectories, q } = self.trajectories_of(z, p);
+        problem.kind_of_grazing(monitor, &trajectories, &q)
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

@@ -1,5 +1,6 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
 
+use super::across::Known;
 use super::layout::Segment;
 use super::{BoundarySystem, Method};
 use crate::core::bvp::{
@@ -115,8 +116,8 @@ impl BoundarySystem {
 
     /// The solutions that are born where one touches a surface, beginning with the one that touches.
     fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, Failure> {
-        let (known, q) = self.trajectories_of(z, p);
-        let Some(birth) = self.problem().born_at_grazing(&known, &q)? else {
+        let Known { problem, trajectories, q } = self.trajectories_of(z, p);
+        let Some(birth) = problem.born_at_grazing(&trajectories, &q)? else {
             let reason = "no other branch is known where solutions of this problem graze";
             return Err(Failure::Unsupported(reason.into()));
         };
