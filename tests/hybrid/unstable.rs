@@ -186,7 +186,7 @@ fn one_segment_says_where_its_digits_end() {
     to_grazing(&mut system, &z).unwrap();
     for (rate, growth) in [(3.0, "7.7e7"), (6.0, "1.2e16"), (10.0, "9.7e26")] {
         let (mut system, z) = of(rate, 0.0);
-        grown(to_grazing(&mut system, &z).err().expect("a refusal"), growth);
+        grown(to_grazing(&mut system, &z).expect_err("a refusal"), growth);
     }
     let mut refused = 0;
     for rate in (15..27).map(|k| f64::from(k) / 5.0) {
