@@ -2,7 +2,8 @@
 
 use crate::common::{CuspForm, close, first, values};
 use proptest::prelude::*;
-use tangency::core::continuation::{Branch, Continuation, End, Kind, Settings, TraceError};
+use tangency::core::condition::{At, Condition};
+use tangency::core::continuation::{Branch, Continuation, End, Event, Kind, Settings, TraceError};
 use tangency::core::dense::Dense;
 use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
@@ -358,4 +359,44 @@ fn steps_do_not_go_over_to_a_branch_beside() {
     // Where branches cross, there is a branch point.
     let crossing = trace(0.0, Settings::default());
     close(first(&crossing, Kind::BP).parameters[0], 0.0, 1e-12);
+}
+
+/// `x μ = 20`, which is not known below a value of `μ`.
+struct Product {
+    from: f64,
+}
+
+impl Condition for Product {
+    fn kind(&self) -> Kind {
+        Kind::UZ
+    }
+    fn start(&mut self, at: At, _y: &mut [f64]) -> Result<(), Failure> {
+        match at.x[1] < self.from {
+            true => Err(Failure::Undetermined("not known yet".into())),
+            false => Ok(()),
+        }
+    }
+    fn values(&mut self, at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+        values[0] = at.x[0] * at.x[1] - 20.0;
+        Ok(())
+    }
+    fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
+        rows.copy_from_slice(&[at.x[1], at.x[0], 0.0]);
+        Ok(())
+    }
+}
+
+/// A condition that cannot be stated where a branch begins is detected from where it can: on `x² = μ² + 9` at `x = 5`, `μ = 4`.
+#[test]
+fn a_condition_is_asked_again_where_it_was_not_known() {
+    for (from, found) in [(0.0, 1), (2.0, 1), (4.5, 0), (100.0, 0)] {
+        let mut hyperbola = Dense::new(Hyperbola);
+        let curve = Continuation::of(&mut hyperbola).from(&[3.0]).at("epsilon", 3.0);
+        let event = Event::new("x μ = 20", move || Product { from });
+        let branch = curve.along("mu", 0.0..=9.0).event(event).trace().unwrap();
+        assert!(matches!(branch.ends[1], End::ParameterBound { .. }), "{:?}", branch.ends);
+        let points: Vec<f64> = branch.of_kind(Kind::UZ).map(|point| point.parameters[0]).collect();
+        assert_eq!(points.len(), found, "{from}: {points:?}");
+        points.iter().for_each(|mu| close(*mu, 4.0, 1e-12));
+    }
 }

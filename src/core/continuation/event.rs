@@ -2,7 +2,7 @@
 
 use super::Kind;
 use crate::core::bifurcation::catalogue::{self, Beyond, Bifurcation, Make, Sighting};
-use crate::core::condition::{Condition, Level, Quantity};
+use crate::core::condition::{At, Condition, Failure, Level, Quantity};
 use crate::core::function::{DualFunction, Equation, PointFunction, TestPoint};
 use crate::core::motion::Critical;
 use crate::core::test_function::Test;
@@ -59,6 +59,23 @@ pub struct Event {
     pub(super) critical: Critical,
     /// Whether the curve is its own mirror image beyond the event: then its values are limits.
     pub(super) mirror: bool,
+}
+
+/// A condition whose value is a test function.
+pub(super) struct Tested {
+    pub condition: Box<dyn Condition>,
+    /// Whether what it is stated for is known: where it is not yet, later points ask again.
+    pub stated: bool,
+}
+
+impl Tested {
+    /// Prepares the condition at a point where it has not been stated. What it is stated for need not be known there.
+    pub fn state(&mut self, at: At) -> Result<(), Failure> {
+        match self.condition.start(at, &mut []) {
+            Err(Failure::Undetermined(_)) => Ok(()),
+            outcome => outcome.map(|()| self.stated = true),
+        }
+    }
 }
 
 impl Event {
@@ -230,9 +247,9 @@ impl Event {
     }
 
     /// The condition whose value is the test function.
-    pub(super) fn tested(&self) -> Option<Box<dyn Condition>> {
+    pub(super) fn tested(&self) -> Option<Tested> {
         let condition = self.condition.as_ref().filter(|_| self.test == Test::Condition);
-        condition.map(|make| make())
+        condition.map(|make| Tested { condition: make(), stated: false })
     }
 
     /// Whether a test function that goes from `before` to `after` passes this event, on the way that

@@ -327,13 +327,8 @@ impl Stepper<'_> {
         from_branch_point: bool,
     ) -> Result<Place, Failure> {
         self.equations.load(&unknowns);
-        for tested in &mut self.tested {
-            let Some(condition) = tested else { continue };
-            match condition.start(self.equations.at(), &mut []) {
-                // What it is stated for is not known along this curve.
-                Err(Failure::Undetermined(_)) => *tested = None,
-                outcome => outcome?,
-            }
+        for tested in self.tested.iter_mut().flatten() {
+            tested.state(self.equations.at())?;
         }
         let stability = self.wants_stability();
         let start = if from_branch_point {

@@ -1,10 +1,10 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
 use super::departure::Departure;
-use super::event::{Event, MakeCondition};
+use super::event::{Event, MakeCondition, Tested};
 use super::metric::Metric;
 use super::{Kind, Point, Settings};
-use crate::core::condition::{At, Condition, Failure, Quantity};
+use crate::core::condition::{At, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
@@ -45,7 +45,7 @@ pub(super) struct Stepper<'a> {
     /// Makers of the conditions held along the curve.
     pub held: Vec<MakeCondition>,
     /// Conditions whose values are test functions, one for each event that needs it.
-    pub tested: Vec<Option<Box<dyn Condition>>>,
+    pub tested: Vec<Option<Tested>>,
     /// Monitors that the user has attached.
     pub attached: Vec<Attached>,
     /// The columns of points that settle at special points, beside the released parameters.
@@ -151,7 +151,7 @@ impl Stepper<'_> {
         let mut tangent = vec![0.0; unknowns.len()];
         // Eigenvalues that are only counted need not be known well, but monitors come with the matrix.
         let mut tested = self.tested.iter().flatten();
-        let exact = tested.any(|condition| condition.assembles())
+        let exact = tested.any(|tested| tested.stated && tested.condition.assembles())
             || (stability && self.settings.eigenvalues > 0);
         if matrix_error <= MATRIX_ERROR && !exact {
             self.equations.load(unknowns);

@@ -1,6 +1,7 @@
 //! Values of test functions at points of a curve.
 
 use super::Point;
+use super::event::Tested;
 use super::stepper::{Place, Stepper};
 use crate::core::condition::{At, Failure};
 use crate::core::function::TestPoint;
@@ -45,17 +46,24 @@ impl Stepper<'_> {
         };
         let mut value = [0.0];
         let mut tests = Vec::with_capacity(self.events.len());
-        for (event, condition) in self.events.iter().zip(&mut self.tested) {
-            known.given = match condition {
-                Some(condition) => match condition.values(self.equations.at(), &[], &mut value) {
-                    // What a condition is stated for is not known here.
-                    Err(Failure::Undetermined(_)) => None,
-                    outcome => {
-                        outcome?;
-                        condition.adapt();
-                        Some(value[0])
+        for (event, tested) in self.events.iter().zip(&mut self.tested) {
+            known.given = match tested {
+                Some(tested) if !tested.stated => {
+                    // It is detected from the next point on; a failure here is none of the branch's.
+                    let _ = tested.state(self.equations.at());
+                    None
+                }
+                Some(Tested { condition, .. }) => {
+                    match condition.values(self.equations.at(), &[], &mut value) {
+                        // What a condition is stated for is not known here.
+                        Err(Failure::Undetermined(_)) => None,
+                        outcome => {
+                            outcome?;
+                            condition.adapt();
+                            Some(value[0])
+                        }
                     }
-                },
+                }
                 None if event.test == Test::Itinerary => leads,
                 None => event.value(&TestPoint {
                     state: &self.equations.at().x[..n],
