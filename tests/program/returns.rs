@@ -1,9 +1,10 @@
 //! Promise: motion without forcing is swept by its returns to an event, and in text systems basins are drawn over two states.
 
 use crate::common::close;
-use tangency::core::attractor::{AttractorSearch, ReturnMap, StroboscopicError};
+use tangency::core::attractor::{AttractorSearch, ReturnMap, StroboscopicError, StroboscopicMap};
 use tangency::core::continuation::{Branch, Kind};
-use tangency::core::hybrid::{HybridSettings, HybridState};
+use tangency::core::hybrid::{Guard, HybridSettings, HybridState, HybridSystem, Member, Mode};
+use tangency::core::scalar::Scalar;
 use tangency::core::sweep::Part;
 use tangency::output::{SweepTable, figures};
 use tangency::problems::classic::ImpactOscillator;
@@ -153,4 +154,56 @@ fn basins_of_a_text_system_are_over_two_states() {
     assert!(numbers(table, "periods").iter().all(|periods| *periods == 1.0));
     let drawn = figures(&[], std::slice::from_ref(&found), None, None).unwrap();
     assert!(!drawn.is_empty());
+}
+
+/// `v' = a + b v` from 0 to 1, where it falls back.
+struct Charging;
+
+impl HybridSystem for Charging {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("charging", ["v"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("flash", [0])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        vec!["a".into(), "b".into()]
+    }
+    fn field<T: Scalar>(&self, _mode: usize, _t: T, x: &[T], p: &[T], f: &mut [T]) {
+        f[0] = p[0] + p[1] * x[0];
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        -x[0] + 1.0
+    }
+    fn reset<T: Scalar>(
+        &self,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
+        _x: &[T],
+        _p: &[T],
+        after: &mut [T],
+    ) {
+        after.fill(T::zero());
+    }
+}
+
+/// An event that comes late is told from one that does not come, and waited for where that is asked.
+#[test]
+fn events_that_come_late_are_waited_for() {
+    let map = || ReturnMap::of(&Charging, HybridSettings::default(), &[], "flash").unwrap();
+    let from = |p: [f64; 2]| Member {
+        state: HybridState { mode: 0, time: 0.0, x: vec![0.0] },
+        p: p.into(),
+    };
+    // It comes after a time of 20 000, and not where v settles on 1/2.
+    let slow = || from([5e-5, 0.0]);
+    let error = map().advance(&mut slow()).unwrap_err();
+    assert!(matches!(error, StroboscopicError::Late { within: 10_000.0, .. }), "{error}");
+    assert!(error.to_string().contains("`ReturnMap::waiting`"), "{error}");
+    let mut late = slow();
+    map().waiting(30_000.0).advance(&mut late).unwrap();
+    assert_eq!(late.state.x, [0.0]);
+    let error = map().advance(&mut from([0.5, -1.0])).unwrap_err();
+    assert!(matches!(error, StroboscopicError::NoReturn { within: 100.0, .. }), "{error}");
 }

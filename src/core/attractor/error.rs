@@ -23,14 +23,28 @@ pub enum StroboscopicError {
     Forced(String),
     /// A motion without forcing does not come back to the event at which it is sampled.
     #[error(
-        "the event `{event}`, at which the motion is sampled, does not come within a time of {within}: the motion has settled \
-         on an equilibrium, or on an orbit without it; sample it at another event, or begin elsewhere"
+        "the event `{event}`, at which the motion is sampled, does not come: within a time of {within} the motion has settled \
+         on an equilibrium; sample it at another event, or begin elsewhere"
     )]
     NoReturn {
         /// The event.
         event: String,
         /// How long it was waited for.
         within: f64,
+    },
+    /// A motion without forcing has not come back to the event at which it is sampled so far.
+    #[error(
+        "the event `{event}`, at which the motion is sampled, does not come within a time of {within}, though the motion is not \
+         at rest: sample it at another event, wait longer (`ReturnMap::waiting`), or state the scale of time (`scales`), of which \
+         {units} are waited for"
+    )]
+    Late {
+        /// The event.
+        event: String,
+        /// How long it was waited for.
+        within: f64,
+        /// The same in units of the scale of time.
+        units: f64,
     },
     /// A measure or an event that the system does not have, or a scalar of a measure.
     #[error(transparent)]

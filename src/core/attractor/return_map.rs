@@ -20,8 +20,8 @@ use std::ops::ControlFlow;
 const LOOK: f64 = 50.0;
 /// The largest change of a state at rest in that time, in units of the states' scales.
 const MOVED: f64 = 1e-9;
-/// The number of comparisons after which the search for a return ends.
-const LOOKS: usize = 200;
+/// The longest time for which a return is waited for, in units of its scale, unless it is set.
+const LONGEST: f64 = 10_000.0;
 
 /// The motion of a hybrid system without forcing, sampled just after every event of a name: its Poincaré map there. What else
 /// is said of periods is said of returns: cycles are counted, and exponents are, per return.
@@ -69,6 +69,8 @@ pub struct ReturnMap<'a> {
     seen: Seen,
     /// The number of the event at which motion is sampled.
     event: usize,
+    /// The longest time for which it is waited for, in units of its scale.
+    longest: f64,
 }
 
 impl<'a> ReturnMap<'a> {
@@ -91,14 +93,24 @@ impl<'a> ReturnMap<'a> {
             real: HybridFlow::new(system, settings)?,
             dual: HybridFlow::new(system, settings)?,
             event: position("event", event, &seen.layout.events)?,
+            longest: LONGEST,
             seen,
         })
     }
 
+    /// Sets the longest time for which the event is waited for, in units of the scale of time: 10 000 by default.
+    pub fn waiting(mut self, longest: f64) -> Self {
+        self.longest = longest;
+        self
+    }
+
     /// That no event came.
-    fn lost(&self, within: f64) -> StroboscopicError {
+    fn lost(&self, Missed { within, unit, rests }: Missed) -> StroboscopicError {
         let event = self.seen.layout.events[self.event].clone();
-        StroboscopicError::NoReturn { event, within }
+        match rests {
+            true => StroboscopicError::NoReturn { event, within },
+            false => StroboscopicError::Late { event, within, units: within / unit },
+        }
     }
 }
 
@@ -124,31 +136,44 @@ impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
     }
 }
 
-/// Follows a motion to the event, from where its time is counted anew; where it does not come, how long that was waited for.
+/// An event that does not come.
+struct Missed {
+    /// How long it was waited for.
+    within: f64,
+    /// The scale of time.
+    unit: f64,
+    /// Whether motion is at rest.
+    rests: bool,
+}
+
+/// Follows a motion to the event, from where its time is counted anew, for no longer than a time; tells where it does not come.
 fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
     flow: &mut HybridFlow<'a, T>,
     Member { state, p }: &mut Member<T>,
     until: &mut Until<R>,
-) -> Result<Option<f64>, StroboscopicError>
+    longest: f64,
+) -> Result<Option<Missed>, StroboscopicError>
 where
     GuardOf<'a>: Watchable<T>,
 {
     let real: Vec<f64> = p.iter().map(T::real).collect();
-    let (system, look) = (flow.system(), LOOK * time_scale(flow.system(), &real));
-    for count in 1..=LOOKS {
+    let (system, unit) = (flow.system(), time_scale(flow.system(), &real));
+    let (look, mut within) = (LOOK * unit, 0.0);
+    while within < longest * unit {
         let (mode, x) = (state.mode, state.x.iter().map(T::real).collect::<Vec<f64>>());
         flow.advance(state, T::constant(look), p, until)?;
         if until.came {
             return Ok(None);
         }
+        within += look;
         let mut sizes = system.scales_of(mode, &real);
         sizes.resize(x.len(), 1.0);
         let moved = state.x.iter().zip(&x).zip(&sizes).map(|((a, b), s)| (a.real() - b).abs() / s);
         if state.mode == mode && moved.fold(0.0, f64::max) <= MOVED {
-            return Ok(Some(look * count as f64));
+            return Ok(Some(Missed { within, unit, rests: true }));
         }
     }
-    Ok(Some(look * LOOKS as f64))
+    Ok(Some(Missed { within, unit, rests: false }))
 }
 
 impl StroboscopicMap for ReturnMap<'_> {
@@ -164,9 +189,9 @@ impl StroboscopicMap for ReturnMap<'_> {
         let begins = member.state.time;
         let numbers = &self.seen.numbers;
         let mut until = Until { numbers, event: self.event, inner: (), came: false };
-        let lost = returned(&mut self.real, member, &mut until)?;
+        let lost = returned(&mut self.real, member, &mut until, self.longest)?;
         member.state.time = begins;
-        lost.map_or(Ok(()), |within| Err(self.lost(within)))
+        lost.map_or(Ok(()), |missed| Err(self.lost(missed)))
     }
 
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
@@ -174,8 +199,8 @@ impl StroboscopicMap for ReturnMap<'_> {
         let Seen { layout: Layout { modes, .. }, numbers, measures } = &self.seen;
         let inner = Recorder::new(Recording { system, modes, measures, numbers }, &start);
         let mut until = Until { numbers, event: self.event, inner, came: false };
-        if let Some(within) = returned(&mut self.real, member, &mut until)? {
-            return Err(self.lost(within));
+        if let Some(missed) = returned(&mut self.real, member, &mut until, self.longest)? {
+            return Err(self.lost(missed));
         }
         let recorded = until.inner.finish(&member.state, &member.p);
         member.state.time = start.time;
@@ -186,8 +211,8 @@ impl StroboscopicMap for ReturnMap<'_> {
         let begins = member.state.time;
         let numbers = &self.seen.numbers;
         let mut until = Until { numbers, event: self.event, inner: (), came: false };
-        let lost = returned(&mut self.dual, member, &mut until)?;
+        let lost = returned(&mut self.dual, member, &mut until, self.longest)?;
         member.state.time = begins;
-        lost.map_or(Ok(()), |within| Err(self.lost(within)))
+        lost.map_or(Ok(()), |missed| Err(self.lost(missed)))
     }
 }
