@@ -34,17 +34,6 @@ impl HybridSystem for Level {
     fn guard<T: Scalar>(&self, guard: usize, _mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
         if guard == BELOW { T::one() - x[0] } else { x[0] - 1.0 }
     }
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after.copy_from_slice(x);
-    }
     fn next_mode(&self, guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         if guard == BELOW { ABOVE } else { BELOW }
     }

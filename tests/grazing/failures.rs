@@ -101,18 +101,6 @@ impl HybridSystem for Level {
         p[0] - x[0]
     }
 
-    fn reset<T: Scalar>(
-        &self,
-        _g: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after.copy_from_slice(x);
-    }
-
     fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         0
     }

@@ -232,3 +232,42 @@ fn motions_that_do_not_repeat_say_so() {
     let cycle = brief.find(&mut lake, at(0, 0.0, &[1.5]), &[]).unwrap();
     close(cycle.duration(), 1.0, 1e-12);
 }
+
+/// `x' = 1` up to 1, in one state; from there on in two, which no reset gives.
+struct Widening;
+
+impl HybridSystem for Widening {
+    fn modes(&self) -> Vec<Mode> {
+        vec![Mode::new("narrow", ["x"]), Mode::new("wide", ["x", "y"])]
+    }
+    fn guards(&self) -> Vec<Guard> {
+        vec![Guard::new("door", [0]), Guard::new("turn", [1])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn field<T: Scalar>(&self, mode: usize, _t: T, _x: &[T], _p: &[T], f: &mut [T]) {
+        f.fill(if mode == 0 { T::one() } else { -T::one() });
+    }
+    fn guard<T: Scalar>(&self, _guard: usize, mode: usize, _t: T, x: &[T], _p: &[T]) -> T {
+        if mode == 0 { -x[0] + 1.0 } else { x[1] }
+    }
+    fn next_mode(&self, _guard: usize, _mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
+        1
+    }
+}
+
+/// States stay what they are where no reset is stated; between modes of different states there is none.
+#[test]
+fn a_reset_is_the_identity_unless_it_is_stated() {
+    let mut after = [0.0; 2];
+    Widening.reset(1, (1, 1), 0.0, &[0.3, 0.4], &[], &mut after);
+    assert_eq!(after, [0.3, 0.4]);
+    let error = refused(&Widening, at(0, 0.0, &[0.25]), &[]);
+    match &error {
+        HybridError::NoReset { time, before: 1, after: 2, .. } => close(*time, 0.75, 1e-12),
+        other => panic!("{other}"),
+    }
+    let said = "the event door leads from mode narrow, with 1 states, to mode wide, with 2";
+    assert!(error.to_string().contains(said), "{error}");
+}

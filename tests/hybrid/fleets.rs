@@ -141,17 +141,6 @@ impl HybridSystem for Circular {
     fn guard<T: Scalar>(&self, _guard: usize, _mode: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::one()
     }
-    fn reset<T: Scalar>(
-        &self,
-        _guard: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after.copy_from_slice(x);
-    }
     fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         mode
     }

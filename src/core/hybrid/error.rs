@@ -66,6 +66,25 @@ pub enum HybridError {
         /// After which event, in words; empty at the start.
         after: String,
     },
+    /// No state follows an event between modes of different states.
+    #[error(
+        "at t = {time:.9e} the event {guard} leads from mode {mode}, with {before} states, to mode {next}, with {after}, and gives it none \
+         of them: state the reset (`HybridSystem::reset`)"
+    )]
+    NoReset {
+        /// When.
+        time: f64,
+        /// The event.
+        guard: String,
+        /// The mode before it.
+        mode: String,
+        /// The mode behind it.
+        next: String,
+        /// How many states the mode before it has.
+        before: usize,
+        /// How many the mode behind it has.
+        after: usize,
+    },
     /// The flow of a mode ends.
     #[error("in mode {mode} the motion ends: {source}")]
     Flow {

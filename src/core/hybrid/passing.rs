@@ -82,6 +82,13 @@ where
         event.after.resize(mode.states.len(), T::zero());
         let (guard, modes, time) = (event.guard, (event.mode, next), event.time);
         self.system.reset(guard, modes, time, &event.before, run.p, &mut event.after);
+        let [before, after] = [event.before.len(), event.after.len()];
+        if before != after && event.after.iter().all(|x| x.real().is_nan()) {
+            (state.time, state.x) = (time, event.before.clone());
+            let [mode, next] = [modes.0, next].map(|mode| self.modes[mode].name.clone());
+            let (time, guard) = (time.real(), self.guards[guard].name.clone());
+            return Err(HybridError::NoReset { time, guard, mode, next, before, after });
+        }
         (state.mode, state.time) = (next, time);
         state.x.clone_from(&event.after);
         run.statistics.events += 1;

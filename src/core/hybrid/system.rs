@@ -191,16 +191,22 @@ pub trait HybridSystem: Send + Sync {
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
 
     /// The state just after an event that leads from the first of two modes to the second, written into `after` (as
-    /// long as the states of the second).
+    /// long as the states of the second). By default the state before it, if both modes have as many states; between others a
+    /// reset must be stated.
     fn reset<T: Scalar>(
         &self,
-        guard: usize,
-        modes: (usize, usize),
-        t: T,
+        _guard: usize,
+        _modes: (usize, usize),
+        _t: T,
         x: &[T],
-        p: &[T],
+        _p: &[T],
         after: &mut [T],
-    );
+    ) {
+        match after.len() == x.len() {
+            true => after.copy_from_slice(x),
+            false => after.fill(T::from(f64::NAN)),
+        }
+    }
 
     /// The modes that may follow an event in a mode, in the order in which [`decision`](Self::decision) functions select
     /// them: the first one whose function is positive, the last one if none is. Empty by default: no functions are known.
