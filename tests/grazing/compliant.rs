@@ -59,18 +59,6 @@ impl HybridSystem for Stop {
         if mode == FREE { -x[0] + 1.0 } else { x[0] - 1.0 + p[5] }
     }
 
-    fn reset<T: Scalar>(
-        &self,
-        _guard: usize,
-        _modes: (usize, usize),
-        _t: T,
-        x: &[T],
-        _p: &[T],
-        after: &mut [T],
-    ) {
-        after.copy_from_slice(x);
-    }
-
     fn next_mode(&self, _guard: usize, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         1 - mode
     }
