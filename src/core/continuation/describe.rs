@@ -131,6 +131,10 @@ impl Stepper<'_> {
             special.converged = false;
             special.error = unknowns[parameter].abs();
         }
+        if !special.converged {
+            // Which grazing it is rests on the orbit at which it happens.
+            special.subkind = None;
+        }
         Some(Located { event: Some(index), along, special })
     }
 
