@@ -56,3 +56,17 @@ pub enum Start {
     /// In this direction, though the equations are singular there, and to that side only.
     Direction(Vec<f64>),
 }
+
+impl Start {
+    /// The direction that is known, as one of the curve that begins: where solutions are born it is one of `solutions`, not of a
+    /// curve of special points, and elsewhere one of the curve on which the start was found.
+    pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
+        match self {
+            Start::Point { tangent: known } | Start::BranchPoint { along: known, .. } => {
+                known.as_ref().filter(|_| same_curve)
+            }
+            Start::Direction(known) => Some(known),
+            Start::Birth { along } => along.as_ref().filter(|_| solutions),
+        }
+    }
+}

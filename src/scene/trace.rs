@@ -1,10 +1,12 @@
 //! Tracing the runs of a scene, one after the other.
 
+use super::discretisation::Started;
 use super::error::SceneError;
 use super::join::{Joined, join};
 use super::local::{Local, points_of, series_of};
 use super::observer::SceneObserver;
 use super::plan::{StartPoint, leading, plan};
+
 use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Scene, Start, Way};
 use crate::core::continuation::{Branch, Continuation, End, Kind, SpecialPoint};
@@ -127,6 +129,21 @@ fn history(
     Ok(branch)
 }
 
+/// The system of a run with the solution on which motion settles.
+fn settled(
+    seen: &Scene,
+    run: &Run,
+    simulated: &Simulated,
+    observer: &mut dyn SceneObserver,
+) -> Result<Started, SceneError> {
+    let (model, p) = (seen.problem.model(), seen.values()?);
+    let simulated = simulated.from(&seen.problem.initial(&p));
+    if let Ok(motion) = model.motion() {
+        foresee_settling(&*motion, &run.name, &simulated, &p, observer)?;
+    }
+    model.settled(&run.name, &simulated, &p)
+}
+
 fn trace(
     scene: &Scene,
     run: &Run,
@@ -137,14 +154,7 @@ fn trace(
     let seen = scene.with(&run.set)?;
     seen.check_begin(run, start)?;
     let (mut system, guess) = match (start, &run.start) {
-        (None, Start::Simulated(simulated)) => {
-            let (model, p) = (seen.problem.model(), seen.values()?);
-            let simulated = simulated.from(&seen.problem.initial(&p));
-            if let Ok(motion) = model.motion() {
-                foresee_settling(&*motion, &run.name, &simulated, &p, observer)?;
-            }
-            model.settled(&run.name, &simulated, &p)?
-        }
+        (None, Start::Simulated(simulated)) => settled(&seen, run, simulated, observer)?,
         (start, begin) => {
             let system = system_of(scene, &seen, run, done)?;
             let initial = seen.problem.initial(&seen.values()?);

@@ -1,5 +1,6 @@
 //! What is recorded of a special point.
 
+use super::event::Event;
 use super::found::{Found, Located};
 use super::stepper::{Place, Stepper};
 use super::{End, Kind, Point, SpecialPoint};
@@ -114,28 +115,40 @@ impl Stepper<'_> {
         };
         let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
         let numbers = names.iter().map(ToString::to_string).zip(own).collect();
-        let mut special = SpecialPoint { subkind, error, bracket, converged, numbers, ..special };
+        let special = SpecialPoint { subkind, error, bracket, converged, numbers, ..special };
+        let special = self.with_error(event, special, unknowns, &from.point);
+        Some(Located { event: Some(index), along, special })
+    }
+
+    /// The special point with the error of its discretisation, on a finer one where its kind is worth it.
+    fn with_error(
+        &mut self,
+        event: &Event,
+        mut special: SpecialPoint,
+        unknowns: &[f64],
+        from: &Point,
+    ) -> SpecialPoint {
         // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if event.condition.is_none() {
             special.error += self.mesh_share(unknowns);
-            return Some(Located { event: Some(index), along, special });
+            return special;
         }
         let rungs = if end_of_branch { 1 } else { usize::MAX };
-        if converged
+        if special.converged
             && self.settings.refinement > 0.0
-            && !self.refine(event, &mut special, &from.point, rungs)
+            && !self.refine(event, &mut special, from, rungs)
             && self.equations.system().discretised().is_some()
         {
             // Nothing is known of the discretisation's share: no digit is promised.
             special.converged = false;
-            special.error = unknowns[parameter].abs();
+            special.error = unknowns[self.equations.parameters_at()].abs();
         }
         if !special.converged {
             // Which grazing it is rests on the orbit at which it happens.
             special.subkind = None;
         }
-        Some(Located { event: Some(index), along, special })
+        special
     }
 
     /// What the field calls a point where a monitor of grazings vanishes, from its solution and all parameters.

@@ -53,13 +53,7 @@ impl<'a> Continuation<'a> {
         let Resolved { released, held, bounds, scales, settled } = resolved;
         let branch = self.branch(&held);
         let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
-        let known = match &start {
-            Start::Point { tangent: known } | Start::BranchPoint { along: known, .. } => {
-                known.as_ref().filter(|_| same_curve)
-            }
-            Start::Direction(known) => Some(known),
-            Start::Birth { along } => along.as_ref().filter(|_| self.held.is_empty()),
-        };
+        let known = start.direction(same_curve, self.held.is_empty());
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
         let mut equations = Extended::of(self.system, &self.x, released);
         let mut unknowns = equations.unload(&self.x);
