@@ -73,6 +73,13 @@ impl Failure {
         Failure::NotFinite { quantity: quantity.into(), value, remedy: remedy.into() }
     }
 
+    /// There is no branch of a number at a special point, of so many that begin or cross there.
+    pub fn no_branch(which: usize, count: usize) -> Self {
+        Failure::Mismatch(format!(
+            "there is no other branch number {which}, counted from 0: there are {count}"
+        ))
+    }
+
     /// The failure, with the place at which a quantity has its value.
     pub(super) fn at(mut self, place: std::fmt::Arguments) -> Self {
         if let Failure::OutOfDomain(OutOfDomain { quantity, .. })

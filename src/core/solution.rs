@@ -19,8 +19,8 @@ pub struct Solution {
     /// The direction of its branch, where it is known: by the unknowns (as long as `state`) and by the
     /// parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
-    /// Whether the branch is to be left for another one.
-    pub switch: bool,
+    /// Which one of the other branches there the branch is to be left for, counted from 0, if it is.
+    pub switch: Option<usize>,
 }
 
 /// A [`Solution`] taken over by a system.

@@ -133,14 +133,14 @@ impl Test {
     }
 
     /// Whether a change of sign between two points means nothing: that of the parameter's slope (in scaled arclength) on a
-    /// vertical branch without a change of stability; where multipliers are so large that their signs are rounding, that of the test function of period
+    /// vertical branch; where multipliers are so large that their signs are rounding, that of the test function of period
     /// doublings; at a neutral saddle, λ and −λ, that of the test function of Hopf points: nothing is lost or gained in
     /// stability there.
     pub(crate) fn is_noise(self, slopes: [f64; 2], sides: [Side; 2]) -> bool {
         let [before, after] = &sides;
         let same = before.unstable == after.unstable;
         match self {
-            Test::Fold => same && slopes[0].abs().max(slopes[1].abs()) < VERTICAL,
+            Test::Fold => slopes[0].abs().max(slopes[1].abs()) < VERTICAL,
             Test::Hopf => same,
             Test::PeriodDoubling => same && sides.iter().all(Side::is_huge),
             _ => false,

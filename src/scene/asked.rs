@@ -177,6 +177,7 @@ impl Scene {
             kind,
             nth: 0,
             switch: false,
+            which: 0,
             unconverged: false,
         };
         self.runs.push(run);

@@ -129,8 +129,14 @@ fn following(scene: &Scene, run: &Run, branch: &Branch) -> Vec<Run> {
 
 /// The run that goes on from a special point, if there is one of its kind.
 fn next(scene: &Scene, run: &Run, kind: Kind, nth: usize) -> Option<Run> {
-    let start =
-        |switch| Start::From { run: run.name.clone(), kind, nth, switch, unconverged: false };
+    let start = |switch| Start::From {
+        run: run.name.clone(),
+        kind,
+        nth,
+        switch,
+        which: 0,
+        unconverged: false,
+    };
     let mut next = Run { grazings: Vec::new(), ..run.clone() };
     next.start = start(kind != Kind::HB);
     if kind == Kind::HB {

@@ -184,6 +184,9 @@ pub enum Start {
         /// Whether to leave it along the other branch.
         #[serde(default)]
         switch: bool,
+        /// Along which one, where several others cross or begin there, from 0.
+        #[serde(default)]
+        which: usize,
         /// Whether to start there although it has not converged.
         #[serde(default)]
         unconverged: bool,

@@ -179,14 +179,14 @@ fn trace(
     curve = match (start, &run.start) {
         (Some(start), _) => start.begin(curve, scene, run),
         (None, Start::Rest | Start::Guess(_) | Start::Simulated(_)) => curve,
-        (None, Start::From { run: from, kind, nth, switch, unconverged }) => {
+        (None, Start::From { run: from, kind, nth, switch, which, unconverged }) => {
             let (branch, special) = point_of(&run.name, done, from, *kind, *nth)?;
             let curve = match unconverged {
                 true => curve.restart_anyway(branch, special.label),
                 false => curve.restart(branch, special.label),
             };
             let curve = begin_from(curve, &seen, run);
-            if *switch { curve.switch() } else { curve }
+            if *switch { curve.switch_to(*which) } else { curve }
         }
     };
     let begin = ThreadTime::now();

@@ -219,6 +219,7 @@ fn legs_that_vanish_are_left_out() {
         kind: Kind::G,
         nth: 0,
         switch: true,
+        which: 0,
         unconverged: false,
     };
     second.marks = vec![("F".into(), 0.2)];

@@ -6,7 +6,7 @@ use crate::common::close;
 use std::f64::consts::{PI, TAU};
 use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
 use tangency::output::Document;
-use tangency::scene::{Scene, Simulated, Start, explore};
+use tangency::scene::{Scene, Simulated, Start, execute, explore};
 
 /// What a scene of the library finds. Every row of its tables has converged, and so have all branches.
 fn sound(scene: &Scene) -> Document {
@@ -43,6 +43,56 @@ fn first_diagram(problem: &str, run: &str) -> Vec<String> {
         format!("{}:{}", branch.name, kinds.collect::<String>())
     };
     outcome.document.branches.iter().map(told).collect()
+}
+
+/// Two oscillators, each with a stop of its own, graze at one amplitude: orbits that impact at one stop only, or at both, begin
+/// there, and fold at A = 0.0999707536283 (`docs/grazing.md`).
+#[test]
+fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
+    let scene = |last: usize| {
+        let run = |which: usize| {
+            format!(
+                "(name: \"{which}\", start: From(run: \"free\", kind: G, switch: true, which: {which}),
+                    along: [(name: \"A\", low: 0.01, high: 0.2)]),"
+            )
+        };
+        let text = format!(
+            "Scene(
+                title: \"Two stops\",
+                problem: HybridEquations(
+                    modes: [(name: \"flight\", states: [
+                        (\"x\", \"v\"), (\"v\", \"A*cos(t) - 0.1*v - x\"), (\"y\", \"w\"), (\"w\", \"A*cos(t - 1) - 0.1*w - y\"),
+                    ])],
+                    guards: [
+                        (name: \"first\", modes: [\"flight\"], function: \"1 - x\", reset: [(\"v\", \"-0.8*v\")]),
+                        (name: \"second\", modes: [\"flight\"], function: \"1 - y\", reset: [(\"w\", \"-0.8*w\")]),
+                    ],
+                    parameters: [(\"A\", 0.05)], period: \"2*pi\",
+                ),
+                runs: [
+                    (name: \"free\", start: Simulated(transient: 100), along: [(name: \"A\", low: 0.01, high: 0.2)]),
+                    {} {}
+                ],
+            )",
+            run(1), run(last)
+        );
+        execute(&Scene::parse(&text).unwrap(), None, &mut ())
+    };
+    let document = scene(2).document;
+    let [free, first, second] = &document.branches[..] else { panic!("three branches") };
+    let touch = free.of_kind(Kind::G).next().unwrap();
+    close(touch.parameters[0], 0.1, 1e-11);
+    assert_eq!(touch.subkind.as_deref(), Some("double grazing"));
+    for (branch, itinerary) in [(first, "flight:first"), (second, "flight:second")] {
+        assert_eq!(branch.itinerary, itinerary);
+        close(branch.of_kind(Kind::LP).next().unwrap().parameters[0], 0.0999707536283, 1e-11);
+    }
+    let both = &scene(0).document.branches[2];
+    assert!(
+        ["flight:first flight:second", "flight:second flight:first"].contains(&&*both.itinerary)
+    );
+    let error = scene(3).error.expect("no such branch").to_string();
+    assert!(error.contains("no other branch number 3, counted from 0: there are 3"), "{error}");
 }
 
 /// A pendulum beside a wall. Near the grazing that ends its doubled motion a multiplier grows without bound: its product with
@@ -146,7 +196,7 @@ fn stick_slip_is_unstable_at_its_grazing_at_every_step() {
 }
 
 fn from(run: &str, kind: Kind) -> Start {
-    Start::From { run: run.into(), kind, nth: 0, switch: false, unconverged: false }
+    Start::From { run: run.into(), kind, nth: 0, switch: false, which: 0, unconverged: false }
 }
 
 /// `I = 1/(1 − e^{−T}) ∓ A/√(1 + ω²)`, and the touch at `1 − A/√(1 + ω²)`. The firing family returns to its start one

@@ -129,8 +129,13 @@ pub trait Equations:
     fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
         None
     }
-    /// The branch that emanates where a solution touches a surface.
-    fn born_at_grazing(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    /// One of the branches that emanate where a solution touches a surface, counted from 0.
+    fn born_at_grazing(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        which: usize,
+    ) -> Result<Option<Birth>, Failure>;
     /// What the field calls the point where a monitor of [`grazings`](Self::grazings) vanishes, if it has a name of its own.
     fn kind_of_grazing(
         &self,

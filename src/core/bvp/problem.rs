@@ -157,12 +157,17 @@ pub trait BoundaryProblem: Send + Sync {
         None
     }
 
-    /// The branch that emanates where a solution touches a surface, given its trajectory on each segment and the
-    /// numbers `q`.
+    /// One of the branches that emanate where a solution touches a surface, counted from 0, given its trajectory on each segment
+    /// and the numbers `q`.
     ///
     /// # Errors
-    /// [`Failure`] if nothing can be told.
-    fn born_at_grazing(&self, _known: &[Trajectory], _q: &[f64]) -> Result<Option<Birth>, Failure> {
+    /// [`Failure`] if nothing can be told, and [`Failure::no_branch`] for a number that there is not.
+    fn born_at_grazing(
+        &self,
+        _known: &[Trajectory],
+        _q: &[f64],
+        _which: usize,
+    ) -> Result<Option<Birth>, Failure> {
         Ok(None)
     }
 

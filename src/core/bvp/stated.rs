@@ -95,7 +95,7 @@ impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
         itinerary() -> String;
         with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
         doubled() -> Option<Arc<dyn Equations>>;
-        born_at_grazing(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+        born_at_grazing(known: &[Trajectory], q: &[f64], which: usize) -> Result<Option<Birth>, Failure>;
         with_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
         without_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
         is_of_event(monitor: usize) -> bool;

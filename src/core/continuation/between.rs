@@ -29,10 +29,16 @@ impl Tracer<'_> {
             }
             // At a pitchfork the parameter turns as well.
             let turns = at_start && self.from_branch_point && event.kind == Kind::LP;
-            if turns || self.is_noise(index, from, to) {
+            let noise = self.is_noise(index, from, to);
+            // A flat fold changes stability and converges, what rounding does on a vertical branch does not.
+            let flat = event.test == Test::Fold && from.point.unstable != to.point.unstable;
+            if turns || noise && !flat {
                 continue;
             }
             let Some(located) = self.stepper.locate(index, from, to, length) else { continue };
+            if noise && !located.special.converged {
+                continue;
+            }
             let bound = index < self.bounds.len();
             let of_the_start = at_start && !bound && located.along <= AT_START;
             if !(of_the_start || self.is_double(&located, &found, length)) {

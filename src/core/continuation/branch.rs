@@ -232,7 +232,7 @@ impl Branch {
             state: special.state.clone(),
             parameters: special.parameters.clone(),
             tangent: None,
-            switch: false,
+            switch: None,
         }
     }
 

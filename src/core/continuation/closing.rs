@@ -55,7 +55,7 @@ impl Stepper<'_> {
             state,
             parameters,
             tangent: None,
-            switch: false,
+            switch: None,
         });
         Reference { place, saved, mesh_error }
     }

@@ -49,7 +49,7 @@ impl<'a> Continuation<'a> {
             });
         };
         solution.parameters = self.x[self.system.names().dimension()..].to_vec();
-        solution.switch = switched;
+        solution.switch = *switch;
         let adopted = self.system.resume_from(&solution);
         let Adopted { z, start } = adopted.map_err(|cause| self.not_started(cause))?;
         self.x = [&z[..], &solution.parameters].concat();

@@ -127,7 +127,7 @@ impl Tracer<'_> {
         let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
         let (kind, itinerary) = (Kind::EP, equations.system().itinerary());
         let solution =
-            Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: false };
+            Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: None };
         // It was a solution on this mesh; if it is none any more, the first step says so.
         let _ = equations.system().resume_from(&solution);
     }

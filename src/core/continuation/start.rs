@@ -213,9 +213,7 @@ impl Stepper<'_> {
         let count = tangents.len();
         match tangents.into_iter().nth(crossing) {
             Some(tangent) => Ok((tangent, Some(parent))),
-            None => Err(Failure::Mismatch(format!(
-                "there is no crossing branch number {crossing}, counted from 0: {count} cross this one"
-            ))),
+            None => Err(Failure::no_branch(crossing, count)),
         }
     }
 

@@ -292,9 +292,10 @@ impl<'a> Continuation<'a> {
     }
 
     /// Leaves a branch point where several branches cross (`multiplicity` above 1) along one of them, counted from 0 and
-    /// without the one that leads to it.
-    pub fn switch_to(mut self, crossing: usize) -> Self {
-        self.origin.switch = Some(crossing);
+    /// without the one that leads to it; or a grazing at which several guards are touched along the branch whose orbits pass all
+    /// of them (0), or each by itself, in the order of the touches, then each pair, and so on.
+    pub fn switch_to(mut self, which: usize) -> Self {
+        self.origin.switch = Some(which);
         self
     }
 

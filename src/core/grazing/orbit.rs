@@ -272,8 +272,16 @@ impl BoundaryProblem for LocalOrbit {
         Some(LocalOrbit { impacts: self.impacts.repeat(2), ..self.clone() }.into_equations())
     }
 
-    fn born_at_grazing(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        self.with_touched(known, q)
+    fn born_at_grazing(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        which: usize,
+    ) -> Result<Option<Birth>, Failure> {
+        match which {
+            0 => self.with_touched(known, q),
+            _ => Err(Failure::no_branch(which, 1)),
+        }
     }
 
     /// The orbit that impacts where this one passes nearest to the surface.

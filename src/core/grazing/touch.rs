@@ -62,7 +62,7 @@ impl Orbit<'_> {
 
     /// The point at which the orbit touches a guard that it does not pass.
     fn touching(&self) -> Result<GrazingPoint, GrazingError> {
-        let birth = self.problem.born(self.legs, self.q)?;
+        let birth = self.problem.born(self.legs, self.q, 0)?;
         let q = [self.problem.split(self.q).0, &birth.extras].concat();
         let born = Orbit { problem: &birth.problem, legs: &birth.trajectories, q: &q };
         // The orbit that is born ends with the touch.

@@ -70,17 +70,36 @@ const SOONER: f64 = 1e-3;
 const NEARER: f64 = 4.0;
 /// Resets at a touch that move the state no farther, in units of its scales, leave it where it was.
 const UNMOVED: f64 = 1e-6;
+/// Of more touches only the first ones are passed by some branches and not by others.
+const MOST_TOUCHES: usize = 8;
 /// Errors of states, in units of their scales, that are rounding.
 const ROUNDING: f64 = 1e-11;
 
+/// Which of so many touches are passed by the branch of a number: at 0 all, then each by itself, each pair, and so on.
+fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
+    if which == 0 {
+        return Ok(vec![true; count]);
+    }
+    let all = 1_usize << count.min(MOST_TOUCHES);
+    let mut some: Vec<usize> = (1..all - 1).collect();
+    some.sort_by_key(|bits| bits.count_ones());
+    let bits = some.get(which - 1).ok_or_else(|| Failure::no_branch(which, all - 1))?;
+    Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
+}
+
 impl HybridOrbit {
-    /// The orbits that are born where this one touches guards, all at a time. They begin after the nearest touch.
+    /// The orbits that are born where this one touches guards: first those that pass all of them, then those that pass some, in the
+    /// order of [`selection`]. They begin after the nearest touch.
     pub(in crate::core) fn born(
         &self,
         known: &[Trajectory],
         q: &[f64],
+        which: usize,
     ) -> Result<Birth<Self>, Failure> {
-        let (touches, passed) = self.touched(known, q)?;
+        let (mut touches, mut passed) = self.touched(known, q)?;
+        let mut selected = selection(touches.len(), which)?.into_iter();
+        (touches, passed) =
+            touches.into_iter().zip(passed).filter(|_| selected.next() == Some(true)).unzip();
         let pairs = touches.iter().zip(&passed);
         let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed, known, q));
         let sooner: Option<Vec<Passed>> = sooner.collect();

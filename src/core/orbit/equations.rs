@@ -275,7 +275,12 @@ impl Equations for HybridOrbit {
         Some(start.into_iter().chain(durations).collect())
     }
 
-    fn born_at_grazing(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
+    fn born_at_grazing(
+        &self,
+        known: &[Trajectory],
+        q: &[f64],
+        which: usize,
+    ) -> Result<Option<Birth>, Failure> {
         if self.guards.is_empty() {
             return Ok(None);
         }
@@ -283,8 +288,11 @@ impl Equations for HybridOrbit {
         if birth.is_none() {
             birth = self.decided_otherwise(known, q)?;
         }
-        let birth = birth.map_or_else(|| self.born(known, q), Ok)?;
-        Ok(Some(birth.erased()))
+        match (birth, which) {
+            (None, _) => Ok(Some(self.born(known, q, which)?.erased())),
+            (Some(birth), 0) => Ok(Some(birth.erased())),
+            (Some(_), _) => Err(Failure::no_branch(which, 1)),
+        }
     }
 
     fn kind_of_grazing(
@@ -310,7 +318,7 @@ impl Equations for HybridOrbit {
     fn touch_matters(&self, known: &[Trajectory], q: &[f64]) -> Result<bool, Failure> {
         Ok(!self.guards.is_empty()
             && self.decided_otherwise(known, q)?.is_none()
-            && self.born(known, q)?.beside.is_none())
+            && self.born(known, q, 0)?.beside.is_none())
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {

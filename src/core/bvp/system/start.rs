@@ -46,13 +46,13 @@ impl BoundarySystem {
         if !solution.itinerary.is_empty() && solution.itinerary != self.problem().itinerary() {
             self.change_to(self.problem().with_itinerary(&solution.itinerary)?)?;
         }
-        if solution.kind == Kind::G && solution.switch {
-            let plain = Solution { switch: false, ..solution.clone() };
+        if let (Kind::G, Some(which)) = (solution.kind, solution.switch) {
+            let plain = Solution { switch: None, ..solution.clone() };
             let orbit = self.take_over(&plain)?;
-            return self.born_at_grazing(&orbit.z, &solution.parameters);
+            return self.born_at_grazing(&orbit.z, &solution.parameters, which);
         }
         let mut solution = solution.clone();
-        let doubled = solution.kind == Kind::PD && solution.switch;
+        let doubled = solution.kind == Kind::PD && solution.switch.is_some();
         let twice = if doubled { self.problem().doubled() } else { None };
         match twice {
             Some(problem) => self.repeat(&mut solution, problem)?,
@@ -114,10 +114,10 @@ impl BoundarySystem {
         self.change_to(problem)
     }
 
-    /// The solutions that are born where one touches a surface, beginning with the one that touches.
-    fn born_at_grazing(&mut self, z: &[f64], p: &[f64]) -> Result<Adopted, Failure> {
+    /// Those of the solutions that are born where one touches a surface, beginning with the one that touches.
+    fn born_at_grazing(&mut self, z: &[f64], p: &[f64], which: usize) -> Result<Adopted, Failure> {
         let Known { problem, trajectories, q } = self.trajectories_of(z, p);
-        let Some(birth) = problem.born_at_grazing(&trajectories, &q)? else {
+        let Some(birth) = problem.born_at_grazing(&trajectories, &q, which)? else {
             let reason = "no other branch is known where solutions of this problem graze";
             return Err(Failure::Unsupported(reason.into()));
         };
