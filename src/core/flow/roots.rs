@@ -22,7 +22,7 @@ pub struct Root<T> {
 /// when it has become larger, and as fallen when it has fallen by so much.
 pub(super) const ZERO: f64 = 1e-13;
 /// A function below zero by more than this, likewise, where a flow begins has fallen before.
-pub(in crate::core) const NEGATIVE: f64 = 1e-9;
+pub(crate) const NEGATIVE: f64 = 1e-9;
 /// How many times a root is improved at most: what bisection needs.
 const ROUNDS: usize = 60;
 /// A root of dense output is improved until it changes by less than this part of a step …

@@ -11,7 +11,8 @@ use super::source::{Fault, ModelError, Phrase, Source};
 use super::statement::HybridEquations;
 use super::tape::Tape;
 use crate::core::field::Forcing;
-use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
+use crate::core::flow::NEGATIVE;
+use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales, guard_scale};
 use crate::core::measure::Measure;
 use crate::core::names::distinct;
 use crate::core::scalar::Scalar;
@@ -104,7 +105,8 @@ impl Hybrid {
 
     /// The formula of the first mode that has no finite value at `(t, x, p)`, if one has none.
     pub(super) fn undefined(&self, t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
-        undefined(&self.basis, self.statement.common(), &self.statement.modes[0].states, (t, x, p))
+        let begins = &self.statement.modes[self.initial_mode(0, t, x, p)];
+        undefined(&self.basis, self.statement.common(), &begins.states, (t, x, p))
     }
 
     fn event(&self, guard: usize, mode: usize) -> Option<&Event> {
@@ -209,6 +211,23 @@ impl HybridSystem for Hybrid {
             // No event leads there.
             None => after.fill(T::constant(f64::NAN)),
         }
+    }
+
+    /// The mode that is given, if its guards hold there; else the first one with the same states of which the guards do.
+    fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
+        // What is not finite is told where motion begins.
+        let fallen = |guard: usize, mode: usize| {
+            let scale = guard_scale(self, (guard, mode), (t, x), p);
+            self.guard(guard, mode, t, x, p) < -NEGATIVE * scale
+        };
+        let holds = |mode: &usize| {
+            let mut guards =
+                (0..self.guards.len()).filter(|guard| self.event(*guard, *mode).is_some());
+            self.modes[*mode].states.len() == x.len() && !guards.any(|guard| fallen(guard, *mode))
+        };
+        let same = |other: &usize| self.modes[*other].states == self.modes[mode].states;
+        let others = (0..self.modes.len()).filter(same);
+        [mode].into_iter().chain(others).find(holds).unwrap_or(mode)
     }
 
     fn may_follow(&self, guard: usize, mode: usize) -> Vec<usize> {
