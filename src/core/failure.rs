@@ -73,7 +73,7 @@ impl Failure {
         Failure::NotFinite { quantity: quantity.into(), value, remedy: remedy.into() }
     }
 
-    /// There is no branch of a number at a special point, of so many that begin or cross there.
+    /// A branch was chosen by a number that is too large: `count` other branches begin or cross at the special point.
     pub fn no_branch(which: usize, count: usize) -> Self {
         Failure::Mismatch(format!(
             "there is no other branch number {which}, counted from 0: there are {count}"

@@ -19,7 +19,7 @@ pub struct Solution {
     /// The direction of its branch, where it is known: by the unknowns (as long as `state`) and by the
     /// parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
-    /// Which one of the other branches there the branch is to be left for, counted from 0, if it is.
+    /// The other branch to follow, counted from 0; `None` to stay on this one.
     pub switch: Option<usize>,
 }
 

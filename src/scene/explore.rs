@@ -16,8 +16,8 @@ const RUNS: usize = 50;
 /// runs find, 2 also what is found then. A point that two branches share is followed once. Gives the scene with all runs
 /// that were added, at most 50, which traces the same.
 ///
-/// A run that fails is left out, and the first error is kept; the others go on. A grazing behind which nothing goes on is no
-/// error: the observer is told.
+/// A run that fails is left out, and the first error is kept; the others go on. A grazing at which no
+/// other branch begins is no error: the observer gets the reason.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};

@@ -119,7 +119,7 @@ fn the_order_is_that_of_the_theory() {
         close(x.coefficient(&[1, 0, 0]), 0.0, 1e-10);
         assert!(map.to_string().contains(&format!("leading term y^{power}\n")));
     }
-    // Up to the second order nothing is to be seen of a soft stop.
+    // To second order the map of a soft stop is the identity.
     let map = map_of(LINEAR, 2);
     assert_eq!(map.exponent(), None);
     assert!(map.to_string().contains("the identity up to this order"));

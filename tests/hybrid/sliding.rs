@@ -3,7 +3,7 @@
 
 use crate::common::close;
 use crate::common::settling::settling;
-use crate::hybrid::systems::sliding::{ByHand, Mark, Sliding, vanishing};
+use crate::hybrid::systems::sliding::{ByHand, Mark, Sliding, on_belt, vanishing};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use tangency::core::bvp::{BoundarySystem, Shooting};
@@ -82,30 +82,9 @@ pub(super) fn switched(
     marked(run, name, marks).along(name, range[0]..=range[1]).trace().unwrap()
 }
 
-/// The friction oscillator by hand: the force beyond friction in sliding, `h = 1 − v`.
-fn friction_by_hand<R>(nu: f64, with: impl FnOnce(ByHand) -> R) -> R {
-    let force = move |t: f64, x: &[f64; 3]| {
-        let w = 1.0 - x[1];
-        3.0 * (nu * t).cos() - x[0] - 1.5 * w + 0.45 * w * w * w
-    };
-    let normal = move |t: f64, x: &[f64; 3]| [-force(t, x) - 1.5, -force(t, x) + 1.5];
-    let field = move |mode: usize, t: f64, x: &[f64; 3]| match mode {
-        0 => [x[1], force(t, x) + 1.5, 0.0],
-        1 => [x[1], force(t, x) - 1.5, 0.0],
-        _ => [x[1], 0.0, 0.0],
-    };
-    with(ByHand {
-        field: &field,
-        surface: &|x| 1.0 - x[1],
-        normal: &normal,
-        probe: &|mode, t, x| (mode == 0).then(|| normal(t, x)[0]),
-        step: 5e-4,
-    })
-}
-
 /// The margin by which motion that arrives at the belt in a mode, 0 below its velocity and 1 above, is held there, or passes.
 fn margin_on_belt(nu: f64, mode: usize) -> f64 {
-    friction_by_hand(nu, |motion| {
+    on_belt([nu, 3.0], |motion| {
         let mut last = 0.0;
         motion.run([1.0, 0.1, 0.0], 300.0, |mark, t, x| match mark {
             Mark::Arrival(from) if from == mode => last = (motion.normal)(t, x)[1 - mode],
@@ -117,7 +96,7 @@ fn margin_on_belt(nu: f64, mode: usize) -> f64 {
 
 /// How far motion stays below the belt's velocity.
 fn distance_to_belt(nu: f64) -> f64 {
-    friction_by_hand(nu, |motion| {
+    on_belt([nu, 3.0], |motion| {
         let mut least = f64::INFINITY;
         motion.run([1.0, 0.1, 0.0], 300.0, |_, t, x| {
             if t > 300.0 - 1.5 * TAU / nu {

@@ -3,7 +3,7 @@
 
 use super::library::{executed, scene};
 use crate::common::settling::middle;
-use crate::hybrid::systems::sliding::{ByHand, Mark, Sliding};
+use crate::hybrid::systems::sliding::{ByHand, Mark, Sliding, on_belt};
 use tangency::core::continuation::{Branch, Kind};
 use tangency::core::hybrid::filippov::Filippov;
 use tangency::output::Document;
@@ -82,31 +82,9 @@ fn relay_in_frequency_and_damping() {
     agrees(Sliding::Relay, curve, 5, relay, |motion, _, mark, t, x| margin(motion, mark, t, x));
 }
 
-/// The mass on a belt, `h = 1 − v`. Its probe is what turns where motion touches: the surface's function below the belt's velocity,
-/// the force in sliding.
+/// The mass on a belt, by frequency and force.
 fn belt(p: &[f64], with: &mut dyn FnMut(ByHand)) {
-    let (nu, a) = (p[0], p[1]);
-    let force = move |t: f64, x: &[f64; 3]| {
-        let w = 1.0 - x[1];
-        a * (nu * t).cos() - x[0] - 1.5 * w + 0.45 * w * w * w
-    };
-    let normal = move |t: f64, x: &[f64; 3]| [-force(t, x) - 1.5, -force(t, x) + 1.5];
-    let field = move |mode: usize, t: f64, x: &[f64; 3]| match mode {
-        0 => [x[1], force(t, x) + 1.5, 0.0],
-        1 => [x[1], force(t, x) - 1.5, 0.0],
-        _ => [x[1], 0.0, 0.0],
-    };
-    with(ByHand {
-        field: &field,
-        surface: &|x| 1.0 - x[1],
-        normal: &normal,
-        probe: &|mode, t, x| match mode {
-            0 => Some(normal(t, x)[0]),
-            1 => None,
-            _ => Some(a * nu * (nu * t).sin() + x[1]),
-        },
-        step: 5e-4,
-    });
+    on_belt([p[0], p[1]], with);
 }
 
 #[test]

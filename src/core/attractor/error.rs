@@ -16,7 +16,7 @@ pub enum StroboscopicError {
          `period`), or sample it at an event (`ReturnMap`, `at` in a sweep)"
     )]
     NoPeriod,
-    /// The system has a forcing, and is to be sampled at an event.
+    /// Sampling at an event was asked for, but the system has a forcing.
     #[error(
         "the system has a forcing, and its motion is sampled once a period: leave out that it is sampled at the event `{0}`"
     )]

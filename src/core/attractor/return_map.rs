@@ -146,7 +146,24 @@ struct Missed {
     rests: bool,
 }
 
-/// Follows a motion to the event, from where its time is counted anew, for no longer than a time; tells where it does not come.
+/// Follows a motion to the event without a record, and counts its time anew from there.
+fn advanced<'a, T: EventNumber>(
+    flow: &mut HybridFlow<'a, T>,
+    member: &mut Member<T>,
+    (numbers, event): (&[usize], usize),
+    longest: f64,
+) -> Result<Option<Missed>, StroboscopicError>
+where
+    GuardOf<'a>: Watchable<T>,
+{
+    let begins = member.state.time;
+    let mut until = Until { numbers, event, inner: (), came: false };
+    let missed = returned(flow, member, &mut until, longest)?;
+    member.state.time = begins;
+    Ok(missed)
+}
+
+/// Follows a motion to the event for no longer than a time, in units of its scale.
 fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
     flow: &mut HybridFlow<'a, T>,
     Member { state, p }: &mut Member<T>,
@@ -186,12 +203,9 @@ impl StroboscopicMap for ReturnMap<'_> {
     }
 
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {
-        let begins = member.state.time;
         let numbers = &self.seen.numbers;
-        let mut until = Until { numbers, event: self.event, inner: (), came: false };
-        let lost = returned(&mut self.real, member, &mut until, self.longest)?;
-        member.state.time = begins;
-        lost.map_or(Ok(()), |missed| Err(self.lost(missed)))
+        let missed = advanced(&mut self.real, member, (numbers, self.event), self.longest)?;
+        missed.map_or(Ok(()), |missed| Err(self.lost(missed)))
     }
 
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
@@ -208,11 +222,8 @@ impl StroboscopicMap for ReturnMap<'_> {
     }
 
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
-        let begins = member.state.time;
         let numbers = &self.seen.numbers;
-        let mut until = Until { numbers, event: self.event, inner: (), came: false };
-        let lost = returned(&mut self.dual, member, &mut until, self.longest)?;
-        member.state.time = begins;
-        lost.map_or(Ok(()), |missed| Err(self.lost(missed)))
+        let missed = advanced(&mut self.dual, member, (numbers, self.event), self.longest)?;
+        missed.map_or(Ok(()), |missed| Err(self.lost(missed)))
     }
 }

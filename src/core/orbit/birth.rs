@@ -75,7 +75,8 @@ const MOST_TOUCHES: usize = 8;
 /// Errors of states, in units of their scales, that are rounding.
 const ROUNDING: f64 = 1e-11;
 
-/// Which of so many touches are passed by the branch of a number: at 0 all, then each by itself, each pair, and so on.
+/// The touches that the branch numbered `which` passes, of `count`: branch 0 passes all, the next ones pass one each, then two each,
+/// and so on.
 fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     if which == 0 {
         return Ok(vec![true; count]);

@@ -215,7 +215,7 @@ impl HybridSystem for Hybrid {
 
     /// The mode that is given, if its guards hold there; else the first one with the same states of which the guards do.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
-        // What is not finite is told where motion begins.
+        // A guard that is not finite is reported where motion begins.
         let fallen = |guard: usize, mode: usize| {
             let scale = guard_scale(self, (guard, mode), (t, x), p);
             self.guard(guard, mode, t, x, p) < -NEGATIVE * scale

@@ -144,6 +144,32 @@ pub struct ByHand<'a> {
     pub step: f64,
 }
 
+/// The mass on a belt by hand, `h = 1 − v`, at a frequency and a force. Its probe is what turns where motion touches: the
+/// surface's function below the belt's velocity, the force in sliding.
+pub fn on_belt<R>([nu, a]: [f64; 2], with: impl FnOnce(ByHand) -> R) -> R {
+    let force = move |t: f64, x: &[f64; 3]| {
+        let w = 1.0 - x[1];
+        a * (nu * t).cos() - x[0] - 1.5 * w + 0.45 * w * w * w
+    };
+    let normal = move |t: f64, x: &[f64; 3]| [-force(t, x) - 1.5, -force(t, x) + 1.5];
+    let field = move |mode: usize, t: f64, x: &[f64; 3]| match mode {
+        0 => [x[1], force(t, x) + 1.5, 0.0],
+        1 => [x[1], force(t, x) - 1.5, 0.0],
+        _ => [x[1], 0.0, 0.0],
+    };
+    with(ByHand {
+        field: &field,
+        surface: &|x| 1.0 - x[1],
+        normal: &normal,
+        probe: &|mode, t, x| match mode {
+            0 => Some(normal(t, x)[0]),
+            1 => None,
+            _ => Some(a * nu * (nu * t).sin() + x[1]),
+        },
+        step: 5e-4,
+    })
+}
+
 impl ByHand<'_> {
     /// A step of Runge's and Kutta's method.
     fn stepped(&self, mode: usize, t: f64, x: &[f64; 3], h: f64) -> [f64; 3] {
