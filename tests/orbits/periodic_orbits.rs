@@ -70,6 +70,33 @@ fn lure_by_both_methods() {
     }
 }
 
+/// Where period doublings are not looked for, the multiplier that passes −1 is reported as an unclassified point. Its error includes
+/// that of the mesh: without it, it would be too small by orders of magnitude on 12 intervals.
+#[test]
+fn an_unclassified_point_knows_the_error_of_its_mesh() {
+    for intervals in [12, 20, 40] {
+        let rest = lure_at_rest();
+        let mut orbits = collocated(Lure, intervals);
+        let settings = Settings { detect: vec![Kind::LP], ..settings() };
+        let branch = Continuation::of(&mut orbits)
+            .restart(&rest, label(&rest, Kind::HB))
+            .along("alpha", 0.5..=1.5)
+            .settings(settings)
+            .trace()
+            .unwrap();
+        assert_eq!(branch.of_kind(Kind::ND).count(), 1, "{intervals}");
+        let passed = first(&branch, Kind::ND);
+        let distance = (passed.parameters[0] - 0.630302006160).abs();
+        println!("{intervals}: {distance:e} {:e}", passed.error);
+        assert!(
+            !passed.converged && distance <= passed.error,
+            "{intervals}: {distance:e}, {:e}",
+            passed.error
+        );
+        assert!(passed.error < 1e-2);
+    }
+}
+
 /// A saved orbit starts a branch on another mesh, and by another method.
 #[test]
 fn lure_restarted_in_the_middle() {

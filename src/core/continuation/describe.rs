@@ -39,7 +39,7 @@ impl Stepper<'_> {
     }
 
     /// The relative error of the mesh, in units of the continued parameter.
-    fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
+    pub fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
         let parameter = unknowns[self.equations.parameters_at()];
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();

@@ -76,6 +76,7 @@ impl Stepper<'_> {
     /// The middle of a step in which something passes of which no more is known.
     fn nameless(&mut self, from: &Place, step: &Step) -> Option<Located> {
         let Found { along, unknowns, error, .. } = self.between(from, &step.place, step.length);
+        let error = error + self.mesh_share(&unknowns);
         self.equations.assemble(&unknowns).ok()?;
         let (point, _) = self.record(false).ok()?;
         let profiles = self.profiles();
@@ -129,7 +130,8 @@ impl Stepper<'_> {
             .collect();
         let parameter = self.equations.parameters_at();
         let slope = (step.place.unknowns[parameter] - from.unknowns[parameter]).abs() / step.length;
-        let error = 4.0 * slope * (along - rougher).abs() + self.parameter_error();
+        let place = 4.0 * slope * (along - rougher).abs() + self.parameter_error();
+        let error = place + self.mesh_share(&unknowns);
         let kind = if multiple { Kind::BP } else { Kind::ND };
         let (sides, multiplicity) = ([from, &step.place], if multiple { count } else { 1 });
         let special = self.record_unclassified(kind, &unknowns, sides, count)?;
