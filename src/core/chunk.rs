@@ -47,11 +47,9 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     /// `x` with the unit direction `direction`; one beyond the width is none.
     #[inline(always)]
     pub fn seeded(x: T, direction: usize) -> Self {
-        let mut number = Self::of(x);
-        if let Some(part) = number.eps.get_mut(direction) {
-            *part = T::one();
-        }
-        number
+        // All parts at once: one that is stored by itself would be waited for where the chunk is loaded as vectors.
+        let part = |k| if k == direction { T::one() } else { T::zero() };
+        DualChunk { re: x, eps: std::array::from_fn(part) }
     }
 
     /// A function of the number, from its value and slope at the real part.
@@ -77,19 +75,22 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     /// The number with all parts changed alike.
     #[inline(always)]
     fn mapped(&self, part: impl Fn(T) -> T) -> Self {
-        DualChunk { re: part(self.re), eps: self.eps.map(part) }
+        of_parts::<T, _>(|| DualChunk { re: part(self.re), eps: self.eps.map(part) })
     }
 
     /// The number with both parts changed.
     #[inline(always)]
     fn combined(&self, other: &Self, re: T, part: impl Fn(T, T) -> T) -> Self {
-        DualChunk { re, eps: std::array::from_fn(|k| part(self.eps[k], other.eps[k])) }
+        of_parts::<T, _>(|| DualChunk {
+            re,
+            eps: std::array::from_fn(|k| part(self.eps[k], other.eps[k])),
+        })
     }
 
     #[inline(always)]
     fn product(&self, other: &Self) -> Self {
         let (x, y) = (self.re, other.re);
-        DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) }
+        of_parts::<T, _>(|| DualChunk { re: x * y, eps: weighted((&self.eps, y), (&other.eps, x)) })
     }
 
     #[inline(always)]
@@ -97,6 +98,17 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
         let (x, y, inverse) = (self.re, other.re, other.re.recip());
         self.combined(other, x * inverse, |a, b| (a * y - b * x) * inverse * inverse)
     }
+}
+
+/// An operation on all parts: compiled in place where they are real, and once where they are nested numbers, whose operations
+/// would otherwise fill every caller.
+#[inline(always)]
+fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
+    #[inline(never)]
+    fn once<R>(operation: impl FnOnce() -> R) -> R {
+        operation()
+    }
+    if T::NDERIV == 0 { operation() } else { once(operation) }
 }
 
 /// `a y + b x`. Of real numbers it is computed in vectors by name: where numbers come from memory, the compiler otherwise

@@ -92,7 +92,9 @@ impl MonitoredFunctions<'_> {
 
 /// `Σ w_i x_i`.
 pub(super) fn weighted<T: Scalar>(x: &[T], weights: &[f64]) -> T {
-    x.iter().zip(weights).fold(T::zero(), |sum, (x, weight)| sum + *x * *weight)
+    let mut sum = T::zero();
+    x.iter().zip(weights).for_each(|(x, weight)| sum += *x * *weight);
+    sum
 }
 
 /// The cause with the segment and the time at which it happened.

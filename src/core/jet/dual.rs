@@ -3,10 +3,10 @@
 use super::number::Jet;
 use super::space::MOST_ORDER;
 use super::taylor;
+use super::{elementary, series};
 use crate::core::number::number_of_reals;
 use num_dual::DualNum;
 use num_traits::Signed;
-use std::f64::consts::{LN_2, LN_10};
 use std::fmt::{Display, Formatter};
 
 number_of_reals!([const C: usize] Jet<C>, real: |x: &Jet<C>| x.c[0], constant: Jet::constant);
@@ -44,12 +44,11 @@ impl<const C: usize> Signed for Jet<C> {
     }
 }
 
-/// Functions of a jet by their Taylor series at its constant term `a`.
+/// Functions of a jet by their Taylor series at its constant term.
 macro_rules! by_series {
-    ($a:ident: $($function:ident = $series:expr;)*) => {$(
+    ($($function:ident)*) => {$(
         fn $function(&self) -> Self {
-            let $a = self.c[0];
-            self.composed(&$series)
+            self.composed(&series::$function(self.c[0]))
         }
     )*};
 }
@@ -59,26 +58,8 @@ impl<const C: usize> DualNum for Jet<C> {
     type InnerDual = f64;
     const NDERIV: usize = MOST_ORDER;
 
-    by_series! { a:
-        recip = taylor::power(a.recip(), a, -1.0);
-        sqrt = taylor::power(a.sqrt(), a, 0.5);
-        cbrt = taylor::power(a.cbrt(), a, 1.0 / 3.0);
-        exp = taylor::exp(a);
-        exp_m1 = taylor::of_value(a.exp_m1(), taylor::exp(a));
-        ln = taylor::ln(a.ln(), a);
-        ln_1p = taylor::ln(a.ln_1p(), 1.0 + a);
-        sin = taylor::sin_cos(a)[0];
-        cos = taylor::sin_cos(a)[1];
-        tan = taylor::tangent(a.tan(), 1.0);
-        asin = taylor::inverse(a.asin(), a, 1.0, [1.0, -1.0, -0.5]);
-        acos = taylor::inverse(a.acos(), a, -1.0, [1.0, -1.0, -0.5]);
-        atan = taylor::inverse(a.atan(), a, 1.0, [1.0, 1.0, -1.0]);
-        sinh = taylor::sinh_cosh(a)[0];
-        cosh = taylor::sinh_cosh(a)[1];
-        tanh = taylor::tangent(a.tanh(), -1.0);
-        asinh = taylor::inverse(a.asinh(), a, 1.0, [1.0, 1.0, -0.5]);
-        acosh = taylor::inverse(a.acosh(), a, 1.0, [-1.0, 1.0, -0.5]);
-        atanh = taylor::inverse(a.atanh(), a, 1.0, [1.0, -1.0, -1.0]);
+    by_series! {
+        recip sqrt cbrt exp exp2 exp_m1 ln log2 log10 ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
     }
 
     fn from_re(re: f64) -> Self {
@@ -89,40 +70,16 @@ impl<const C: usize> DualNum for Jet<C> {
         self.scaled(*factor)
     }
 
-    /// By repeated squares, so that nothing is divided by.
     fn powi(&self, n: i32) -> Self {
-        let (mut rest, mut square, mut power) = (n.unsigned_abs(), *self, Jet::constant(1.0));
-        while rest > 0 {
-            if rest % 2 == 1 {
-                power *= &square;
-            }
-            rest /= 2;
-            if rest > 0 {
-                square *= square;
-            }
-        }
-        if n < 0 { power.recip() } else { power }
+        elementary::by_squares(self, n)
     }
 
     fn powf(&self, n: f64) -> Self {
-        let a = self.c[0];
-        self.composed(&taylor::power(a.powf(n), a, n))
-    }
-
-    fn exp2(&self) -> Self {
-        (*self * LN_2).exp()
+        self.composed(&taylor::real_power(self.c[0], n))
     }
 
     fn log(&self, base: f64) -> Self {
         self.ln() / base.ln()
-    }
-
-    fn log2(&self) -> Self {
-        self.ln() / LN_2
-    }
-
-    fn log10(&self) -> Self {
-        self.ln() / LN_10
     }
 
     fn sin_cos(&self) -> (Self, Self) {
@@ -130,14 +87,8 @@ impl<const C: usize> DualNum for Jet<C> {
         (self.composed(&sin), self.composed(&cos))
     }
 
-    /// By the quotient that is at most 1 in size.
     fn atan2(&self, other: Self) -> Self {
-        let mut angle = match self.c[0].abs() <= other.c[0].abs() {
-            true => (*self / other).atan(),
-            false => -(other / *self).atan(),
-        };
-        angle.c[0] = self.c[0].atan2(other.c[0]);
-        angle
+        elementary::by_quotient(self, &other)
     }
 
     fn sph_j0(&self) -> Self {

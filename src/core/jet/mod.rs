@@ -16,8 +16,10 @@
 //! the library's compiled text, and one for all would make each small jet 8 kB.
 
 mod dual;
+pub(crate) mod elementary;
 mod number;
 mod polynomial;
+mod series;
 mod space;
 mod taylor;
 

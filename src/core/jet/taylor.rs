@@ -30,6 +30,28 @@ pub(super) fn power(value: f64, a: f64, r: f64) -> Series {
     continued(value, |k, f| f[k] * (r - k as f64) / ((k + 1) as f64 * a))
 }
 
+/// `aʳ` for any `a`: at zero by binomial coefficients, since derivatives up to the order `r` exist there.
+pub(super) fn real_power(a: f64, r: f64) -> Series {
+    if a != 0.0 {
+        return power(a.powf(r), a, r);
+    }
+    let mut binomial = 1.0;
+    std::array::from_fn(|k| {
+        let f = if binomial == 0.0 { 0.0 } else { binomial * a.powf(r - k as f64) };
+        binomial *= (r - k as f64) / (k + 1) as f64;
+        f
+    })
+}
+
+/// The series of `f(ca)` in the change of `a`, from that of `f` at `ca`.
+pub(super) fn stretched(f: Series, c: f64) -> Series {
+    let mut power = 1.0 / c;
+    f.map(|f| {
+        power *= c;
+        f * power
+    })
+}
+
 /// `ln a`, or a function that differs from it by a constant, given its value.
 pub(super) fn ln(value: f64, a: f64) -> Series {
     integral(value, &power(a.recip(), a, -1.0))

@@ -1,5 +1,6 @@
 //! The operations of formulas: what they are called, and what they do to numbers.
 
+use crate::core::jet::elementary;
 use crate::core::scalar::Scalar;
 
 /// Declares the operations, with the names of those that are called as functions and their values.
@@ -8,7 +9,7 @@ macro_rules! operations {
         $(#[$docs:meta])*
         $operation:ident($($argument:ident),+) = $value:expr $(, $name:literal)*;
     )*) => {
-        /// What a step of a tape does with the values of its arguments.
+        /// The operation of a step of a tape on the values of its arguments.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(super) enum Operation {
             $($(#[$docs])* $operation,)*
@@ -18,7 +19,7 @@ macro_rules! operations {
         pub(super) const FUNCTIONS: &[(&str, Operation)] = &[$($(($name, Operation::$operation),)*)*];
 
         impl Operation {
-            /// What it is called in formulas, or here.
+            /// The name in formulas, or here.
             pub fn name(self) -> &'static str {
                 let function = FUNCTIONS.iter().find(|(_, operation)| *operation == self);
                 match (self, function) {
@@ -84,29 +85,29 @@ operations! {
     Modulo(a, b) = a - b * (a.real() / b.real()).floor(), "mod";
     Square(a) = a * a;
     Cube(a) = a * a * a;
-    Reciprocal(a) = a.recip(), "recip";
-    SquareRoot(a) = a.sqrt(), "sqrt";
-    CubeRoot(a) = a.cbrt(), "cbrt";
-    Exponential(a) = a.exp(), "exp";
-    Exponential2(a) = a.exp2(), "exp2";
-    ExponentialLessOne(a) = a.exp_m1(), "exp_m1", "expm1";
-    Logarithm(a) = a.ln(), "ln", "log";
-    Logarithm2(a) = a.log2(), "log2";
-    Logarithm10(a) = a.log10(), "log10";
-    LogarithmOfOnePlus(a) = a.ln_1p(), "ln_1p", "log1p";
-    Sine(a) = a.sin(), "sin";
-    Cosine(a) = a.cos(), "cos";
-    Tangent(a) = a.tan(), "tan";
-    ArcSine(a) = a.asin(), "asin";
-    ArcCosine(a) = a.acos(), "acos";
-    ArcTangent(a) = a.atan(), "atan";
-    ArcTangent2(a, b) = a.atan2(b), "atan2";
-    HyperbolicSine(a) = a.sinh(), "sinh";
-    HyperbolicCosine(a) = a.cosh(), "cosh";
+    Reciprocal(a) = elementary::recip(&a), "recip";
+    SquareRoot(a) = elementary::sqrt(&a), "sqrt";
+    CubeRoot(a) = elementary::cbrt(&a), "cbrt";
+    Exponential(a) = elementary::exp(&a), "exp";
+    Exponential2(a) = elementary::exp2(&a), "exp2";
+    ExponentialLessOne(a) = elementary::exp_m1(&a), "exp_m1", "expm1";
+    Logarithm(a) = elementary::ln(&a), "ln", "log";
+    Logarithm2(a) = elementary::log2(&a), "log2";
+    Logarithm10(a) = elementary::log10(&a), "log10";
+    LogarithmOfOnePlus(a) = elementary::ln_1p(&a), "ln_1p", "log1p";
+    Sine(a) = elementary::sin(&a), "sin";
+    Cosine(a) = elementary::cos(&a), "cos";
+    Tangent(a) = elementary::tan(&a), "tan";
+    ArcSine(a) = elementary::asin(&a), "asin";
+    ArcCosine(a) = elementary::acos(&a), "acos";
+    ArcTangent(a) = elementary::atan(&a), "atan";
+    ArcTangent2(a, b) = elementary::atan2(&a, &b), "atan2";
+    HyperbolicSine(a) = elementary::sinh(&a), "sinh";
+    HyperbolicCosine(a) = elementary::cosh(&a), "cosh";
     HyperbolicTangent(a) = hyperbolic_tangent(&a), "tanh";
-    AreaSine(a) = a.asinh(), "asinh";
-    AreaCosine(a) = a.acosh(), "acosh";
-    AreaTangent(a) = a.atanh(), "atanh";
+    AreaSine(a) = elementary::asinh(&a), "asinh";
+    AreaCosine(a) = elementary::acosh(&a), "acosh";
+    AreaTangent(a) = elementary::atanh(&a), "atanh";
     Hypotenuse(a, b) = hypotenuse(&a, &b), "hypot";
 }
 
@@ -158,7 +159,7 @@ fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
         return constant(scale);
     }
     let [a, b] = [*a / scale, *b / scale];
-    (a * a + b * b).sqrt() * scale
+    elementary::sqrt(&(a * a + b * b)) * scale
 }
 
 /// `tanh a`: by `e^{−2|a|}` away from zero, since the quotient of `sinh` and `cosh` has no value, nor derivative, where these are
@@ -166,9 +167,9 @@ fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
 fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
     let sign = a.real().signum();
     if a.real().abs() < 1.0 || a.real().is_nan() {
-        return a.tanh();
+        return elementary::tanh(a);
     }
-    let rest = (*a * (-2.0 * sign)).exp();
+    let rest = elementary::exp(&(*a * (-2.0 * sign)));
     (-rest + 1.0) / (rest + 1.0) * sign
 }
 
@@ -176,13 +177,13 @@ fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
 fn power<T: Scalar>(a: &T, b: &T) -> T {
     let exponent = b.real();
     if a.real() > 0.0 {
-        return (a.ln() * b).exp();
+        return elementary::exp(&(elementary::ln(a) * b));
     }
     if exponent.fract() != 0.0 && a.real() != 0.0 {
         return constant(f64::NAN);
     }
     if exponent.fract() == 0.0 && exponent.abs() <= i32::MAX as f64 {
-        return a.powi(exponent as i32);
+        return elementary::powi(a, exponent as i32);
     }
-    a.powf(exponent)
+    elementary::powf(a, exponent)
 }

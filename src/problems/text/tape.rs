@@ -1,9 +1,10 @@
 //! Formulas as tapes: steps over registers, evaluated in any scalar without allocation.
 
 use super::operation::Operation;
+use crate::core::jet::elementary;
 use crate::core::scalar::Scalar;
 
-/// What a step does. `a`, `b` and `c` are registers, `n` is a number.
+/// The instruction of a step. `a`, `b` and `c` are registers, `n` is a number.
 ///
 /// Products are added as soon as they are there: every step costs a dispatch, which for real numbers takes longer than what it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +61,7 @@ pub(super) enum Code {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub code: Code,
-    /// What a general step does.
+    /// The operation of a general step.
     pub operation: Operation,
     pub into: u32,
     pub a: u32,
@@ -88,7 +89,7 @@ pub(super) struct Tape {
 #[repr(align(32))]
 struct Register<T>(T);
 
-/// What a tape reads.
+/// The states and parameters that a tape reads.
 struct Inputs<'a, T> {
     x: &'a [T],
     p: &'a [T],
@@ -156,16 +157,16 @@ impl Tape {
                 Code::Line => r[into].0 = r[a].0 * f64::from_bits((b as u64) << 32 | c as u64) + n,
                 Code::Scale => r[into].0 = r[a].0 * n,
                 Code::Share => r[into].0 = r[a].0 / n,
-                Code::Invert => r[into].0 = r[a].0.recip() * n,
+                Code::Invert => r[into].0 = elementary::recip(&r[a].0) * n,
                 Code::MultiplyAdd => r[into].0 = r[a].0 * r[b].0 + r[c].0,
                 Code::MultiplyShift => r[into].0 = r[a].0 * r[b].0 + n,
                 Code::SubtractProduct => r[into].0 = r[c].0 - r[a].0 * r[b].0,
                 Code::ScaleAdd => r[into].0 = r[a].0 * n + r[b].0,
                 Code::Square => r[into].0 = r[a].0 * r[a].0,
-                Code::PowerInteger => r[into].0 = r[a].0.powi(n as i32),
-                Code::PowerReal => r[into].0 = r[a].0.powf(n),
+                Code::PowerInteger => r[into].0 = elementary::powi(&r[a].0, n as i32),
+                Code::PowerReal => r[into].0 = elementary::powf(&r[a].0, n),
                 Code::SineCosine => {
-                    let (sine, cosine) = r[a].0.sin_cos();
+                    let (sine, cosine) = elementary::sin_cos(&r[a].0);
                     r[c].0 = cosine;
                     r[into].0 = sine;
                 }

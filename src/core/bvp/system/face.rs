@@ -5,7 +5,6 @@ use super::equations::{Discretised, Work};
 use super::local::{Arguments, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
-use crate::core::chunk::Chunk;
 use crate::core::cycles::Cycles;
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
@@ -13,7 +12,7 @@ use crate::core::solution::{Adopted, Solution};
 use crate::core::zero::{
     self, Across, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
 };
-use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 
 /// Gradients of conditions may err by this much, relatively: they decide how fast Newton's iteration
 /// converges, not where to.
@@ -158,21 +157,13 @@ impl System for BoundarySystem {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.release(released, out);
-        let numbers = &self.numbers;
+        let weighted = Weighted { at: Arguments { x, v }, w, numbers: &self.numbers };
         match order {
             1 => {
-                let make = |seeded: Chunk, along: f64| Dual::new(seeded, Chunk::from(along));
-                let at = Arguments { x, v, make };
-                let weighted = Weighted { at, w, numbers, take: |r| r.eps };
                 let passes = &mut self.nested;
                 self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
             }
             2 => {
-                let make = |seeded: Chunk, along: f64| {
-                    Dual2::new(seeded, Chunk::from(along), Chunk::from(0.0))
-                };
-                let at = Arguments { x, v, make };
-                let weighted = Weighted { at, w, numbers, take: |r| r.v2 };
                 let passes = &mut self.nested_twice;
                 self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
             }

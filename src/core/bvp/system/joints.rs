@@ -7,7 +7,7 @@
 use super::equations::{Discretised, Work, gather_ends};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
-use super::local::{Arguments, Dependence, Passes, Weighted};
+use super::local::{Arguments, Dependence, Directional, Passes, Weighted};
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::bvp::{Legs, Number};
 use crate::core::chunk::{CHUNK, Chunk};
@@ -35,9 +35,9 @@ impl Discretised {
     }
 
     /// The share of all conditions in a gradient.
-    pub fn add_gradient_of_joints<T: Number>(
+    pub fn add_gradient_of_joints<T: Directional>(
         &self,
-        &Weighted { at, w, numbers, take }: &Weighted<T>,
+        &Weighted { at, w, numbers }: &Weighted,
         passes: &mut Passes<T>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
@@ -48,13 +48,13 @@ impl Discretised {
                 let values = self.joint(leg, passes);
                 let (event, after) = (values.len() - 1, layout.joint(leg, 0));
                 let sum = values[event] * w[layout.joint(leg, event)];
-                Ok(take(&(sum - summed(&values[..event], &w[after..]))))
+                Ok(*(sum - summed(&values[..event], &w[after..])).derivative())
             })?;
         }
         let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &numbers.local };
         passes.add_gradient(layout, cycle, at, out, |passes| {
             let p = &passes.q[..layout.parameters];
-            Ok(take(&(T::residual(&*self.problem).cycle_in(p) * w[layout.dimension - 1])))
+            Ok(*(T::residual(&*self.problem).cycle_in(p) * w[layout.dimension - 1]).derivative())
         })
     }
 }

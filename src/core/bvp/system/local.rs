@@ -6,7 +6,7 @@ use crate::core::bvp::Number;
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::failure::Failure;
-use crate::core::scalar::Scalar;
+use num_dual::{Dual, Dual2};
 
 /// What a part of the equations depends on.
 #[derive(Clone, Copy)]
@@ -47,26 +47,70 @@ pub(super) struct Numbers {
     pub all: Vec<usize>,
 }
 
-/// Where derivatives are taken, and along what: arguments are made of a value that is seeded, and its component of the
-/// direction.
+/// A number with a chunk of derivatives, and with one along a direction.
+pub(super) trait Directional: Number {
+    /// A value that is seeded, and its component of the direction.
+    fn along(seeded: Chunk, component: f64) -> Self;
+
+    /// The derivative along the direction.
+    fn derivative(&self) -> &Chunk;
+}
+
+/// Values are their own derivatives of order 0, along whatever direction.
+impl Directional for Chunk {
+    #[inline]
+    fn along(seeded: Chunk, _: f64) -> Self {
+        seeded
+    }
+
+    #[inline]
+    fn derivative(&self) -> &Chunk {
+        self
+    }
+}
+
+impl Directional for Dual<Chunk> {
+    #[inline]
+    fn along(seeded: Chunk, component: f64) -> Self {
+        Dual::new(seeded, Chunk::from(component))
+    }
+
+    #[inline]
+    fn derivative(&self) -> &Chunk {
+        &self.eps
+    }
+}
+
+impl Directional for Dual2<Chunk> {
+    #[inline]
+    fn along(seeded: Chunk, component: f64) -> Self {
+        Dual2::new(seeded, Chunk::from(component), Chunk::from(0.0))
+    }
+
+    #[inline]
+    fn derivative(&self) -> &Chunk {
+        &self.v2
+    }
+}
+
+/// Where derivatives are taken, and along what.
 #[derive(Clone, Copy)]
-pub(super) struct Arguments<'a, T> {
+pub(super) struct Arguments<'a> {
     /// Where.
     pub x: &'a [f64],
     /// The direction, as long as `x`.
     pub v: &'a [f64],
-    pub make: fn(Chunk, f64) -> T,
 }
 
-impl<'a> Arguments<'a, Chunk> {
+impl<'a> Arguments<'a> {
     /// Derivatives of values.
     pub fn plain(x: &'a [f64]) -> Self {
-        Arguments { x, v: x, make: |seeded, _| seeded }
+        Arguments { x, v: x }
     }
 }
 
 /// Arguments and values of a part of the equations, kept so that nothing is allocated twice.
-pub(super) struct Passes<T: Scalar> {
+pub(super) struct Passes<T: Number> {
     pub unknowns: Vec<T>,
     pub q: Vec<T>,
     pub r: Vec<T>,
@@ -76,7 +120,7 @@ pub(super) struct Passes<T: Scalar> {
     slopes: Vec<f64>,
 }
 
-impl<T: Scalar> Passes<T> {
+impl<T: Directional> Passes<T> {
     pub fn new(layout: &Layout) -> Self {
         let each = layout.segments.iter().map(|s| layout.degree * s.states).max().unwrap_or(0);
         let most = (each + 1).max(layout.boundary).max(layout.integrals);
@@ -91,23 +135,17 @@ impl<T: Scalar> Passes<T> {
     }
 
     /// Takes arguments, seeded if they are among the directions of the chunk that begins at `start`.
-    pub fn load(
-        &mut self,
-        layout: &Layout,
-        dependence: Dependence,
-        start: usize,
-        at: Arguments<T>,
-    ) {
-        let Arguments { x, v, make } = at;
+    pub fn load(&mut self, layout: &Layout, dependence: Dependence, start: usize, at: Arguments) {
+        let Arguments { x, v } = at;
         let unknowns = dependence.unknowns.iter().enumerate();
         self.unknowns.clear();
-        self.unknowns.extend(unknowns.map(|(k, &z)| make(seeded(x[z], k, start), v[z])));
+        self.unknowns.extend(unknowns.map(|(k, &z)| T::along(seeded(x[z], k, start), v[z])));
         self.take_numbers(layout, dependence.segment, at);
-        self.seed(dependence.numbers, dependence.unknowns.len(), start, make);
+        self.seed(dependence.numbers, dependence.unknowns.len(), start);
     }
 
     /// Takes the numbers of a segment, or all.
-    fn take_numbers(&mut self, layout: &Layout, segment: Option<usize>, at: Arguments<T>) {
+    fn take_numbers(&mut self, layout: &Layout, segment: Option<usize>, at: Arguments) {
         for (real, from) in self.real.iter_mut().zip([at.x, at.v]) {
             real.clear();
             match segment {
@@ -118,12 +156,12 @@ impl<T: Scalar> Passes<T> {
     }
 
     /// Makes numbers, of which some are directions from `first` on.
-    fn seed(&mut self, numbers: &[usize], first: usize, start: usize, make: fn(Chunk, f64) -> T) {
+    fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
         self.q.clear();
-        self.q.extend(x.iter().zip(v).map(|(x, v)| make(Chunk::from(*x), *v)));
+        self.q.extend(x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));
         for (k, &number) in numbers.iter().enumerate() {
-            self.q[number] = make(seeded(x[number], first + k, start), v[number]);
+            self.q[number] = T::along(seeded(x[number], first + k, start), v[number]);
         }
     }
 
@@ -133,7 +171,7 @@ impl<T: Scalar> Passes<T> {
         &mut self,
         layout: &Layout,
         dependence: Dependence,
-        at: Arguments<T>,
+        at: Arguments,
         out: &mut [f64],
         mut function: impl FnMut(&mut Self) -> Result<Chunk, Failure>,
     ) -> Result<(), Failure> {
@@ -149,21 +187,19 @@ impl<T: Scalar> Passes<T> {
 }
 
 /// A derivative of `wᵀ F(x)` along a direction, whose gradient is wanted.
-pub(super) struct Weighted<'a, T> {
-    pub at: Arguments<'a, T>,
+pub(super) struct Weighted<'a> {
+    pub at: Arguments<'a>,
     /// One weight for each equation.
     pub w: &'a [f64],
     /// The numbers by which derivatives are wanted.
     pub numbers: &'a Numbers,
-    /// The derivative along the direction.
-    pub take: fn(&T) -> Chunk,
 }
 
 impl Discretised {
     /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as `x`).
-    pub fn add_gradient<T: Number>(
+    pub fn add_gradient<T: Directional>(
         &self,
-        weighted: &Weighted<T>,
+        weighted: &Weighted,
         passes: &mut Passes<T>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
@@ -182,22 +218,22 @@ impl Discretised {
         if layout.legs.is_some() {
             return self.add_gradient_of_joints(weighted, passes, out);
         }
-        let &Weighted { at, w, numbers, take } = weighted;
+        let &Weighted { at, w, numbers } = weighted;
         let dependence =
             Dependence { unknowns: &layout.ends, segment: None, numbers: &numbers.all };
         passes.add_gradient(layout, dependence, at, out, |passes| {
             let b = &mut passes.r[..layout.boundary];
             self.boundary(&passes.unknowns, &passes.q, b);
-            Ok(take(&summed(b, &w[layout.conditions()..])))
+            Ok(*summed(b, &w[layout.conditions()..]).derivative())
         })
     }
 
     /// The share of an interval: its equations are linear but for functions of few arguments each, which are
     /// combinations of the values at its nodes.
-    fn add_gradient_inside<T: Number>(
+    fn add_gradient_inside<T: Directional>(
         &self,
         (s, j): (usize, usize),
-        &Weighted { at: Arguments { x, v, make }, w, numbers, take }: &Weighted<T>,
+        &Weighted { at: Arguments { x, v }, w, numbers }: &Weighted,
         passes: &mut Passes<T>,
         out: &mut [f64],
     ) -> Result<(), Failure> {
@@ -211,18 +247,18 @@ impl Discretised {
         passes.unknowns.clear();
         passes.unknowns.resize(2 * n, T::zero());
         for start in (0..n + numbers.len()).step_by(CHUNK) {
-            passes.seed(numbers, n, start, make);
+            passes.seed(numbers, n, start);
             let Passes { unknowns, q, r, local, slopes, .. } = &mut *passes;
             let each = self.method.arguments().chunks_exact(layout.degree + 1).enumerate();
             for (c, coefficients) in each {
                 for (i, argument) in unknowns[..n].iter_mut().enumerate() {
                     let value = seeded(combined(coefficients, x, i), i, start);
-                    *argument = make(value, combined(coefficients, v, i));
+                    *argument = T::along(value, combined(coefficients, v, i));
                 }
                 let interval = self.interval((s, j), unknowns, q);
                 let weights = [&w[rows.start + c * n..][..n], closing];
                 let sum = self.method.nonlinear(interval, c, weights, &mut local.method, r)?;
-                for (k, slope) in (start..n + numbers.len()).zip(take(&sum).eps) {
+                for (k, slope) in (start..n + numbers.len()).zip(sum.derivative().eps) {
                     match k.checked_sub(n) {
                         Some(number) => slopes[number] += slope,
                         None => order[k..]
