@@ -13,6 +13,10 @@ use nalgebra::{Complex, DMatrix};
 /// The most vectors spent.
 const VECTORS: usize = 10;
 
+/// Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that is still missing, whose distance from 1 is
+/// more than 1, would make it larger.
+const SPENT: f64 = 1e-2;
+
 /// Matrices that differ by less than this, applied to a generic vector, have no singular one between them.
 const NEAR: f64 = 0.1;
 
@@ -49,7 +53,7 @@ impl Stepper<'_> {
             }
             let size = normalise_in(&mut v, &roots);
             h[(k + 1, k)] = size;
-            if size.is_nan() || size <= 1e-8 {
+            if size.is_nan() || size <= SPENT {
                 break;
             }
             basis.push(v);
