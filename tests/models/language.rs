@@ -1,7 +1,7 @@
 //! The language of formulas: what they mean, in values and derivatives.
 
 use crate::common::close;
-use num_dual::Dual64;
+use num_dual::{Dual64, DualNum, HyperDual64, HyperHyperDual64};
 use std::fmt::Write;
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::dense::Dense;
@@ -88,6 +88,69 @@ fn sums(x: f64) -> (f64, f64) {
     let terms =
         |i: i32| (1..=i).map(move |j| (x.powi(j) / i as f64, j as f64 * x.powi(j - 1) / i as f64));
     (1..=3).flat_map(terms).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d))
+}
+
+/// A formula of numbers of any depth, at `t = 0.4`.
+fn nested<T: Scalar>(formula: &str, x: T) -> T {
+    let mut f = [T::zero()];
+    field(formula).field(T::from(0.4), &[x], &[2.0, -3.0].map(T::from), &mut f);
+    f[0]
+}
+
+/// Functions of nested numbers are compositions of their Taylor series: those of `num_dual` go by the chain rule.
+#[test]
+fn functions_of_nested_numbers_have_all_mixed_derivatives() {
+    type Number = HyperHyperDual64;
+    let functions: [(&str, fn(Number) -> Number); 27] = [
+        ("sin(x)", |x| x.sin()),
+        ("cos(x)", |x| x.cos()),
+        ("sin(x)*cos(x)", |x| x.sin() * x.cos()),
+        ("tan(x)", |x| x.tan()),
+        ("asin(x)", |x| x.asin()),
+        ("acos(x)", |x| x.acos()),
+        ("atan(x)", |x| x.atan()),
+        ("sinh(x)", |x| x.sinh()),
+        ("cosh(x)", |x| x.cosh()),
+        ("tanh(x)", |x| x.tanh()),
+        ("tanh(5*x)", |x| (x * 5.0).tanh()),
+        ("asinh(x)", |x| x.asinh()),
+        ("acosh(1 + x)", |x| (x + 1.0).acosh()),
+        ("atanh(x)", |x| x.atanh()),
+        ("exp(x)", |x| x.exp()),
+        ("exp2(x)", |x| x.exp2()),
+        ("exp_m1(x)", |x| x.exp_m1()),
+        ("ln(x)", |x| x.ln()),
+        ("log2(x)", |x| x.log2()),
+        ("log10(x)", |x| x.log10()),
+        ("ln_1p(x)", |x| x.ln_1p()),
+        ("sqrt(x) + cbrt(x)", |x| x.sqrt() + x.cbrt()),
+        ("1/x + 2/(1 + x)", |x| x.recip() + (x + 1.0).recip() * 2.0),
+        ("x^5 + x^(-3) + x^1.7", |x| x.powi(5) + x.powi(-3) + x.powf(1.7)),
+        ("(1 + x)^x", |x| ((x + 1.0).ln() * x).exp()),
+        ("atan2(x, x - 2) + atan2(x - 2, x)", |x| x.atan2(x - 2.0) + (x - 2.0).atan2(x)),
+        ("hypot(x, 2*x - 1)", |x| (x.powi(2) + (x * 2.0 - 1.0).powi(2)).sqrt()),
+    ];
+    let x = Number::new(0.4, 1.0, 0.5, -0.7, 0.2, 0.1, -0.3, 0.6);
+    let parts = |f: Number| {
+        [f.re, f.eps1, f.eps2, f.eps3, f.eps1eps2, f.eps1eps3, f.eps2eps3, f.eps1eps2eps3]
+    };
+    for (formula, function) in functions {
+        let (found, expected) = (parts(nested(formula, x)), parts(function(x)));
+        for (found, expected) in found.into_iter().zip(expected) {
+            let error = (found - expected).abs();
+            assert!(error <= 1e-13 * expected.abs().max(1.0), "{formula}: {found}, {expected}");
+        }
+    }
+}
+
+/// `x^2.5` has two derivatives where it vanishes, and integer powers have all.
+#[test]
+fn powers_have_the_derivatives_that_exist_at_zero() {
+    let x = HyperDual64::new(0.0, 1.0, 1.0, 0.0);
+    for (formula, second) in [("x^2.5", 0.0), ("x^2", 2.0), ("x^3 + x^7", 0.0)] {
+        let f = nested(formula, x);
+        assert_eq!([f.re, f.eps1, f.eps2, f.eps1eps2], [0.0, 0.0, 0.0, second], "{formula}");
+    }
 }
 
 #[test]
