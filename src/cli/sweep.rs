@@ -165,7 +165,7 @@ impl Merge {
     }
 }
 
-/// What a sweep keeps: its archive, and the branches and the picture that belong to it.
+/// The files of a sweep: its archive, and the branches and the picture that belong to it.
 struct Kept<'a> {
     results: &'a Results,
     document: Option<Document>,

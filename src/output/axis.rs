@@ -25,7 +25,7 @@ impl<'a> Scale<'a> {
         Ok(Scale(Some((deviation, value.ok_or_else(missing)?))))
     }
 
-    /// What is shown for a value.
+    /// The number shown for a value.
     pub fn shown(&self, value: f64) -> f64 {
         self.0.map_or(value, |(deviation, at)| deviation.shown(value, at))
     }

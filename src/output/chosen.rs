@@ -20,7 +20,7 @@ use std::fmt;
 pub struct Chosen {
     /// The relative error asked for.
     pub accuracy: f64,
-    /// What was chosen, by name.
+    /// The chosen settings, by name.
     pub settings: Vec<(String, String)>,
     /// The largest relative error of special points, estimated.
     pub estimate: f64,

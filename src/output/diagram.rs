@@ -233,7 +233,7 @@ impl Pieces<'_> {
     }
 }
 
-/// What the styles of branches and profiles mean.
+/// The meanings of the styles of branches and profiles.
 pub(super) fn stability() -> Vec<(Style, String)> {
     vec![(Style::Solid, "stable".into()), (Style::Dashed, "unstable".into())]
 }

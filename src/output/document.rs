@@ -15,10 +15,10 @@ pub struct Document {
     pub format: String,
     /// The title, in words.
     pub title: String,
-    /// What made the branches, by unique name: the scene, its terms, the number of its modes.
+    /// The origin of the branches, by unique name: the scene, its terms, the number of its modes.
     #[serde(default)]
     pub settings: Vec<(String, String)>,
-    /// What of the settings was chosen for an accuracy.
+    /// The settings that were chosen for an accuracy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chosen: Option<Chosen>,
     /// How the branches are drawn by default.
@@ -40,7 +40,7 @@ pub struct Plot {
     /// The column for the vertical axis; if it is not given, the first monitor (on a curve of events
     /// the second released parameter).
     pub y: Option<String>,
-    /// What stands at an axis that shows a column, with its unit: `("load", "load V² (1)")`.
+    /// The label of an axis that shows a column, with its unit: `("load", "load V² (1)")`.
     /// A column without an entry is shown by its name.
     pub labels: Vec<(String, String)>,
     /// Further panels, as pairs of columns for the horizontal and the vertical axis. Branches that lack one of
@@ -56,7 +56,7 @@ pub struct Plot {
     pub points: Vec<String>,
     /// The branches that diagrams show, by name; if none is given, all.
     pub curves: Vec<String>,
-    /// What is added to a column of a branch in diagrams, to compare curves of different height: branch,
+    /// The number added to a column of a branch in diagrams, to compare curves of different height: branch,
     /// column, shift.
     pub shifts: Vec<(String, String, f64)>,
     /// Columns that are shown as deviations from a special point, or as roots of these.
@@ -100,7 +100,7 @@ fn one() -> f64 {
 }
 
 impl Deviation {
-    /// What is shown for a value, where the special point has another one.
+    /// The number shown for a value, where the special point has another one.
     ///
     /// ```
     /// use tangency::core::continuation::Kind;
@@ -129,7 +129,7 @@ pub struct Against {
 }
 
 impl Plot {
-    /// What stands at an axis that shows a column.
+    /// The label of an axis that shows a column.
     pub fn label<'a>(&'a self, column: &'a str) -> &'a str {
         let entry = self.labels.iter().find(|(name, _)| name == column);
         entry.map_or(column, |(_, label)| label)
@@ -141,7 +141,7 @@ impl Plot {
         given.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, low, high)| [*low, *high])
     }
 
-    /// What is added to a column of a branch.
+    /// The number added to a column of a branch.
     pub(super) fn shift(&self, branch: &str, column: &str) -> f64 {
         let meant = |entry: &&(String, String, f64)| entry.0 == branch && entry.1 == column;
         self.shifts.iter().find(meant).map_or(0.0, |(_, _, shift)| *shift)

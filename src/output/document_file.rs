@@ -112,7 +112,7 @@ fn reaches_the_end(text: &str, span: &ron::error::Span) -> bool {
     span.end.line > lines || (span.end.line == lines && span.end.col > last)
 }
 
-/// What stands where reading failed, to the end of the entry or the line: at most 40 letters.
+/// The text where reading failed, to the end of the entry or the line: at most 40 letters.
 fn found(text: &str, span: &ron::error::Span) -> String {
     let line = text.lines().nth(span.start.line.saturating_sub(1)).unwrap_or_default();
     let same_line = span.start.line == span.end.line;

@@ -15,7 +15,7 @@ pub enum FileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         source: std::io::Error,
     },
     /// The file cannot be written.
@@ -23,7 +23,7 @@ pub enum FileError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         source: std::io::Error,
     },
     /// The file was read, but is no document.
@@ -31,7 +31,7 @@ pub enum FileError {
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         source: FormatError,
     },
     /// The output is a device, a FIFO or a folder, which is not replaced.
@@ -42,7 +42,7 @@ pub enum FileError {
     Special {
         /// The path.
         path: PathBuf,
-        /// What is there.
+        /// The kind of file that is there.
         kind: &'static str,
     },
     /// The file is larger than what is read.
@@ -61,7 +61,7 @@ pub enum FileError {
     Silent {
         /// The path.
         path: PathBuf,
-        /// What is there.
+        /// The kind of file that is there.
         kind: &'static str,
     },
     /// Another run writes the same result.
@@ -148,9 +148,9 @@ pub enum FormatError {
         line: usize,
         /// The column, counted from 1.
         column: usize,
-        /// What stands there.
+        /// The text at that place.
         found: String,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// The document has the right form, but a value that makes no sense.
@@ -159,7 +159,7 @@ pub enum FormatError {
     /// The archive of a sweep is damaged, or none.
     #[error("not a file of sweeps ({reason}); give a file that a sweep saved, or sweep again")]
     Archive {
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// An archive unpacks to more than what is read.

@@ -22,20 +22,20 @@ use crate::core::names::distinct;
 pub struct Figure {
     /// The title; may be empty.
     pub title: String,
-    /// What stands at the horizontal axis, with its unit.
+    /// The label of the horizontal axis, with its unit.
     pub x_label: String,
-    /// What stands at the vertical axis, with its unit.
+    /// The label of the vertical axis, with its unit.
     pub y_label: String,
     /// The curves. Those of one name are pieces of one curve: they share a colour and an entry in
     /// the legend.
     pub series: Vec<Series>,
     /// The marks.
     pub marks: Vec<Mark>,
-    /// What the styles of lines mean, if they mean something: `(Dashed, "unstable")`.
+    /// The meaning of the styles of lines, if they have one: `(Dashed, "unstable")`.
     pub styles: Vec<(Style, String)>,
     /// Coloured rectangles behind all curves.
     pub tiles: Vec<Tile>,
-    /// What stands at 0, 1, 2, … of the vertical axis instead of numbers; empty for numbers.
+    /// The labels of 0, 1, 2, … at the vertical axis instead of numbers; empty for numbers.
     pub y_names: Vec<String>,
 }
 
@@ -73,15 +73,15 @@ pub enum Style {
 pub struct Mark {
     /// Where it is, in the units of the axes.
     pub at: [f64; 2],
-    /// What stands beside it.
+    /// The text beside the mark.
     pub label: String,
-    /// What it is, in words, for the legend.
+    /// The name for the legend.
     pub meaning: String,
-    /// What it looks like.
+    /// The appearance.
     pub symbol: Symbol,
 }
 
-/// What a mark looks like.
+/// The appearance of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Symbol {

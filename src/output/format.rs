@@ -3,7 +3,7 @@
 use super::error::FileError;
 use std::path::Path;
 
-/// What a file of branches to look at holds, by the ending of its name.
+/// The format of a file of branches to look at, by the ending of its name.
 ///
 /// ```
 /// use std::path::Path;

@@ -77,14 +77,14 @@ pub trait Report: Serialize + DeserializeOwned {
     }
 }
 
-/// A report by its name, and what makes it.
+/// A report by its name, and the function that makes it.
 #[derive(Clone, Copy)]
 pub struct Entry<M> {
     /// The name.
     pub name: &'static str,
     /// One line about its contents.
     pub shows: &'static str,
-    /// What makes it.
+    /// The function that makes it.
     pub make: M,
 }
 

@@ -11,7 +11,7 @@ pub struct Tile {
     pub hue: Hue,
     /// Its shade, counted from 0: of one hue, several can be told apart.
     pub shade: usize,
-    /// What it means, in words, for the legend.
+    /// The meaning, in words, for the legend.
     pub meaning: String,
 }
 

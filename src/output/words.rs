@@ -11,7 +11,7 @@ pub struct Invalid {
     pub place: String,
     /// The value.
     pub found: String,
-    /// What it must be.
+    /// The required form.
     pub rule: String,
 }
 

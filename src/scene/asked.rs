@@ -12,7 +12,7 @@ use crate::core::names::position;
 use crate::output::Plot;
 use crate::problems::text::ode::Options;
 
-/// What is asked of a model without a scene, or of a scene beyond what it states.
+/// A request to a model without a scene, or to a scene beyond its statement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Asked {
     /// The parameters that are released, the continued one first, with their ranges.

@@ -82,7 +82,7 @@ impl ProblemSettings for PlateSettings {
 pub struct BuiltIn {
     /// Its name.
     pub name: &'static str,
-    /// What it shows, in one line.
+    /// The summary in one line.
     pub summary: &'static str,
     /// Its text, as RON.
     pub text: &'static str,

@@ -158,7 +158,7 @@ impl Catalogue {
         &self.scenes
     }
 
-    /// What a scene shows, in one line: its title, unless a summary was stated; the error of a scene that cannot be read.
+    /// The summary of a scene in one line: its title, unless a summary was stated; the error of a scene that cannot be read.
     pub fn summary(&self, scene: &NamedScene) -> String {
         let title = || match self.parse(&scene.text) {
             Ok(read) => read.title,

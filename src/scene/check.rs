@@ -182,7 +182,7 @@ impl Scene {
 }
 
 impl Scene {
-    /// What is probably a mistake, of equations which are given as text: parameters that no formula uses, and what a file
+    /// The probable mistakes in equations which are given as text: parameters that no formula uses, and what a file
     /// says that has no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());

@@ -35,7 +35,7 @@ impl From<ModelError> for SceneError {
     }
 }
 
-/// What is wrong with a scene, or with what was asked of it.
+/// An error of a scene, or of a request to it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -49,7 +49,7 @@ pub enum SceneError {
         name: String,
         /// The value.
         value: String,
-        /// What it should be.
+        /// The expected form.
         reason: String,
     },
     /// A setting that changes nothing.
@@ -81,7 +81,7 @@ pub enum SceneError {
     File {
         /// Its path.
         path: String,
-        /// What the system says.
+        /// The system's message.
         cause: String,
     },
     /// A scene is not written as scenes are, or its equations cannot be understood.
@@ -92,9 +92,9 @@ pub enum SceneError {
     Invalid {
         /// The place, for example "run `plate`, mark `load`".
         place: String,
-        /// What is there.
+        /// The present value.
         found: String,
-        /// What must hold.
+        /// The condition that it must meet.
         rule: String,
     },
     /// The problem cannot be built.
@@ -124,13 +124,13 @@ pub enum SceneError {
     /// There is no motion to be looked at.
     #[error(transparent)]
     Strobe(#[from] StroboscopicError),
-    /// What is known belongs to another scene.
+    /// The known results belong to another scene.
     #[error(
         "the runs that are done were made by another scene, or with other settings: remove their file, begin afresh, or \
          name another folder"
     )]
     OtherScene,
-    /// What is known has other tables.
+    /// The known results have other tables.
     #[error(
         "the runs that are done are in other tables: {0}; remove their file, begin afresh, or name another folder"
     )]

@@ -82,7 +82,7 @@ impl Search<'_> {
         largest(&self.known(rung))
     }
 
-    /// What was found with a rung and those above it.
+    /// The values found with a rung and those above it.
     fn known(&self, rung: usize) -> Vec<&Outcome> {
         self.found[rung..].iter().flatten().collect()
     }

@@ -28,7 +28,7 @@ const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
 /// What a problem with its settings answers for scenes: what a catalogue and a scene hold. Capabilities that a kind of
 /// problem does not have are typed errors.
 pub(super) trait Model: Adjustable {
-    /// What kind of problem it is, in words.
+    /// The kind of problem, in words.
     fn kind(&self) -> &'static str;
 
     fn parameters(&self) -> Parameters;
@@ -73,7 +73,7 @@ pub(super) trait Model: Adjustable {
     }
 }
 
-/// What all models do with their settings.
+/// The operations of all models on their settings.
 pub(super) trait Adjustable: Send + Sync {
     fn boxed(&self) -> Box<dyn Model>;
     fn with_defaults(&self) -> Box<dyn Model>;
@@ -95,7 +95,7 @@ impl<P: Clone, S> Configured<P, S>
 where
     Self: Model + 'static,
 {
-    /// The same problem with each of some settings.
+    /// The problem with each of some settings.
     pub fn on(&self, settings: Vec<S>) -> Vec<Box<dyn Model>> {
         settings.into_iter().map(|settings| self.with(settings)).collect()
     }
@@ -142,11 +142,11 @@ where
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
     pub model: text::Model,
-    /// What is stated, as [`Statement::ron`] writes it: from its bracket on.
+    /// The statement, as [`Statement::ron`] writes it: from its bracket on.
     pub written: String,
     /// The file that states it, if it is not stated in a scene.
     pub file: Option<PathBuf>,
-    /// What a file says that has no effect, or another name here.
+    /// The lines of a file that have no effect, or another name here.
     pub notes: Vec<String>,
     /// How far a file says that its model is to be followed.
     pub options: Options,
@@ -199,7 +199,7 @@ impl Problem {
         self.text.as_ref()?.file.as_deref()
     }
 
-    /// What a file of its equations says that has no effect, or another name here.
+    /// The lines of a file of its equations that have no effect, or another name here.
     pub fn notes(&self) -> &[String] {
         self.text.as_ref().map_or(&[], |text| &text.notes)
     }
@@ -254,12 +254,12 @@ impl Problem {
         Problem { name: self.name, model, text: self.text.clone() }
     }
 
-    /// The same problem with settings read from RON.
+    /// The problem with settings read from RON.
     pub(super) fn read(&self, settings: &str) -> Result<Problem, SpannedError> {
         Ok(self.with(self.model.read(settings)?))
     }
 
-    /// The same problem with default settings.
+    /// The problem with default settings.
     pub(super) fn with_defaults(&self) -> Problem {
         self.with(self.model.with_defaults())
     }
@@ -285,7 +285,7 @@ impl Problem {
         slot::assign(self.model.slots(), name, value)
     }
 
-    /// The same problem by discretisations of growing accuracy and cost; none if it has no discretisation.
+    /// The problem by discretisations of growing accuracy and cost; none if it has no discretisation.
     pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
         let ladder = self.model.ladder(p, reach)?;
         Ok(ladder.into_iter().map(|model| self.with(model)).collect())

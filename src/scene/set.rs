@@ -227,7 +227,7 @@ impl Scene {
         Ok(())
     }
 
-    /// What a scene states for all of its runs.
+    /// The settings that a scene states for all of its runs.
     fn own_slots(&mut self) -> Slots<'_> {
         vec![("accuracy", Box::new(Usual(&mut self.accuracy)))]
     }
@@ -289,7 +289,7 @@ impl Scene {
         Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
-    /// What made the branches, for a document: every parameter and setting by name.
+    /// The origin of the branches, for a document: every parameter and setting by name.
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
             self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();

@@ -11,7 +11,7 @@ use crate::core::sweep::Order;
 use crate::output::Plot;
 use serde::{Deserialize, Serialize};
 
-/// What is traced.
+/// A scene: a problem, its runs and sweeps, and their pictures.
 ///
 /// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON: first with the text of its problem, `P`, which the catalogue then replaces by
 /// the [`Problem`] of that name.
@@ -41,10 +41,10 @@ pub struct Scene<P = Problem> {
     /// How the branches are drawn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub plot: Plot,
-    /// What is traced, in this order.
+    /// The runs to be traced, in this order.
     #[serde(default, skip_serializing_if = "is_default")]
     pub runs: Vec<Run>,
-    /// What is swept, in this order.
+    /// The sweeps, in this order.
     #[serde(default, skip_serializing_if = "is_default")]
     pub sweeps: Vec<Sweep>,
 }
@@ -55,7 +55,7 @@ pub struct Scene<P = Problem> {
 pub struct Run {
     /// The branch's name.
     pub name: String,
-    /// What differs from the scene, as `--set` would: parameters and settings by name.
+    /// The differences from the scene, as `--set` would: parameters and settings by name.
     #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
     /// Where it starts.
@@ -212,7 +212,7 @@ pub enum Way {
 pub struct Sweep {
     /// Its name.
     pub name: String,
-    /// What differs from the scene, as `--set` would: parameters by name.
+    /// The differences from the scene, as `--set` would: parameters by name.
     #[serde(default)]
     pub set: Vec<(String, String)>,
     /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the
@@ -239,7 +239,7 @@ pub struct Sweep {
     pub search: AttractorSearch,
     /// Where each run seeks the crisis in which its attractor is lost.
     pub crisis: Option<SoughtCrisis>,
-    /// What is measured in every period recorded, by the names of the problem's monitors.
+    /// The measures of every recorded period, by the names of the problem's monitors.
     #[serde(default)]
     pub measures: Vec<String>,
     /// The tolerance of the flow, absolute and relative.

@@ -24,7 +24,7 @@ pub trait SweepWatch {
     /// A sweep begins, of which so many runs are done.
     fn begin(&mut self, _sweep: &SweepTable) {}
 
-    /// What the sweep that begins may take.
+    /// The time that the sweep that begins may take.
     fn work(&mut self, _work: &Work) {}
 
     /// What is asked between any two periods of every run: where it is false, runs that are not done are given up.

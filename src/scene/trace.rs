@@ -19,7 +19,7 @@ use crate::output::Document;
 use cpu_time::ThreadTime;
 use std::ops::ControlFlow;
 
-/// What came of a scene: all branches that were traced, and the error that stopped it, if one did.
+/// The results of a scene: all branches that were traced, and the error that stopped it, if one did.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The branches that are shown.
@@ -95,7 +95,7 @@ impl Tracing {
         Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 
-    /// What came of it, with the branches that are shown.
+    /// The results, with the branches that are shown.
     pub fn outcome(self, scene: &Scene, shown: impl Fn(&str) -> bool) -> Outcome {
         let mut document = Document::new(scene.title.clone(), Vec::new());
         document.plot = scene.plot.clone();
@@ -267,7 +267,7 @@ impl StartPoint {
     }
 }
 
-/// What a run sets by itself holds at the point it starts from, too.
+/// The settings of a run hold at the point that it starts from, too.
 fn begin_from<'a>(curve: Continuation<'a>, seen: &Scene, run: &Run) -> Continuation<'a> {
     let number = |(name, value): &'_ (String, String)| {
         let value = value.parse::<f64>().ok()?;
@@ -276,7 +276,7 @@ fn begin_from<'a>(curve: Continuation<'a>, seen: &Scene, run: &Run) -> Continuat
     run.set.iter().filter_map(number).fold(curve, |curve, (name, value)| curve.at(&name, value))
 }
 
-/// What a run releases, bounds, marks and holds, and the way it takes.
+/// The parameters that a run releases, bounds, marks and holds, and its direction.
 fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     for range in &run.along {
         curve = curve.along(&range.name, range.interval());

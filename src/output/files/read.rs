@@ -18,7 +18,7 @@ use std::time::Duration;
 pub struct SizeLimit {
     /// A file, in bytes.
     pub file: u64,
-    /// What an archive unpacks to, in bytes.
+    /// The size of an unpacked archive, in bytes.
     pub unpacked: u64,
 }
 

@@ -31,7 +31,7 @@ pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
     }
 }
 
-/// What is no regular file, in words.
+/// The kind of a path that is no regular file, in words.
 pub(super) fn kind(found: FileType) -> &'static str {
     #[cfg(unix)]
     {

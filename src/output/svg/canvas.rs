@@ -17,7 +17,7 @@ pub(super) const INK: RGBColor = RGBColor(38, 38, 38);
 /// Lines of the grid.
 pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
 
-/// What drawing comes to.
+/// The result of drawing.
 pub(super) type Painted = Result<(), FigureError>;
 
 /// A drawing area in pixels with fractions, `y` downwards.

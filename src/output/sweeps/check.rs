@@ -14,11 +14,11 @@ const POINT_COLUMNS: [&str; 4] = ["run", "period", "event", "time"];
 pub struct TableDifference {
     /// Where: a sweep, or the file.
     pub place: String,
-    /// What differs.
+    /// The part that differs.
     pub what: &'static str,
-    /// What the file has.
+    /// The value in the file.
     pub found: String,
-    /// What the scene would write.
+    /// The value that the scene would write.
     pub expected: String,
 }
 

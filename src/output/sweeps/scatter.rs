@@ -31,7 +31,7 @@ impl SweepTable {
         self.source(name).is_some()
     }
 
-    /// What a run has settled on, in words.
+    /// The attractor of a run, in words.
     fn kind(&self, row: &Row) -> String {
         let value = |name: &str| self.run_column(name).map_or(f64::NAN, |k| row.values[k]);
         if row.failure.is_some() {

@@ -29,7 +29,7 @@ pub struct Sweeps {
     pub sweeps: Vec<SweepTable>,
 }
 
-/// What a run has found, as numbers.
+/// The results of a run, as numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// One number for each column of runs.
@@ -58,7 +58,7 @@ pub struct Row {
 pub struct SweepTable {
     /// The sweep's name.
     pub name: String,
-    /// What varies.
+    /// The parameter that varies.
     pub axes: Vec<String>,
     /// The names of events.
     pub events: Vec<String>,

@@ -218,7 +218,7 @@ impl Basis {
         point.values
     }
 
-    /// The same into memory that is kept.
+    /// Evaluates all functions with their derivatives into memory that is kept.
     pub(super) fn evaluate(&self, xi: f64, point: &mut AtPoint) {
         legendre(self.degree, xi, &mut point.legendre);
         let p = &point.legendre;

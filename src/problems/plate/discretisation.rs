@@ -23,7 +23,7 @@ pub struct RitzSettings {
     pub orders: Option<Orders>,
     /// The largest aspect ratio meant (if it is above 1; the smallest one if below), for the usual orders.
     pub aspect: f64,
-    /// What the named parameters mean.
+    /// The meaning of the named parameters.
     pub units: Units,
     /// Use the symmetry of directions whose two edges are alike. A load that breaks it
     /// (`edge_shear`) needs `false`.

@@ -2,7 +2,7 @@
 
 use super::error::PlateError;
 
-/// What holds an edge against deflection.
+/// The support of an edge against deflection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Support {
@@ -85,7 +85,7 @@ impl std::fmt::Display for Supports {
     }
 }
 
-/// What holds the edges in the plane of the plate. Four different models: at `α₁ = 2` their
+/// The supports of the edges in the plane of the plate. Four different models: at `α₁ = 2` their
 /// pull-in loads differ by a factor of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -10,7 +10,7 @@ pub enum PlateError {
          F (free), for the edges x = 0, y = 0, x = 1, y = 1, such as \"SCSF\""
     )]
     Supports {
-        /// What was written.
+        /// The name as written.
         letters: String,
     },
     /// Nothing holds the plate.
@@ -42,7 +42,7 @@ pub enum PlateError {
     /// More or fewer functions or modes than can be worked with.
     #[error("{count} {what}: choose between {least} and {most}, or another model of the plate")]
     Count {
-        /// What is counted.
+        /// The counted quantity.
         what: &'static str,
         /// The offending number.
         count: usize,

@@ -24,7 +24,7 @@ pub struct Parameters<T> {
     pub pressure: T,
 }
 
-/// What the named parameters of a plate problem mean.
+/// The meaning of the named parameters of a plate problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

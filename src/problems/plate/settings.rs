@@ -45,7 +45,7 @@ pub struct PlateSettings {
     pub projection: Projection,
     /// Numbers of functions of the model `ritz`; if not given, those that the accuracy needs.
     pub orders: Option<Orders>,
-    /// What the parameters mean.
+    /// The meaning of the parameters.
     pub units: Units,
     /// Whether the symmetry of the edges is used. If not given, it is unless edge forces act: a compressed
     /// plate may buckle into two half waves first, which symmetry knows nothing of.

@@ -38,7 +38,7 @@ use projection::Sines;
 /// The mean square of a product of sines over the plate.
 const MEAN_SQUARE: f64 = 0.25;
 
-/// What a [`SinePlate`] is made from. The default: 15 modes, slide, von Kármán, direct, dimensionless.
+/// The settings of a [`SinePlate`]. The default: 15 modes, slide, von Kármán, direct, dimensionless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SineSettings {
     /// The number of modes, `N ≥ 1`: odd-odd pairs by `m² + n²`, then by `m`.
@@ -51,7 +51,7 @@ pub struct SineSettings {
     pub theory: Theory,
     /// Which projection.
     pub projection: Projection,
-    /// What the parameters mean.
+    /// The meaning of the parameters.
     pub units: Units,
     /// Gauss points in each half direction; by default enough for loads at deflections up to 0.9 of
     /// the gap at 1e-9, and for the products of sines of the multiplied projection at rounding.

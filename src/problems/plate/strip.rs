@@ -26,7 +26,7 @@ use std::f64::consts::PI;
 /// The largest number of functions provided for.
 const MOST: usize = 512;
 
-/// What holds both ends of a strip.
+/// The supports of both ends of a strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
@@ -40,7 +40,7 @@ pub enum Ends {
     Clamped,
 }
 
-/// What a [`Strip`] is made from. The default: 40 functions, supported ends.
+/// The settings of a [`Strip`]. The default: 40 functions, supported ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StripSettings {
     /// The number of functions, 1 to 512.

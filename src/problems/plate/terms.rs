@@ -31,7 +31,7 @@ pub enum Projection {
 }
 
 impl Projection {
-    /// What the residual of this projection says about motion.
+    /// The dynamics that the residual of this projection describes.
     pub(super) fn dynamics(self) -> crate::core::zero::Dynamics {
         match self {
             Projection::Direct => crate::core::zero::Dynamics::Potential,

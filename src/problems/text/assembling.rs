@@ -109,7 +109,7 @@ impl<'s> Assembling<'s> {
         Layout::of(&self.assembly, results).tape(results)
     }
 
-    /// What is not finite at `(t, x, p)`.
+    /// The first value that is not finite at `(t, x, p)`.
     pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<ModelError> {
         let found = self.assembly.undefined(results, t, x, p)?;
         let Undefined { operation, arguments, value, origin } = found;
@@ -370,7 +370,7 @@ impl<'s> Assembling<'s> {
     }
 }
 
-/// What a name of a statement stands for: itself, or the elements of an array.
+/// The names that a name of a statement stands for: itself, or the elements of an array.
 pub(super) fn elements(scope: &Scope, phrase: &Phrase) -> Result<Vec<Element>, ModelError> {
     let Declared { name, index } = Declared::read(&scope.source, phrase)?;
     let mut whole = Assembling::new(scope);

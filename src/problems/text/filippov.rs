@@ -187,7 +187,7 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// What holds sliding against leaving to each side, where it is stated.
+/// The functions that are positive while sliding is held against leaving to each side, where they are stated.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Tape>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {

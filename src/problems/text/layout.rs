@@ -227,7 +227,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// What an operation does, and which values it reads.
+    /// An operation, and the values that it reads.
     fn step(
         &self,
         operation: Operation,
@@ -265,7 +265,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// What a step is to do, with which values and numbers.
+/// An operation of a step, with its values and numbers.
 struct Planned {
     code: Code,
     inputs: Vec<Value>,

@@ -147,7 +147,7 @@ impl Statement {
         Statement::read(source, kind, part)
     }
 
-    /// What is stated, understood; with the names of parameters that a scene gives.
+    /// The statement as a model, with the names of parameters that a scene gives.
     ///
     /// # Errors
     /// [`ModelError`] with the place.
@@ -224,7 +224,7 @@ impl Model {
         }
     }
 
-    /// What is not finite where motion or a branch begins, at time 0: a division by zero, a logarithm of a negative number.
+    /// The value that is not finite where motion or a branch begins, at time 0: a division by zero, a logarithm of a negative number.
     ///
     /// ```
     /// use tangency::problems::text::{Model, Source};

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// The most operations of a tape, and the most elements of an array.
 pub(super) const OPERATIONS: usize = 300_000;
 
-/// What a name means.
+/// The meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
     State(usize),
@@ -45,7 +45,7 @@ pub(super) struct Function {
     pub formula: usize,
 }
 
-/// What the names of a model mean, in one of its modes.
+/// The meanings of the names of a model, in one of its modes.
 #[derive(Clone, Debug)]
 pub(super) struct Scope {
     pub source: Source,

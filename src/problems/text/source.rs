@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// A text from which equations are read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// What it is called in errors: a file's name; empty for a scene, which is named elsewhere.
+    /// The name in errors: a file's name; empty for a scene, which is named elsewhere.
     pub name: String,
     /// The text.
     pub text: Arc<str>,
@@ -28,7 +28,7 @@ impl Source {
         Source { name: name.into(), masked: text.clone(), text }
     }
 
-    /// The same text, of which some parts are not to be read.
+    /// The text without the parts that are not to be read.
     pub fn without(&self, parts: &[Range<usize>]) -> Self {
         Source { masked: blanked(&self.text, parts).into(), ..self.clone() }
     }
@@ -247,7 +247,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// What is wrong with equations that are given as text, and where.
+/// An error in equations that are given as text, with its place.
 ///
 /// ```
 /// use tangency::problems::text::{Fault, Model, Source};
@@ -267,7 +267,7 @@ pub struct ModelError {
     pub file: String,
     /// Where it is.
     pub place: Box<Place>,
-    /// What it is.
+    /// The kind of error.
     pub fault: Fault,
 }
 
@@ -286,20 +286,20 @@ impl ModelError {
     }
 }
 
-/// What can be wrong with equations that are given as text.
+/// The errors of equations that are given as text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
     /// A statement is not of its form.
     #[error("{reason}")]
     Form {
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// A formula or a name is not of the language.
     #[error("expected {expected}")]
     Syntax {
-        /// What may stand there.
+        /// The alternatives that may stand there.
         expected: String,
     },
     /// A name that nothing has.
@@ -310,7 +310,7 @@ pub enum Fault {
     Twice {
         /// The name.
         name: String,
-        /// What has it.
+        /// The kind of its first owner.
         first: &'static str,
     },
     /// A function called with another number of arguments.
@@ -342,15 +342,15 @@ pub enum Fault {
     /// Something that must be there is not.
     #[error("{what}: {needed}")]
     Missing {
-        /// What lacks it.
+        /// The statement that is incomplete.
         what: String,
-        /// What it lacks, and how to give it.
+        /// The missing part, and how to give it.
         needed: String,
     },
     /// Something that may not be there is.
     #[error("{what}: {reason}")]
     Misplaced {
-        /// What it is.
+        /// The part that is out of place.
         what: String,
         /// Why it cannot be, and what to do.
         reason: String,
@@ -358,7 +358,7 @@ pub enum Fault {
     /// More than the limits allow.
     #[error("{what}: more than {limit}")]
     TooLarge {
-        /// What there is too much of.
+        /// The quantity that is too large.
         what: &'static str,
         /// How many are allowed.
         limit: usize,
@@ -366,7 +366,7 @@ pub enum Fault {
     /// A value that is not a finite number.
     #[error("{what} at the start: {values}")]
     Undefined {
-        /// What happens.
+        /// The operation or the formula without a finite value.
         what: String,
         /// The values that decide.
         values: String,

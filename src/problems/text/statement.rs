@@ -60,7 +60,7 @@ statements! {
     Residual {
         /// Unknowns with what vanishes.
         unknowns: Formulas,
-        /// What the equations say about motion.
+        /// The dynamics that the equations describe.
         dynamics: Static,
     }
 
@@ -74,7 +74,7 @@ statements! {
     Boundary {
         /// States with their rates.
         states: Formulas,
-        /// What vanishes, in values of states at the ends, as `u(0)` and `u(1)`.
+        /// The boundary conditions: functions that vanish, of the states at the ends, as `u(0)` and `u(1)`.
         conditions: Vec<Phrase>,
         /// Formulas whose integrals vanish.
         integrals: Vec<Phrase>,
@@ -121,7 +121,7 @@ statements! {
     }
 }
 
-/// What all statements have.
+/// The parts that all statements have.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
     pub parameters: &'a Formulas,
@@ -149,7 +149,7 @@ pub struct Guard {
     /// The modes that end there; may be left out where there is one mode only.
     #[serde(default)]
     pub modes: Vec<Phrase>,
-    /// What is positive while the mode lasts.
+    /// The function that is positive while the mode lasts.
     pub function: Phrase,
     /// The mode that follows; the same one if it is left out.
     #[serde(default)]
@@ -237,7 +237,7 @@ impl<'de> Deserialize<'de> for Choice {
     }
 }
 
-/// What equations say about motion: nothing, unless it is stated.
+/// The dynamics that equations describe: none, unless it is stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Static {

@@ -27,7 +27,7 @@ pub(super) struct Node {
     pub place: Range<usize>,
 }
 
-/// What a node does with the values before it.
+/// The operation of a node on the values before it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     /// Adds a number.
@@ -63,7 +63,7 @@ impl Formula {
     }
 }
 
-/// What a statement names: a scalar, one element, or all elements of an array.
+/// A name in a statement: a scalar, one element, or all elements of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: String,
@@ -143,7 +143,7 @@ fn blank(input: &mut Input) -> ModalResult<()> {
     multispace0.void().parse_next(input)
 }
 
-/// What must stand here.
+/// The syntax that must stand here.
 fn expected<'a, T>(
     parser: impl Parser<Input<'a>, T, winnow::error::ErrMode<ContextError>>,
     words: &'static str,

@@ -19,7 +19,7 @@ use crate::problems::plate::terms::Theory;
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
-/// What both projections need.
+/// The data that both projections need.
 pub(super) struct Linear {
     /// `ω_i²`.
     pub squares: Vec<f64>,

@@ -7,7 +7,7 @@ use crate::problems::plate::terms::Projection;
 /// The largest number of modes: `A` has some N⁴/4 entries.
 pub const MOST_MODES: usize = 40;
 
-/// What a [`Modal`](super::Modal) is made from.
+/// The settings of a [`Modal`](super::Modal).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModalSettings {
     /// Supports, edges in the plane, theory, units, symmetry, and the aspect ratio of the plate, which is

@@ -5,7 +5,7 @@ use super::function;
 use super::option::number;
 use super::origin::{Named, Slice, Text};
 
-/// What an initial value or a parameter must be.
+/// The form of an initial value or a parameter.
 pub(super) const NUMBER: &str = "a number: XPPAUT reads no formula here; \
                       a constant that depends on others is written `!b=2*a`";
 const VOLTERRA: &str = "integral equations have no counterpart";

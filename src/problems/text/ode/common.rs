@@ -10,7 +10,7 @@ use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, name_of, pair, written};
 use super::tree::Known;
 
-/// What a statement has beside its states.
+/// The parts of a statement beside its states.
 pub(super) struct Common {
     pub parameters: Pairs,
     pub definitions: Pairs,

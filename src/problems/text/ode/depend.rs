@@ -146,7 +146,7 @@ impl Formulas {
     }
 }
 
-/// What is put in place of names.
+/// The formulas that replace names.
 struct Replacing<'a> {
     states: &'a BTreeMap<usize, Tree>,
     fixed: bool,

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// A condition that has been understood.
 pub(super) struct Event {
-    /// What is positive before it.
+    /// The function that is positive before the event.
     guard: Tree,
     /// The states that the guard depends on.
     depends: BTreeSet<usize>,
@@ -248,7 +248,7 @@ impl Hybrid<'_, '_> {
         Ok(Guard { function, next, reset, ..Guard::default() })
     }
 
-    /// What is set at an event, with what is set at once where that meets other conditions.
+    /// The values that are set at an event, with what is set at once where that meets other conditions.
     fn resets(
         &self,
         k: usize,

@@ -36,7 +36,7 @@ pub(super) fn read(names: &Names, text: Slice, arguments: &[String]) -> Result<T
     Ok(tree)
 }
 
-/// What reads a formula.
+/// A parser of formulas.
 pub(super) struct Reader<'a, 's> {
     pub names: &'a Names<'s>,
     pub text: Slice<'a>,

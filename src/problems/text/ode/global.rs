@@ -49,7 +49,7 @@ impl Global {
     }
 }
 
-/// What is set, between the second braces.
+/// The assignments between the second braces.
 fn resets_of(source: &Source, list: Slice) -> Result<Vec<Named>, ModelError> {
     let (mut resets, mut rest) = (Vec::new(), list);
     while !rest.text.trim().is_empty() {

@@ -86,7 +86,7 @@ fn refuse_range(source: &Source, line: Slice) -> Result<(), ModelError> {
     }
 }
 
-/// What is left of the limits.
+/// The remaining part of the limits.
 struct Budget<'s> {
     source: &'s Source,
     elements: usize,

@@ -38,7 +38,7 @@ pub struct Ode {
     pub statement: Statement,
     /// How far they are to be followed.
     pub options: Options,
-    /// What has no effect here, in words, with line numbers.
+    /// The lines without effect here, in words, with line numbers.
     pub ignored: Vec<String>,
     /// Names that had to be changed, with what they are called now.
     pub renamed: Vec<(String, String)>,

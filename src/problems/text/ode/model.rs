@@ -13,7 +13,7 @@ use super::parts::{Parts, Sort};
 use super::phrase::{arguments_of, pair, written};
 use super::tree::{Known, Tree};
 
-/// What a file states, understood.
+/// The model that a file states.
 pub(super) fn understood(source: &Source, parts: Parts) -> Result<Ode, ModelError> {
     check_sizes(source, &parts)?;
     let mut names = Names::of(source, &parts)?;

@@ -128,7 +128,7 @@ impl<'s> Names<'s> {
         self.taken.contains(name) || name == "t"
     }
 
-    /// What a name stands for, letters of both cases being the same.
+    /// The meaning of a name, letters of both cases being the same.
     pub fn find(&self, name: &str) -> Option<Known> {
         match name.to_ascii_uppercase().as_str() {
             "T" => Some(Known::Time),

@@ -30,7 +30,7 @@ pub struct Options {
     pub npr: Option<usize>,
 }
 
-/// What a line of options said.
+/// The settings of a line of options.
 #[derive(Default)]
 pub(super) struct Found {
     pub options: Options,

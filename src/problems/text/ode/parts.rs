@@ -14,7 +14,7 @@ pub(super) struct Function {
     pub arguments: Vec<Text>,
 }
 
-/// What a constant is: one that can be varied, a number, or a formula of others.
+/// A constant: one that can be varied, a number, or a formula of others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sort {
     Parameter,

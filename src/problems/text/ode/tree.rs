@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// What a name stands for.
+/// The meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Known {
     State(usize),
@@ -52,7 +52,7 @@ pub(super) const OPERATORS: [Operator; 13] = [
 const COMPARISON: u8 = 3;
 /// How strongly a sign binds here.
 const SIGN: u8 = 6;
-/// What needs no brackets anywhere.
+/// The formulas that need no brackets anywhere.
 const WHOLE: u8 = 9;
 
 /// A formula.
