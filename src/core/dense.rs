@@ -180,11 +180,8 @@ impl<P: ZeroProblem> System for Dense<P> {
             Some(jacobian) => jacobian(&self.problem, &x[..n], &x[n..], &mut self.jacobian),
             None => self.differentiate(x),
         }
-        finite(
-            &self.jacobian,
-            |k| format!("derivative of component {} by unknown {}", k % n, k / n),
-            DIFFERENTIABLE,
-        )?;
+        let name = |k: usize| format!("derivative of component {} by unknown {}", k % n, k / n);
+        finite(&self.jacobian, name, DIFFERENTIABLE)?;
         self.assembled.extend_from_slice(x);
         Ok(())
     }

@@ -63,7 +63,7 @@ impl<'a> Extended<'a> {
         Self::of(SystemRef::Borrowed(system), x, released)
     }
 
-    /// The same of a system that may be its own.
+    /// The problem of a system that may be its own.
     pub(crate) fn of(system: SystemRef<'a>, x: &[f64], released: Vec<usize>) -> Self {
         let x = x.to_vec();
         let mut extended = Extended {
@@ -95,10 +95,7 @@ impl<'a> Extended<'a> {
     ) -> Result<Vec<f64>, Failure> {
         self.load(unknowns);
         let mut y = vec![0.0; condition.unknowns()];
-        condition.start(
-            At { system: &mut *self.system, x: &self.x, released: &self.released },
-            &mut y,
-        )?;
+        condition.start(self.at(), &mut y)?;
         let place = self.dimension() + self.auxiliary.len();
         let mut unknowns = unknowns.to_vec();
         unknowns.splice(place..place, y.iter().copied());
@@ -155,7 +152,7 @@ impl<'a> Extended<'a> {
     }
 
     /// Typical sizes of the groups of unknowns; empty if all are 1.
-    pub fn unknown_scales(&self) -> Vec<f64> {
+    pub(crate) fn unknown_scales(&self) -> Vec<f64> {
         self.system.unknown_scales(&self.x[self.dimension()..])
     }
 
@@ -174,6 +171,17 @@ impl<'a> Extended<'a> {
         let own = self.auxiliary.len();
         self.auxiliary.copy_from_slice(&unknowns[n..n + own]);
         &self.x
+    }
+
+    /// The direction of `x` along a direction of `X`.
+    pub(crate) fn direction_of(&self, v: &[f64]) -> Vec<f64> {
+        let n = self.dimension();
+        let mut direction = vec![0.0; self.x.len()];
+        direction[..n].copy_from_slice(&v[..n]);
+        for (&p, part) in self.released.iter().zip(&v[self.parameters_at()..]) {
+            direction[n + p] = *part;
+        }
+        direction
     }
 
     /// The conditions' own unknowns that have names, as loaded last.

@@ -24,11 +24,8 @@ pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
 pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
     let (points, weights) = gauss_legendre(places.len());
     let integral = |j: usize| -> f64 {
-        points
-            .iter()
-            .zip(&weights)
-            .map(|(y, w)| 0.5 * w * lagrange(places, j, 0.5 * (1.0 + y)))
-            .sum()
+        let rule = points.iter().zip(&weights);
+        rule.map(|(y, w)| 0.5 * w * lagrange(places, j, 0.5 * (1.0 + y))).sum()
     };
     (0..places.len()).map(integral).collect()
 }

@@ -6,7 +6,6 @@ pub mod bvp;
 pub mod chunk;
 pub mod condition;
 pub mod continuation;
-pub mod cycles;
 pub mod dense;
 mod domain;
 pub mod extended;

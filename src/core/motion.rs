@@ -6,7 +6,7 @@ use super::zero::{Dynamics, Spectrum};
 /// as neither stable nor unstable: conserved quantities and continuous symmetries have them there but for rounding.
 const NEUTRAL: f64 = 1e-13;
 
-/// The same for multipliers, which the mesh of an orbit disturbs as well.
+/// The bound of neutral multipliers, which the mesh of an orbit disturbs as well.
 const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 
 /// What a spectrum says about stability, and the test functions of bifurcations that it holds.
@@ -35,22 +35,13 @@ pub struct Stability {
 impl Stability {
     /// The verdict on a spectrum.
     pub fn of(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> Self {
+        let neutral = neutral_bound(dynamics, spectrum);
         let periodic = dynamics == Dynamics::Periodic;
-        let neutral = match periodic {
-            true => NEUTRAL_MULTIPLIER,
-            false => NEUTRAL * largest(spectrum),
-        };
-        let outside = |(re, im): &(f64, f64)| match periodic {
-            true => re.hypot(*im) > 1.0 + neutral,
-            false => *re > neutral,
-        };
         Stability {
-            unstable: spectrum.iter().filter(|value| outside(value)).count(),
+            unstable: spectrum.iter().filter(|l| growth(dynamics, l) > neutral).count(),
             oscillation: match dynamics {
-                Dynamics::Periodic => {
-                    pairs(spectrum, neutral, |a, b| a * b - 1.0, |re, im| re.hypot(im) - 1.0)
-                }
-                Dynamics::Flow => pairs(spectrum, neutral, |a, b| a + b, |re, _| re),
+                Dynamics::Periodic => pairs(dynamics, spectrum, |a, b| a * b - 1.0),
+                Dynamics::Flow => pairs(dynamics, spectrum, |a, b| a + b),
                 _ => 0.0,
             },
             doubling: if periodic { spectrum.iter().map(doubling_factor).product() } else { 1.0 },
@@ -58,7 +49,7 @@ impl Stability {
     }
 
     /// With test functions that keep their signs where a multiplier passes through infinity.
-    pub fn oriented(self, orientation: f64) -> Self {
+    pub(crate) fn oriented(self, orientation: f64) -> Self {
         let [oscillation, doubling] = [self.oscillation, self.doubling].map(|t| t * orientation);
         Stability { oscillation, doubling, ..self }
     }
@@ -74,14 +65,21 @@ fn doubling_factor(mu: &(f64, f64)) -> f64 {
     }
 }
 
-/// The sign of the product of `real(a, b)` over all pairs of real eigenvalues and of `complex(re, im)` over
-/// all complex pairs, without those that are neutral.
-fn pairs(
-    spectrum: &[(f64, f64)],
-    neutral: f64,
-    real: impl Fn(f64, f64) -> f64,
-    complex: impl Fn(f64, f64) -> f64,
-) -> f64 {
+/// How far an eigenvalue is right of the imaginary axis, or a multiplier outside of the unit circle.
+fn growth(dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
+    if dynamics == Dynamics::Periodic { re.hypot(im) - 1.0 } else { re }
+}
+
+/// The largest size of a growth that counts as none.
+fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
+    let largest = || spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)));
+    if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest() }
+}
+
+/// The sign of the product of `real(a, b)` over all pairs of real eigenvalues and of the growth of all complex pairs,
+/// without those that are neutral.
+fn pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], real: impl Fn(f64, f64) -> f64) -> f64 {
+    let neutral = neutral_bound(dynamics, spectrum);
     let mut sign = 1.0_f64;
     let mut count = |value: f64| {
         if value < -neutral {
@@ -92,21 +90,14 @@ fn pairs(
     for (i, a) in reals().enumerate() {
         reals().skip(i + 1).for_each(|b| count(real(a, b)));
     }
-    spectrum.iter().filter(|l| l.1 > 0.0).for_each(|l| count(complex(l.0, l.1)));
+    spectrum.iter().filter(|l| l.1 > 0.0).for_each(|l| count(growth(dynamics, l)));
     sign
 }
 
 /// How many eigenvalues are neither stable nor unstable.
 pub(super) fn neutral(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> usize {
-    let periodic = dynamics == Dynamics::Periodic;
-    let bound = if periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest(spectrum) };
-    let rate = |l: &&(f64, f64)| if periodic { l.0.hypot(l.1) - 1.0 } else { l.0 };
-    spectrum.iter().filter(|l| rate(l).abs() <= bound).count()
-}
-
-/// The largest modulus.
-fn largest(spectrum: &[(f64, f64)]) -> f64 {
-    spectrum.iter().fold(0.0, |most: f64, (re, im)| most.max(re.hypot(*im)))
+    let bound = neutral_bound(dynamics, spectrum);
+    spectrum.iter().filter(|l| growth(dynamics, l).abs() <= bound).count()
 }
 
 /// Which eigenvalues or multipliers are critical at a special point.
@@ -150,8 +141,7 @@ impl Critical {
             Critical::One => re.hypot(im),
             Critical::MinusOne => (re + 1.0).hypot(im),
             Critical::Pair if im == 0.0 => f64::INFINITY,
-            Critical::Pair if periodic => (re.hypot(im) - 1.0).abs(),
-            Critical::Pair => re.abs(),
+            Critical::Pair => growth(dynamics, &(re, im)).abs(),
         }
     }
 }

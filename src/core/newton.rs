@@ -349,3 +349,12 @@ fn hopeless(
 pub(crate) fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
     d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
 }
+
+/// Scales a vector to length 1 in the scaled norm, unless it is zero, and returns its length before.
+pub(crate) fn scale_to_one(v: &mut [f64], weights: &[f64]) -> f64 {
+    let size = scaled_norm(v, weights);
+    if size > 0.0 {
+        v.iter_mut().for_each(|v| *v /= size);
+    }
+    size
+}

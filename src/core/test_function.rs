@@ -1,7 +1,6 @@
 //! Test functions, whose change of sign says that an event lies between two points of a branch.
 
 use super::condition::Quantity;
-use super::motion::Stability;
 use super::zero::{Dynamics, Spectrum};
 
 /// The function whose change of sign says that an event lies between two points of a branch.
@@ -36,23 +35,6 @@ pub enum Test {
     Itinerary,
 }
 
-/// What test functions are made of at a point of a curve.
-pub(crate) struct Known<'a> {
-    /// The component of the tangent along the continued parameter.
-    pub slope: f64,
-    /// The sign of the determinant of the Jacobian bordered by the tangent.
-    pub determinant: f64,
-    /// What its eigenvalues say, where they are known.
-    pub stability: Option<Stability>,
-    pub parameters: &'a [f64],
-    pub monitors: &'a [f64],
-    /// The auxiliary unknowns of the conditions held along the curve.
-    pub own: &'a [f64],
-    pub amplitude: Option<f64>,
-    /// The value of the condition, of the event's own function, or whether events lead on.
-    pub given: Option<f64>,
-}
-
 /// A slope of the continued parameter, on curves of scaled arclength, that is rounding.
 pub(crate) const VERTICAL: f64 = 1e-7;
 
@@ -60,23 +42,6 @@ pub(crate) const VERTICAL: f64 = 1e-7;
 const HUGE: f64 = 1e7;
 
 impl Test {
-    /// Its value; `None` where nothing is known of it.
-    pub(crate) fn value(self, known: &Known) -> Option<f64> {
-        match self {
-            Test::Fold => Some(known.slope),
-            Test::BranchPoint => Some(known.determinant),
-            Test::Hopf => known.stability.map(|stability| stability.oscillation),
-            Test::PeriodDoubling => known.stability.map(|stability| stability.doubling),
-            Test::Level(Quantity::Parameter(p), level) => Some(known.parameters[p] - level),
-            Test::Level(Quantity::Monitor(m), level) => {
-                Some(known.monitors[m] - level).filter(|value| !value.is_nan())
-            }
-            Test::Own { unknown, level } => Some(known.own[unknown] - level),
-            Test::Amplitude => known.amplitude,
-            Test::Condition | Test::Function | Test::Itinerary => known.given,
-        }
-    }
-
     /// Whether the sign changes where a curve is seen in the other direction.
     pub(crate) fn is_odd(self) -> bool {
         matches!(self, Test::Fold | Test::BranchPoint)
@@ -136,26 +101,20 @@ impl Test {
     /// vertical branch; where multipliers are so large that their signs are rounding, that of the test function of period
     /// doublings; at a neutral saddle, λ and −λ, that of the test function of Hopf points: nothing is lost or gained in
     /// stability there.
-    pub(crate) fn is_noise(self, slopes: [f64; 2], sides: [Side; 2]) -> bool {
-        let [before, after] = &sides;
-        let same = before.unstable == after.unstable;
+    pub(crate) fn is_noise(
+        self,
+        slopes: [f64; 2],
+        same_stability: bool,
+        spectra: [Option<&Spectrum>; 2],
+    ) -> bool {
+        let is_huge = |spectrum: &Option<&Spectrum>| {
+            spectrum.is_some_and(|all| all.iter().any(|mu| mu.0.abs() > HUGE))
+        };
         match self {
             Test::Fold => slopes[0].abs().max(slopes[1].abs()) < VERTICAL,
-            Test::Hopf => same,
-            Test::PeriodDoubling => same && sides.iter().all(Side::is_huge),
+            Test::Hopf => same_stability,
+            Test::PeriodDoubling => same_stability && spectra.iter().all(is_huge),
             _ => false,
         }
-    }
-}
-
-/// What is known of the stability on one side of an event.
-pub(crate) struct Side<'a> {
-    pub unstable: Option<usize>,
-    pub spectrum: Option<&'a Spectrum>,
-}
-
-impl Side<'_> {
-    fn is_huge(&self) -> bool {
-        self.spectrum.into_iter().flatten().any(|mu| mu.0.abs() > HUGE)
     }
 }

@@ -11,13 +11,12 @@
 //! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
 //! in the order of their names. A direction in which a derivative is taken is such a vector as well.
 
-use super::cycles::Cycles;
 pub use super::domain::OutOfDomain;
 pub use super::failure::Failure;
 use super::linear::Factors;
 pub use super::names::{Group, Names};
 use super::scalar::Scalar;
-use super::solution::{Adopted, Solution, Start};
+use super::solution::{Adopted, Cycles, Solution, Start};
 
 /// What the residual says about motion near an equilibrium, which decides what "stable" means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,10 +114,11 @@ impl Border<'_> {
 }
 
 /// A linearisation that is singular at a bifurcation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Form {
     /// `F_z`.
+    #[default]
     Jacobian,
     /// `F_z` of periodic orbits with the multiplier −1: with `x(1) = −x(0)` in place of the boundary conditions
     /// (and further unknowns, such as the period, zero).

@@ -320,8 +320,9 @@ fn an_observer_interrupts() {
             .from(&[-2.0])
             .at("mu", -2.0 / 3.0)
             .along("mu", -2.0..=2.0)
-            .trace_with(&mut Patience(patience))
-            .unwrap();
+            .steps()
+            .unwrap()
+            .run(&mut Patience(patience));
         assert_eq!(branch.ends, [End::Interrupted, End::Interrupted]);
         assert_eq!(branch.points.len(), patience);
     }

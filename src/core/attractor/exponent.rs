@@ -2,8 +2,7 @@
 
 use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::{HybridState, Member};
-use crate::core::linear::{BorderedLu, multipliers};
-use crate::core::zero::Border;
+use crate::core::linear::{multipliers, solved, unit};
 use num_dual::Dual64;
 
 /// A largest Lyapunov exponent, per period.
@@ -86,63 +85,50 @@ pub(super) struct Monodromy {
     /// at rest on a support that moves, for instance.
     pub coupled: Vec<usize>,
     /// `∂F^q/∂x` of the coupled states, one row after the other.
-    pub matrix: Vec<f64>,
+    matrix: Vec<f64>,
 }
 
-/// The motion linearised over `q` periods; `None` if it ends, or in another mode.
-pub(super) fn monodromy(
-    map: &mut dyn StroboscopicMap,
-    start: &Member<f64>,
-    q: usize,
-) -> Option<Monodromy> {
-    let n = start.state.x.len();
-    let (mut columns, mut end) = (Vec::new(), start.state.x.clone());
-    for column in 0..n {
-        let mut moving = with_tangent(start, |i| f64::from(u8::from(i == column)));
-        for _ in 0..q {
-            map.push_forward(&mut moving).ok()?;
+impl Monodromy {
+    /// The motion linearised over `q` periods; `None` if it ends, or in another mode.
+    pub fn over(map: &mut dyn StroboscopicMap, start: &Member<f64>, q: usize) -> Option<Self> {
+        let n = start.state.x.len();
+        let (mut columns, mut end) = (Vec::new(), start.state.x.clone());
+        for column in 0..n {
+            let mut moving = with_tangent(start, |i| unit(i, column));
+            for _ in 0..q {
+                map.push_forward(&mut moving).ok()?;
+            }
+            if moving.state.mode != start.state.mode {
+                return None;
+            }
+            end = moving.state.x.iter().map(|x| x.re).collect();
+            columns.push(moving.state.x.iter().map(|x| x.eps).collect::<Vec<f64>>());
         }
-        if moving.state.mode != start.state.mode {
-            return None;
-        }
-        end = moving.state.x.iter().map(|x| x.re).collect();
-        columns.push(moving.state.x.iter().map(|x| x.eps).collect::<Vec<f64>>());
+        // Without rounding: nothing has acted on it.
+        let neutral = |k: &usize| (0..n).all(|i| columns[*k][i] == unit(i, *k));
+        let coupled: Vec<usize> = (0..n).filter(|k| !neutral(k)).collect();
+        let row = |i: &usize| coupled.iter().map(|k| columns[*k][*i]).collect::<Vec<f64>>();
+        let matrix = coupled.iter().flat_map(row).collect();
+        Some(Monodromy { end, coupled, matrix })
     }
-    // Without rounding: nothing has acted on it.
-    let neutral = |k: &usize| (0..n).all(|i| columns[*k][i] == f64::from(u8::from(i == *k)));
-    let coupled: Vec<usize> = (0..n).filter(|k| !neutral(k)).collect();
-    let row = |i: &usize| coupled.iter().map(|k| columns[*k][*i]).collect::<Vec<f64>>();
-    let matrix = coupled.iter().flat_map(row).collect();
-    Some(Monodromy { end, coupled, matrix })
-}
 
-/// Entry `k` of the `n × n` identity, one row after the other.
-fn identity(k: usize, n: usize) -> f64 {
-    f64::from(u8::from(k.is_multiple_of(n + 1)))
-}
-
-/// The exponent of a periodic motion, from the matrix over `q` periods; `None` if its multipliers are not found.
-pub(super) fn of_matrix(matrix: &[f64], n: usize, q: usize) -> Option<f64> {
-    let minus_one: Vec<f64> = (0..n * n).map(|k| -identity(k, n)).collect();
-    let largest = multipliers(matrix, &minus_one, n).ok()?;
-    let size = largest.first().map_or(0.0, |(re, im)| re.hypot(*im));
-    Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
-}
-
-/// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method, of the coupled states only, by which the motion `missed` its
-/// start; `None` if the matrix is singular.
-pub(super) fn correction(matrix: &[f64], coupled: &[usize], missed: &[f64]) -> Option<Vec<f64>> {
-    let n = coupled.len();
-    // One column after the other.
-    let place = |k: usize| (k % n) * n + k / n;
-    let left: Vec<f64> = (0..n * n).map(|k| identity(k, n) - matrix[place(k)]).collect();
-    let mut right: Vec<f64> = coupled.iter().map(|k| missed[*k]).collect();
-    if n > 0 {
-        let mut lu = BorderedLu::default();
-        lu.factor(&left, Border::NONE).ok()?;
-        lu.solve(&mut right);
+    /// The exponent of a periodic motion of `q` periods; `None` if its multipliers are not found.
+    pub fn exponent(&self, q: usize) -> Option<f64> {
+        let n = self.coupled.len();
+        let minus_one: Vec<f64> = (0..n * n).map(|k| -unit(k / n, k % n)).collect();
+        let largest = multipliers(&self.matrix, &minus_one, n).ok()?;
+        let size = largest.first().map_or(0.0, |(re, im)| re.hypot(*im));
+        Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
     }
-    let mut step = vec![0.0; missed.len()];
-    coupled.iter().zip(right).for_each(|(k, right)| step[*k] = right);
-    Some(step)
+
+    /// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method, of the coupled states only, by which the motion `missed` its
+    /// start; `None` if the matrix is singular.
+    pub fn correction(&self, missed: &[f64]) -> Option<Vec<f64>> {
+        let n = self.coupled.len();
+        let left = |i: usize, j: usize| unit(i, j) - self.matrix[i * n + j];
+        let right = solved(n, left, |i| missed[self.coupled[i]]).ok()?;
+        let mut step = vec![0.0; missed.len()];
+        self.coupled.iter().zip(right).for_each(|(k, right)| step[*k] = right);
+        Some(step)
+    }
 }

@@ -1,11 +1,13 @@
 //! What happens in one period.
 
+use super::error::StroboscopicError;
 use crate::core::flow::{Extrema, Step, UpCrossings};
 use crate::core::hybrid::{
     Event, GuardOf, HybridEquations, HybridObserver, HybridState, Mode, Passage, ScalarOf,
-    virtual_point,
+    check_measures, virtual_point,
 };
 use crate::core::measure::{Integral, Measure, larger};
+use crate::core::names::position;
 use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};
 use std::ops::ControlFlow;
@@ -74,19 +76,56 @@ struct Slow {
     at: HybridState<f64>,
 }
 
-/// What is recorded of every period.
-#[derive(Clone, Copy)]
-pub(super) struct Recording<'a> {
+/// The modes, events and measures of a motion, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// The modes with the names of their states.
+    pub modes: Vec<Mode>,
+    /// The names of all events, by their numbers.
+    pub events: Vec<String>,
+    /// The names of what is measured in a period.
+    pub measures: Vec<String>,
+}
+
+/// The motion of a hybrid system as periods are recorded of it.
+pub(super) struct Seen<'a> {
     pub system: &'a dyn HybridEquations,
-    pub modes: &'a [Mode],
-    pub measures: &'a [Measure],
-    /// Numbers of events by guard.
-    pub numbers: &'a [usize],
+    pub layout: Layout,
+    /// Numbers of events by guard: guards of one name are one event.
+    pub numbers: Vec<usize>,
+    pub measures: Vec<Measure>,
+}
+
+impl<'a> Seen<'a> {
+    /// All modes and events, and measures by name.
+    pub fn of(
+        system: &'a dyn HybridEquations,
+        measures: &[String],
+    ) -> Result<Self, StroboscopicError> {
+        check_measures(system)?;
+        let mut known = system.measures();
+        known.push((Measure::PENETRATION.into(), Measure::Penetration));
+        let measure = |name: &String| {
+            let names = known.iter().map(|(known, _)| known);
+            position("measure", name, names).map(|k| known[k].1.clone())
+        };
+        let (mut events, mut numbers) = (Vec::<String>::new(), Vec::new());
+        for guard in system.guards() {
+            let number = events.iter().position(|event| *event == guard.name);
+            numbers.push(number.unwrap_or(events.len()));
+            if number.is_none() {
+                events.push(guard.name);
+            }
+        }
+        let layout = Layout { modes: system.modes(), events, measures: measures.to_vec() };
+        let measures = measures.iter().map(measure).collect::<Result<_, _>>()?;
+        Ok(Seen { system, layout, numbers, measures })
+    }
 }
 
 /// Watches one period of a hybrid motion.
 pub(super) struct Recorder<'a> {
-    of: Recording<'a>,
+    of: &'a Seen<'a>,
     accumulators: Vec<Accumulator>,
     start: HybridState<f64>,
     legs: Vec<Leg>,
@@ -95,8 +134,8 @@ pub(super) struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     /// Watches the period that begins in a state.
-    pub fn new(of: Recording<'a>, state: &HybridState<f64>) -> Self {
-        let Recording { system, modes, measures, .. } = of;
+    pub fn new(of: &'a Seen<'a>, state: &HybridState<f64>) -> Self {
+        let Seen { system, layout: Layout { modes, .. }, measures, .. } = of;
         let accumulator = |measure: &Measure| match measure {
             Measure::Maximum(name) | Measure::Minimum(name) | Measure::Range(name) => {
                 let (scalar, range) =
@@ -118,13 +157,9 @@ impl<'a> Recorder<'a> {
             }
             Measure::Cycle(_) => Accumulator::Legs,
         };
-        let mut recorder = Recorder {
-            of,
-            accumulators: measures.iter().map(accumulator).collect(),
-            start: state.clone(),
-            legs: Vec::new(),
-            events: Vec::new(),
-        };
+        let accumulators = measures.iter().map(accumulator).collect();
+        let (start, legs, events) = (state.clone(), Vec::new(), Vec::new());
+        let mut recorder = Recorder { of, accumulators, start, legs, events };
         recorder.begin(state.mode, &state.x);
         recorder
     }

@@ -1,16 +1,14 @@
 //! Hybrid systems sampled once in every period.
 
 use super::error::StroboscopicError;
-use super::period::{Period, Recorder, Recording};
-use super::stroboscopic::{EachPeriod, EachTangent, Layout, Outcomes, StroboscopicMap};
+use super::period::{Layout, Period, Recorder, Seen};
+use super::stroboscopic::{EachPeriod, EachTangent, Outcomes, StroboscopicMap};
 use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{
     Event, EventNumber, Fleet, FleetObserver, HybridEquations, HybridFlow, HybridObserver,
-    HybridSettings, HybridState, HybridStatistics, Member, check_measures,
+    HybridSettings, HybridState, HybridStatistics, Member,
 };
-use crate::core::measure::Measure;
-use crate::core::names::position;
 use crate::core::scalar_field::FieldIn;
 use num_dual::Dual64;
 use std::ops::ControlFlow;
@@ -39,15 +37,12 @@ pub struct PeriodMap<'a> {
     dual: HybridFlow<'a, Dual64>,
     fleet: Fleet<'a, f64>,
     dual_fleet: Fleet<'a, Dual64>,
-    layout: Layout,
-    /// Numbers of events by guard.
-    numbers: Vec<usize>,
-    measures: Vec<Measure>,
+    seen: Seen<'a>,
 }
 
 impl<'a> PeriodMap<'a> {
     /// The motion of a system, of which these measures are taken: its own, and its
-    /// [`penetration`](Measure::Penetration).
+    /// [`penetration`](crate::core::measure::Measure::Penetration).
     ///
     /// # Errors
     /// [`StroboscopicError::NoMeasure`] if the system has no such measure or a measure no such scalar, [`StroboscopicError::Hybrid`] if a setting has
@@ -57,51 +52,14 @@ impl<'a> PeriodMap<'a> {
         settings: HybridSettings,
         measures: &[String],
     ) -> Result<Self, StroboscopicError> {
-        let Seen { layout, numbers, measures } = Seen::of(system, measures)?;
+        let seen = Seen::of(system, measures)?;
         Ok(PeriodMap {
             real: HybridFlow::new(system, settings)?,
             dual: HybridFlow::new(system, settings)?,
             fleet: Fleet::new(system, settings)?,
             dual_fleet: Fleet::new(system, settings)?,
-            layout,
-            numbers,
-            measures,
+            seen,
         })
-    }
-}
-
-/// What is seen of the motion of a hybrid system.
-pub(super) struct Seen {
-    pub layout: Layout,
-    /// Numbers of events by guard: guards of one name are one event.
-    pub numbers: Vec<usize>,
-    pub measures: Vec<Measure>,
-}
-
-impl Seen {
-    /// All modes and events, and measures by name.
-    pub fn of(
-        system: &dyn HybridEquations,
-        measures: &[String],
-    ) -> Result<Self, StroboscopicError> {
-        check_measures(system)?;
-        let mut known = system.measures();
-        known.push((Measure::PENETRATION.into(), Measure::Penetration));
-        let measure = |name: &String| {
-            let names = known.iter().map(|(known, _)| known);
-            position("measure", name, names).map(|k| known[k].1.clone())
-        };
-        let (mut events, mut numbers) = (Vec::<String>::new(), Vec::new());
-        for guard in system.guards() {
-            let number = events.iter().position(|event| *event == guard.name);
-            numbers.push(number.unwrap_or(events.len()));
-            if number.is_none() {
-                events.push(guard.name);
-            }
-        }
-        let layout = Layout { modes: system.modes(), events, measures: measures.to_vec() };
-        let measures = measures.iter().map(measure).collect::<Result<_, _>>()?;
-        Ok(Seen { layout, numbers, measures })
     }
 }
 
@@ -115,7 +73,7 @@ fn period<T: EventNumber>(system: &dyn HybridEquations, p: &[T]) -> Result<T, St
 
 impl StroboscopicMap for PeriodMap<'_> {
     fn layout(&self) -> &Layout {
-        &self.layout
+        &self.seen.layout
     }
 
     fn initial(&self, state: HybridState<f64>, p: &[f64]) -> HybridState<f64> {
@@ -123,7 +81,7 @@ impl StroboscopicMap for PeriodMap<'_> {
     }
 
     fn advance(&mut self, Member { state, p }: &mut Member<f64>) -> Result<(), StroboscopicError> {
-        let (period, phase) = (period(self.real.system(), p)?, state.time);
+        let (period, phase) = (period(self.seen.system, p)?, state.time);
         self.real.advance(state, period, p, &mut ())?;
         // From the same time in every period: long times have fewer digits.
         state.time = phase;
@@ -132,9 +90,9 @@ impl StroboscopicMap for PeriodMap<'_> {
 
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
         let Member { state, p } = member;
-        let PeriodMap { real, layout: Layout { modes, .. }, measures, numbers, .. } = self;
-        let (system, period) = (real.system(), period(real.system(), p)?);
-        let mut recorder = Recorder::new(Recording { system, modes, measures, numbers }, state);
+        let period = period(self.seen.system, p)?;
+        let PeriodMap { real, seen, .. } = self;
+        let mut recorder = Recorder::new(seen, state);
         real.advance(state, period, p, &mut recorder)?;
         let recorded = recorder.finish(state, p);
         state.time = recorded.start.time;
@@ -143,7 +101,7 @@ impl StroboscopicMap for PeriodMap<'_> {
 
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
         let Member { state, p } = member;
-        let (period, phase) = (period(self.real.system(), p)?, state.time);
+        let (period, phase) = (period(self.seen.system, p)?, state.time);
         self.dual.advance(state, period, p, &mut ())?;
         state.time = phase;
         Ok(())
@@ -155,21 +113,19 @@ impl StroboscopicMap for PeriodMap<'_> {
         recorded: bool,
         each: &mut EachPeriod,
     ) -> Outcomes {
-        if self.real.system().forcing() == Forcing::None {
+        if self.seen.system.forcing() == Forcing::None {
             return members.iter().map(|_| Err(StroboscopicError::NoPeriod)).collect();
         }
-        let PeriodMap { real, fleet, layout: Layout { modes, .. }, measures, numbers, .. } = self;
-        let system = real.system();
-        let of = Recording { system, modes, measures, numbers };
+        let PeriodMap { fleet, seen, .. } = self;
         let sample = |Member { state, p }: &Member<f64>| Sampled {
             phase: state.time,
             p: p.clone(),
-            recorder: recorded.then(|| Recorder::new(of, state)),
+            recorder: recorded.then(|| Recorder::new(seen, state)),
         };
-        let sees_steps = recorded && !measures.is_empty();
+        let sees_steps = recorded && !seen.measures.is_empty();
         let sampled = members.iter().map(sample).collect();
-        let mut sampler = Sampler { of, sees_steps, sampled, each };
-        let period = |member: &Member<f64>| system.period(&member.p);
+        let mut sampler = Sampler { seen, sees_steps, sampled, each };
+        let period = |member: &Member<f64>| seen.system.period(&member.p);
         let results = fleet.advance(members, period, &mut sampler);
         results.into_iter().map(|result| Ok(result?)).collect()
     }
@@ -179,7 +135,7 @@ impl StroboscopicMap for PeriodMap<'_> {
         members: &mut [Member<Dual64>],
         each: &mut EachTangent,
     ) -> Outcomes {
-        let system = self.real.system();
+        let system = self.seen.system;
         if system.forcing() == Forcing::None {
             return members.iter().map(|_| Err(StroboscopicError::NoPeriod)).collect();
         }
@@ -201,7 +157,7 @@ struct Sampled<'a> {
 
 /// Shows the periods of many trajectories.
 struct Sampler<'a, 'e> {
-    of: Recording<'a>,
+    seen: &'a Seen<'a>,
     /// Whether anything is measured along the steps.
     sees_steps: bool,
     sampled: Vec<Sampled<'a>>,
@@ -241,7 +197,7 @@ impl FleetObserver<f64> for Sampler<'_, '_> {
         let Sampled { phase, p, recorder } = &mut self.sampled[member];
         let period = recorder.take().map(|recorder| recorder.finish(state, p));
         state.time = *phase;
-        *recorder = period.as_ref().map(|_| Recorder::new(self.of, state));
+        *recorder = period.as_ref().map(|_| Recorder::new(self.seen, state));
         (self.each)(member, period, state)
     }
 }

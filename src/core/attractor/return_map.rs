@@ -1,9 +1,8 @@
 //! Autonomous hybrid systems sampled at an event.
 
 use super::error::StroboscopicError;
-use super::period::{Period, Recorder, Recording};
-use super::period_map::Seen;
-use super::stroboscopic::{Layout, StroboscopicMap};
+use super::period::{Layout, Period, Recorder, Seen};
+use super::stroboscopic::StroboscopicMap;
 use crate::core::field::Forcing;
 use crate::core::flow::Step;
 use crate::core::hybrid::{
@@ -66,7 +65,7 @@ const LONGEST: f64 = 10_000.0;
 pub struct ReturnMap<'a> {
     real: HybridFlow<'a, f64>,
     dual: HybridFlow<'a, Dual64>,
-    seen: Seen,
+    seen: Seen<'a>,
     /// The number of the event at which motion is sampled.
     event: usize,
     /// The longest time for which it is waited for, in units of its scale.
@@ -103,20 +102,11 @@ impl<'a> ReturnMap<'a> {
         self.longest = longest;
         self
     }
-
-    /// That no event came.
-    fn lost(&self, Missed { within, unit, rests }: Missed) -> StroboscopicError {
-        let event = self.seen.layout.events[self.event].clone();
-        match rests {
-            true => StroboscopicError::NoReturn { event, within },
-            false => StroboscopicError::Late { event, within, units: within / unit },
-        }
-    }
 }
 
 /// Watches a motion until an event comes.
 struct Until<'s, R> {
-    numbers: &'s [usize],
+    seen: &'s Seen<'s>,
     event: usize,
     inner: R,
     came: bool,
@@ -128,7 +118,7 @@ impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
     }
 
     fn event(&mut self, event: &Event<T>) -> ControlFlow<()> {
-        self.came = self.numbers[event.guard] == self.event;
+        self.came = self.seen.numbers[event.guard] == self.event;
         match self.inner.event(event) {
             ControlFlow::Continue(()) if !self.came => ControlFlow::Continue(()),
             _ => ControlFlow::Break(()),
@@ -136,31 +126,20 @@ impl<T: EventNumber, R: HybridObserver<T>> HybridObserver<T> for Until<'_, R> {
     }
 }
 
-/// An event that does not come.
-struct Missed {
-    /// How long it was waited for.
-    within: f64,
-    /// The scale of time.
-    unit: f64,
-    /// Whether motion is at rest.
-    rests: bool,
-}
-
 /// Follows a motion to the event without a record, and counts its time anew from there.
 fn advanced<'a, T: EventNumber>(
     flow: &mut HybridFlow<'a, T>,
     member: &mut Member<T>,
-    (numbers, event): (&[usize], usize),
+    (seen, event): (&Seen, usize),
     longest: f64,
-) -> Result<Option<Missed>, StroboscopicError>
+) -> Result<(), StroboscopicError>
 where
     GuardOf<'a>: Watchable<T>,
 {
     let begins = member.state.time;
-    let mut until = Until { numbers, event, inner: (), came: false };
-    let missed = returned(flow, member, &mut until, longest)?;
+    returned(flow, member, &mut Until { seen, event, inner: (), came: false }, longest)?;
     member.state.time = begins;
-    Ok(missed)
+    Ok(())
 }
 
 /// Follows a motion to the event for no longer than a time, in units of its scale.
@@ -169,10 +148,11 @@ fn returned<'a, T: EventNumber, R: HybridObserver<T>>(
     Member { state, p }: &mut Member<T>,
     until: &mut Until<R>,
     longest: f64,
-) -> Result<Option<Missed>, StroboscopicError>
+) -> Result<(), StroboscopicError>
 where
     GuardOf<'a>: Watchable<T>,
 {
+    let event = until.seen.layout.events[until.event].clone();
     let real: Vec<f64> = p.iter().map(T::real).collect();
     let (system, unit) = (flow.system(), time_scale(flow.system(), &real));
     let (look, mut within) = (LOOK * unit, 0.0);
@@ -180,17 +160,17 @@ where
         let (mode, x) = (state.mode, state.x.iter().map(T::real).collect::<Vec<f64>>());
         flow.advance(state, T::constant(look), p, until)?;
         if until.came {
-            return Ok(None);
+            return Ok(());
         }
         within += look;
         let mut sizes = system.scales_of(mode, &real);
         sizes.resize(x.len(), 1.0);
         let moved = state.x.iter().zip(&x).zip(&sizes).map(|((a, b), s)| (a.real() - b).abs() / s);
         if state.mode == mode && moved.fold(0.0, f64::max) <= MOVED {
-            return Ok(Some(Missed { within, unit, rests: true }));
+            return Err(StroboscopicError::NoReturn { event, within });
         }
     }
-    Ok(Some(Missed { within, unit, rests: false }))
+    Err(StroboscopicError::Late { event, within, units: within / unit })
 }
 
 impl StroboscopicMap for ReturnMap<'_> {
@@ -203,27 +183,20 @@ impl StroboscopicMap for ReturnMap<'_> {
     }
 
     fn advance(&mut self, member: &mut Member<f64>) -> Result<(), StroboscopicError> {
-        let numbers = &self.seen.numbers;
-        let missed = advanced(&mut self.real, member, (numbers, self.event), self.longest)?;
-        missed.map_or(Ok(()), |missed| Err(self.lost(missed)))
+        advanced(&mut self.real, member, (&self.seen, self.event), self.longest)
     }
 
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError> {
-        let (system, start) = (self.real.system(), member.state.clone());
-        let Seen { layout: Layout { modes, .. }, numbers, measures } = &self.seen;
-        let inner = Recorder::new(Recording { system, modes, measures, numbers }, &start);
-        let mut until = Until { numbers, event: self.event, inner, came: false };
-        if let Some(missed) = returned(&mut self.real, member, &mut until, self.longest)? {
-            return Err(self.lost(missed));
-        }
+        let (seen, start) = (&self.seen, member.state.clone());
+        let inner = Recorder::new(seen, &start);
+        let mut until = Until { seen, event: self.event, inner, came: false };
+        returned(&mut self.real, member, &mut until, self.longest)?;
         let recorded = until.inner.finish(&member.state, &member.p);
         member.state.time = start.time;
         Ok(recorded)
     }
 
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError> {
-        let numbers = &self.seen.numbers;
-        let missed = advanced(&mut self.dual, member, (numbers, self.event), self.longest)?;
-        missed.map_or(Ok(()), |missed| Err(self.lost(missed)))
+        advanced(&mut self.dual, member, (&self.seen, self.event), self.longest)
     }
 }

@@ -1,11 +1,9 @@
 //! Following motions until it is known which attractors they are on.
 
 use super::error::StroboscopicError;
-use super::exponent::{
-    Exponent, Growth, Monodromy, correction, monodromy, of_matrix, with_tangent,
-};
-use super::period::Period;
-use super::stroboscopic::{Layout, StroboscopicMap, advance_each, push_forward_each};
+use super::exponent::{Exponent, Growth, Monodromy, with_tangent};
+use super::period::{Layout, Period};
+use super::stroboscopic::{StroboscopicMap, advance_each, push_forward_each};
 use crate::core::hybrid::{HybridState, Member, Repetition, StateScales};
 use crate::core::vector::{difference, norm};
 use num_dual::Dual64;
@@ -114,14 +112,11 @@ impl Run {
         Member { state, p }: Member<f64>,
     ) -> Self {
         let member = Member { state: map.initial(state, &p), p };
+        let AttractorSearch { max_period, tolerance, .. } = *search;
         Run {
             member,
             periods: 0,
-            repetition: Repetition::new(
-                search.max_period,
-                search.tolerance,
-                StateScales::default(),
-            ),
+            repetition: Repetition::new(max_period, tolerance, StateScales::default()),
             records: Vec::new(),
             next_try: 0,
             candidate: None,
@@ -338,14 +333,14 @@ fn improved(
     let (mut member, near) = (near.clone(), &near.state.x);
     let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let Monodromy { matrix, end, coupled } = monodromy(map, &member, q)?;
-        let value = of_matrix(&matrix, coupled.len(), q)?;
+        let motion = Monodromy::over(map, &member, q)?;
+        let value = motion.exponent(q)?;
         let x = &mut member.state.x;
-        let missed: Vec<f64> = end.iter().zip(x.iter()).map(|(end, x)| end - x).collect();
-        let step = correction(&matrix, &coupled, &missed)?;
+        let missed = difference(&motion.end, x);
+        let step = motion.correction(&missed)?;
         let away: Vec<f64> =
             x.iter().zip(&step).zip(near).map(|((x, s), near)| x + s - near).collect();
-        let neutral = |i: &usize| !coupled.contains(i);
+        let neutral = |i: &usize| !motion.coupled.contains(i);
         let drift = (0..x.len()).filter(neutral).map(|i| missed[i].abs()).fold(0.0, f64::max);
         if norm(&away) > NEAR * size || drift > DRIFT * size.max(REST) {
             return None;

@@ -1,21 +1,10 @@
 //! Maps from state to state.
 
 use super::error::StroboscopicError;
-use super::period::Period;
-use crate::core::hybrid::{HybridState, Member, Mode};
+use super::period::{Layout, Period};
+use crate::core::hybrid::{HybridState, Member};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
-
-/// What is seen of a motion, by name.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Layout {
-    /// The modes with the names of their states.
-    pub modes: Vec<Mode>,
-    /// The names of all events, by their numbers.
-    pub events: Vec<String>,
-    /// The names of what is measured in a period.
-    pub measures: Vec<String>,
-}
 
 /// Sees a period of one of many trajectories: the trajectory's number, the period if periods are recorded, and the
 /// state at its end. The trajectory goes on or ends.

@@ -1,7 +1,8 @@
 //! The catalogue of bifurcations: a row for each kind says which curves it lies on, how it is noticed there, and what
 //! defines it. A further kind is a file with its defining system, and a row here.
 
-use super::{BranchPoint, DegenerateFold, Fold, GrazingBifurcation, Hopf};
+use super::grazing::GrazingBifurcation;
+use super::{BranchPoint, DegenerateFold, Fold, Hopf};
 use crate::core::condition::Condition;
 use crate::core::kind::Kind;
 use crate::core::motion::Critical;
@@ -169,25 +170,25 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
     },
     Bifurcation {
         kind: Kind::GD,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::degenerate())),
+        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GD))),
         critical: Critical::None,
         seen: &[seen(&[Kind::G], Any, "degenerate grazing", Test::Condition)],
     },
     Bifurcation {
         kind: Kind::GF,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::degenerate_flip())),
+        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GF))),
         critical: Critical::None,
         seen: &[seen(&[Kind::G], Orbits, "degenerate grazing of flip type", Test::Condition)],
     },
     Bifurcation {
         kind: Kind::GL,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::nonhyperbolic())),
+        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GL))),
         critical: Critical::None,
         seen: &[seen(&[Kind::G], Any, "nonhyperbolic grazing of fold type", Test::Condition)],
     },
     Bifurcation {
         kind: Kind::GP,
-        defined_by: Some(|_| Box::new(GrazingBifurcation::nonhyperbolic_flip())),
+        defined_by: Some(|_| Box::new(GrazingBifurcation::of(Kind::GP))),
         critical: Critical::None,
         seen: &[seen(&[Kind::G], Orbits, "nonhyperbolic grazing of flip type", Test::Condition)],
     },

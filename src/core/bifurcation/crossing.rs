@@ -1,100 +1,12 @@
 //! The directions of the branches that cross at a branch point: the algebraic bifurcation equations.
 
+use super::null::NullVectors;
 use crate::core::condition::{At, Failure};
-use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, norm, normalise};
-use crate::core::zero::{Border, Form};
+use crate::core::zero::Form;
 use nalgebra::{DMatrix, DVector};
 
-/// The null space of `J = [F_z  F_p]` where its rank is `n − m`, and of `Jᵀ`.
-struct NullSpace {
-    parameter: usize,
-    /// `m + 1` directions of `x`.
-    right: Vec<Vec<f64>>,
-    /// `m` vectors.
-    left: Vec<Vec<f64>>,
-    factors: Factors,
-}
-
-/// Makes vectors orthonormal (Gram and Schmidt, twice).
-fn orthonormal(vectors: &mut [Vec<f64>]) {
-    for _ in 0..2 {
-        for k in 0..vectors.len() {
-            let (before, rest) = vectors.split_at_mut(k);
-            for other in before.iter() {
-                let overlap = dot(other, &rest[0]);
-                rest[0].iter_mut().zip(other).for_each(|(v, o)| *v -= overlap * o);
-            }
-            normalise(&mut rest[0]);
-        }
-    }
-}
-
-impl NullSpace {
-    /// Null vectors from a bordered matrix, whose borders are turned to them until they have settled.
-    fn of(at: &mut At, parameter: usize, m: usize) -> Result<Self, Failure> {
-        let (n, length) = (at.system.names().dimension(), at.x.len());
-        let mut rows: Vec<Vec<f64>> = (0..=m).map(|k| generic(n + 1, 2 + k)).collect();
-        let mut borders: Vec<Vec<f64>> = (0..m).map(|k| generic(n, 11 + k)).collect();
-        let (right, left, factors) = Default::default();
-        let mut space = NullSpace { parameter, right, left, factors };
-        let mut direction = vec![0.0; length];
-        direction[n + parameter] = 1.0;
-        for _ in 0..4 {
-            orthonormal(&mut rows);
-            orthonormal(&mut borders);
-            space.solve(at, &direction, &rows, &borders)?;
-            for (row, right) in rows.iter_mut().zip(&space.right) {
-                row[..n].copy_from_slice(&right[..n]);
-                row[n] = right[n + parameter];
-            }
-            borders.clone_from(&space.left);
-        }
-        Ok(space)
-    }
-
-    fn solve(
-        &mut self,
-        at: &mut At,
-        direction: &[f64],
-        rows: &[Vec<f64>],
-        borders: &[Vec<f64>],
-    ) -> Result<(), Failure> {
-        let (n, m) = (at.system.names().dimension(), borders.len());
-        let width = m + 1;
-        at.system.assemble(at.x)?;
-        let mut columns = vec![0.0; n * width];
-        at.system.derivative(at.x, &[direction], &mut columns[..n])?;
-        columns[n..].copy_from_slice(&borders.concat());
-        let of_z: Vec<f64> = rows.iter().flat_map(|row| &row[..n]).copied().collect();
-        let mut corner = vec![0.0; width * width];
-        (0..width).for_each(|k| corner[k * width] = rows[k][n]);
-        let border = Border { width, columns: &columns, rows: &of_z, corner: &corner };
-        at.system.factor(Form::Jacobian, border, &mut self.factors)?;
-        let unit = |k: usize| {
-            let mut unit = vec![0.0; n + width];
-            unit[k] = 1.0;
-            unit
-        };
-        self.right.clear();
-        for k in 0..width {
-            let mut solved = unit(n + k);
-            self.factors.solve(&mut solved);
-            let mut right = vec![0.0; at.x.len()];
-            right[..n].copy_from_slice(&solved[..n]);
-            right[n + self.parameter] = solved[n];
-            self.right.push(right);
-        }
-        self.left.clear();
-        for k in 0..m {
-            let mut solved = unit(n + 1 + k);
-            self.factors.solve_transposed(&mut solved);
-            solved.truncate(n);
-            self.left.push(solved);
-        }
-        Ok(())
-    }
-
+impl NullVectors {
     /// The forms `wⱼᵀ F_xx[ζᵢ, ζₖ]`, and how large `F_xx[ζᵢ, ζₖ]` is.
     fn forms(&self, at: &mut At) -> Result<(Vec<DMatrix<f64>>, f64), Failure> {
         let count = self.right.len();
@@ -147,8 +59,9 @@ pub(crate) fn branches_at(
     parameter: usize,
     m: usize,
 ) -> Result<Vec<Vec<f64>>, Failure> {
-    let space = NullSpace::of(&mut at, parameter, m)?;
-    let (forms, size) = space.forms(&mut at)?;
+    let mut null = NullVectors::of(Form::Jacobian, Some(parameter));
+    null.start(&mut at, m)?;
+    let (forms, size) = null.forms(&mut at)?;
     let largest = forms.iter().fold(0.0, |most: f64, form| most.max(form.amax()));
     let roots = match m {
         _ if largest <= VANISHES * size => Vec::new(),
@@ -158,7 +71,7 @@ pub(crate) fn branches_at(
     if roots.len() < 2 {
         return Err(undetermined(&forms, m));
     }
-    Ok(roots.iter().map(|root| space.direction(root)).collect())
+    Ok(roots.iter().map(|root| null.direction(root)).collect())
 }
 
 fn undetermined(forms: &[DMatrix<f64>], m: usize) -> Failure {

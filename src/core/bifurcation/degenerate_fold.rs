@@ -49,7 +49,7 @@ impl DegenerateFold {
 
     fn new(kind: Kind) -> Self {
         let [second, form, adjoint, direct, extended] = Default::default();
-        let null = NullVectors::of(Form::Jacobian);
+        let null = NullVectors::of(Form::Jacobian, None);
         DegenerateFold { kind, null, second, form, adjoint, direct, extended }
     }
 }
@@ -70,40 +70,40 @@ impl Condition for DegenerateFold {
         self.extended = vec![0.0; at.x.len()];
         self.adjoint = vec![0.0; n + 1];
         self.direct = vec![0.0; n + 1];
-        self.null.start(&mut at)
+        self.null.start(&mut at, 1)
     }
 
     fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         let null = &mut self.null;
         null.update(&mut at)?;
         values[0] = if self.kind == Kind::CP {
-            at.system.derivative(at.x, &[&null.right, &null.right], &mut self.second)?;
-            dot(&null.left, &self.second)
+            at.system.derivative(at.x, &[&null.right[0][..]; 2], &mut self.second)?;
+            dot(&null.left[0], &self.second)
         } else {
-            dot(&null.left, &null.right)
+            dot(&null.left[0], &null.right[0])
         };
         Ok(())
     }
 
     fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
-        let (null, n) = (&mut self.null, self.second.len());
+        let (NullVectors { left, right, factors, .. }, n) = (&mut self.null, self.second.len());
+        let (left, right) = (&left[0], &right[0]);
         // ξ and η from what the value is multiplied with.
         (self.adjoint[n], self.direct[n]) = (0.0, 0.0);
         if self.kind == Kind::CP {
-            let (w, v) = (&null.left, &null.right);
-            at.system.gradient(at.x, (w, v, 2), at.released, rows)?;
-            at.system.gradient(at.x, (w, v, 1), at.released, &mut self.form)?;
+            at.system.gradient(at.x, (left, right, 2), at.released, rows)?;
+            at.system.gradient(at.x, (left, right, 1), at.released, &mut self.form)?;
             self.adjoint[..n].iter_mut().zip(&self.form).for_each(|(q, form)| *q = 2.0 * form);
             self.direct[..n].copy_from_slice(&self.second);
         } else {
             rows.fill(0.0);
-            self.adjoint[..n].copy_from_slice(&null.left);
-            self.direct[..n].copy_from_slice(&null.right[..n]);
+            self.adjoint[..n].copy_from_slice(left);
+            self.direct[..n].copy_from_slice(&right[..n]);
         }
-        null.factors.solve_transposed(&mut self.adjoint);
-        null.factors.solve(&mut self.direct);
+        factors.solve_transposed(&mut self.adjoint);
+        factors.solve(&mut self.direct);
         self.extended[..n].copy_from_slice(&self.direct[..n]);
-        for (w, v) in [(&self.adjoint[..n], &null.right), (&null.left[..], &self.extended)] {
+        for (w, v) in [(&self.adjoint[..n], right), (&left[..], &self.extended)] {
             at.system.gradient(at.x, (w, v, 1), at.released, &mut self.form)?;
             rows.iter_mut().zip(&self.form).for_each(|(row, form)| *row -= form);
         }

@@ -17,23 +17,17 @@ impl Kind {
 ///
 /// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
 /// `v(1) = −v(0)`, which differs from `F_z` by a constant.
+#[derive(Default)]
 pub struct Fold {
     null: NullVectors,
     /// The sign of the bordered determinant.
     sign: f64,
 }
 
-impl Default for Fold {
-    /// A fold.
-    fn default() -> Self {
-        Fold { null: NullVectors::of(Form::Jacobian), sign: 0.0 }
-    }
-}
-
 impl Fold {
     /// A period doubling of periodic orbits.
     pub fn antiperiodic() -> Self {
-        Fold { null: NullVectors::of(Form::Antiperiodic), sign: 0.0 }
+        Fold { null: NullVectors::of(Form::Antiperiodic, None), sign: 0.0 }
     }
 }
 
@@ -47,19 +41,19 @@ impl Condition for Fold {
     }
 
     fn start(&mut self, mut at: At, _y: &mut [f64]) -> Result<(), Failure> {
-        self.null.start(&mut at)
+        self.null.start(&mut at, 1)
     }
 
     fn values(&mut self, mut at: At, _y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
         self.null.update(&mut at)?;
         self.sign = self.null.factors.determinant_sign();
-        values[0] = self.sign * self.null.g;
+        values[0] = self.sign * self.null.g[0];
         Ok(())
     }
 
     fn gradients(&mut self, at: At, rows: &mut [f64], _own: &mut [f64]) -> Result<(), Failure> {
         let NullVectors { left, right, .. } = &self.null;
-        at.system.gradient(at.x, (left, right, 1), at.released, rows)?;
+        at.system.gradient(at.x, (&left[0], &right[0], 1), at.released, rows)?;
         rows.iter_mut().for_each(|entry| *entry *= -self.sign);
         Ok(())
     }

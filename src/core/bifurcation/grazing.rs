@@ -5,7 +5,7 @@ use crate::core::condition::{At, Condition, Failure};
 use crate::core::kind::Kind;
 use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic};
-use crate::core::zero::{Across, Border, Form, System};
+use crate::core::zero::{Across, Border, Form};
 
 impl Kind {
     /// `GD`: a degenerate grazing: orbits with the event begin there at a fold, `∂P/∂θ = 0`.
@@ -21,8 +21,8 @@ impl Kind {
 /// A point of codimension two on a curve of grazings. The grazing orbit is one of two families, with the event that it
 /// touches and without it, and of each the linearisation `F_z` is singular somewhere along the curve: of the orbits with the
 /// event where the grazing is *degenerate*, of those without it where it is *nonhyperbolic*. The curve is one of either
-/// family; where the singular orbits are the others ([`System::across`]), their fold (or period doubling) is stated for them.
-pub struct GrazingBifurcation {
+/// family; where the singular orbits are the others ([`System::across`](crate::core::zero::System::across)), their fold (or period doubling) is stated for them.
+pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
     /// Whether the orbits along the curve are those that are singular.
@@ -33,34 +33,30 @@ pub struct GrazingBifurcation {
 }
 
 impl GrazingBifurcation {
-    /// A degenerate grazing (`GD`).
-    pub fn degenerate() -> Self {
-        Self::new(Kind::GD, Fold::default())
-    }
-
-    /// A degenerate grazing of flip type (`GF`).
-    pub fn degenerate_flip() -> Self {
-        Self::new(Kind::GF, Fold::antiperiodic())
-    }
-
-    /// A nonhyperbolic grazing of fold type (`GL`).
-    pub fn nonhyperbolic() -> Self {
-        Self::new(Kind::GL, Fold::default())
-    }
-
-    /// A nonhyperbolic grazing of flip type (`GP`).
-    pub fn nonhyperbolic_flip() -> Self {
-        Self::new(Kind::GP, Fold::antiperiodic())
-    }
-
-    fn new(kind: Kind, fold: Fold) -> Self {
+    /// The point of this kind, one of those above.
+    pub fn of(kind: Kind) -> Self {
+        let fold = match [Kind::GF, Kind::GP].contains(&kind) {
+            true => Fold::antiperiodic(),
+            false => Fold::default(),
+        };
         GrazingBifurcation { kind, fold, own: true, unknowns: 0, factors: Factors::default() }
     }
 
-    /// Refuses other orbits than those at the start: along the curve more than one surface may come to be touched.
-    fn check_same(&self, system: &dyn System) -> Result<(), Failure> {
-        match system.names().dimension() == self.unknowns {
-            true => Ok(()),
+    /// The orbits that are singular.
+    fn orbits<'a>(&self, At { system, x, released }: At<'a>) -> Result<At<'a>, Failure> {
+        if self.own {
+            return Ok(At { system, x, released });
+        }
+        let Across { system, x } = system.across(x)?.ok_or_else(no_other)?;
+        Ok(At { system, x, released })
+    }
+
+    /// The orbits that are singular, at a later point than the start. Others than there are refused: along the curve more
+    /// than one surface may come to be touched.
+    fn same_orbits<'a>(&self, at: At<'a>) -> Result<At<'a>, Failure> {
+        let at = self.orbits(at)?;
+        match at.system.names().dimension() == self.unknowns {
+            true => Ok(at),
             false => Err(Failure::Undetermined(
                 "where these orbits graze, others begin than at the start of the curve".into(),
             )),
@@ -69,12 +65,7 @@ impl GrazingBifurcation {
 
     /// The gradient by the released parameters of the fold's left side for the other orbits. These are determined by the
     /// parameters: `F_z δz + F_p δp = 0`, while the monitor that vanishes at a grazing stays zero.
-    fn gradient_across(
-        &mut self,
-        Across { system, x }: Across,
-        released: &[usize],
-    ) -> Result<Vec<f64>, Failure> {
-        self.check_same(system)?;
+    fn gradient_across(&mut self, At { system, x, released }: At) -> Result<Vec<f64>, Failure> {
         let n = system.names().dimension();
         let Some(touched) = system.touched(x)? else { return Err(no_other()) };
         let (mut slope, mut rate) = (vec![0.0; x.len()], vec![0.0; x.len()]);
@@ -102,11 +93,6 @@ fn no_other() -> Failure {
     Failure::Undetermined("no other orbits are known where these graze".into())
 }
 
-/// The other orbits at a grazing.
-fn across<'a>(system: &'a mut dyn System, x: &[f64]) -> Result<Across<'a>, Failure> {
-    system.across(x)?.ok_or_else(no_other)
-}
-
 impl Condition for GrazingBifurcation {
     fn kind(&self) -> Kind {
         self.kind
@@ -116,38 +102,25 @@ impl Condition for GrazingBifurcation {
         self.own
     }
 
-    fn start(&mut self, At { system, x, released }: At, y: &mut [f64]) -> Result<(), Failure> {
+    fn start(&mut self, at: At, y: &mut [f64]) -> Result<(), Failure> {
         let degenerate = [Kind::GD, Kind::GF].contains(&self.kind);
-        self.own = system.passes_touched(x)? == degenerate;
-        if self.own {
-            return self.fold.start(At { system, x, released }, y);
-        }
-        let Across { system, x } = across(system, x)?;
-        self.unknowns = system.names().dimension();
-        self.fold.start(At { system, x, released }, y)
+        self.own = at.system.passes_touched(at.x)? == degenerate;
+        let at = self.orbits(at)?;
+        self.unknowns = at.system.names().dimension();
+        self.fold.start(at, y)
     }
 
-    fn values(
-        &mut self,
-        At { system, x, released }: At,
-        y: &[f64],
-        values: &mut [f64],
-    ) -> Result<(), Failure> {
-        if self.own {
-            return self.fold.values(At { system, x, released }, y, values);
-        }
-        let Across { system, x } = across(system, x)?;
-        self.check_same(system)?;
-        self.fold.values(At { system, x, released }, y, values)
+    fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure> {
+        let at = self.same_orbits(at)?;
+        self.fold.values(at, y, values)
     }
 
     fn gradients(&mut self, at: At, rows: &mut [f64], own: &mut [f64]) -> Result<(), Failure> {
         if self.own {
             return self.fold.gradients(at, rows, own);
         }
-        let At { system, x, released } = at;
-        let n = system.names().dimension();
-        let slopes = self.gradient_across(across(system, x)?, released)?;
+        let (n, released) = (at.system.names().dimension(), at.released);
+        let slopes = self.gradient_across(self.same_orbits(at)?)?;
         rows.fill(0.0);
         released.iter().zip(slopes).for_each(|(p, slope)| rows[n + p] = slope);
         Ok(())

@@ -19,5 +19,4 @@ pub use branch_point::BranchPoint;
 pub(crate) use crossing::branches_at;
 pub use degenerate_fold::DegenerateFold;
 pub use fold::Fold;
-pub use grazing::GrazingBifurcation;
 pub use hopf::Hopf;

@@ -1,85 +1,155 @@
-//! Null vectors of `F_z` by bordering.
+//! Null vectors by bordering: of `F_z` near a fold, of `[F_z  F_p]` near a branch point.
 
 use crate::core::condition::{At, Failure};
 use crate::core::linear::Factors;
-use crate::core::vector::{generic, normalise};
-use crate::core::zero::{Border, Form, System};
+use crate::core::vector::{dot, generic, normalise};
+use crate::core::zero::{Border, Form};
 
-/// The right and left null vectors of `F_z`, as a bordered system defines them near a fold:
+/// The right and left null vectors of a matrix `J` near a point where `m` of its eigenvalues vanish, from a bordered matrix
+/// of size `N` that is regular there:
 ///
 /// ```text
-///     ⎡ F_z  b ⎤⎡ v ⎤   ⎡ 0 ⎤        ⎡ F_zᵀ c ⎤⎡ w ⎤   ⎡ 0 ⎤
-///     ⎣ cᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦        ⎣ bᵀ   0 ⎦⎣ g ⎦ = ⎣ 1 ⎦
+///     M = ⎡ J  B ⎤        M ⎡ ζᵢ ⎤ = eₙ₊ᵢ,       Mᵀ ⎡ wⱼ ⎤ = e_(N−m+j)
+///         ⎣ C  0 ⎦          ⎣ hᵢ ⎦                  ⎣ ·  ⎦
 /// ```
 ///
-/// `g = −wᵀ F_z v` vanishes exactly where `F_z` is singular. `F_z` may be that with antiperiodic boundary
-/// conditions.
+/// `J` is `F_z` (or that with antiperiodic boundary conditions), with `m` right null vectors, or `[F_z  F_p]` with a
+/// parameter `p`, with `m + 1` of them. For `m = 1` the last components `gᵢ` of `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly
+/// where the rank of `J` falls. In a complex form ([`Form::Oscillation`]) all vectors are real parts, then imaginary parts.
+#[derive(Default)]
 pub(super) struct NullVectors {
-    /// The right null vector, extended by zeros in the parameters: as long as `x`.
-    pub right: Vec<f64>,
-    /// The left null vector.
-    pub left: Vec<f64>,
-    /// The multiplier.
-    pub g: f64,
+    /// The right null vectors as directions of `x`: zero in all parameters but `p`. Of complex ones the real part, then the
+    /// imaginary part.
+    pub right: Vec<Vec<f64>>,
+    /// The left null vectors.
+    pub left: Vec<Vec<f64>>,
+    /// The multipliers `gᵢ`.
+    pub g: Vec<f64>,
     /// The linearisation: `F_z`, or that of antiperiodic boundary conditions.
     pub form: Form,
     pub factors: Factors,
-    column: Vec<f64>,
-    row: Vec<f64>,
+    /// The columns of `B`.
+    pub borders: Vec<Vec<f64>>,
+    /// The position of `p` among all parameters.
+    pub parameter: Option<usize>,
+    /// The rows of `C`, by the unknowns and `p`.
+    rows: Vec<Vec<f64>>,
+    /// The unit direction of `p`.
+    direction: Vec<f64>,
+    /// The border of `F_z`: column after column, row after row.
+    columns: Vec<f64>,
+    border_rows: Vec<f64>,
+    corner: Vec<f64>,
     work: Vec<f64>,
 }
 
+/// Makes vectors orthonormal (Gram and Schmidt, twice).
+fn orthonormal(vectors: &mut [Vec<f64>]) {
+    for _ in 0..2 {
+        for k in 0..vectors.len() {
+            let (before, rest) = vectors.split_at_mut(k);
+            for other in before.iter() {
+                let overlap = dot(other, &rest[0]);
+                rest[0].iter_mut().zip(other).for_each(|(v, o)| *v -= overlap * o);
+            }
+            normalise(&mut rest[0]);
+        }
+    }
+}
+
 impl NullVectors {
-    /// Those of a form.
-    pub fn of(form: Form) -> Self {
-        let [right, left, column, row, work] = Default::default();
-        NullVectors { right, left, g: 0.0, form, factors: Factors::default(), column, row, work }
+    /// Null vectors of a form of `F_z`, with the column of a parameter or without any.
+    pub fn of(form: Form, parameter: Option<usize>) -> Self {
+        NullVectors { form, parameter, ..NullVectors::default() }
     }
 
-    /// Chooses borders near the null vectors at a point.
-    pub fn start(&mut self, at: &mut At) -> Result<(), Failure> {
-        let n = at.system.names().dimension();
-        self.column = generic(n, 1);
-        self.row = generic(n, 2);
-        self.left.resize(n, 0.0);
-        self.right = vec![0.0; at.x.len()];
-        self.work.resize(n + 1, 0.0);
-        at.system.assemble(at.x)?;
+    /// Chooses borders near the null vectors at a point where `m` eigenvalues vanish.
+    pub fn start(&mut self, at: &mut At, m: usize) -> Result<(), Failure> {
+        let (n, length) = (at.system.names().dimension(), at.x.len());
+        let of_p = usize::from(self.parameter.is_some());
+        let (width, parts) = (m + of_p, self.parts());
+        self.borders = (0..m).map(|k| generic(parts * n, 1 + 10 * k)).collect();
+        self.rows = (0..width).map(|k| generic(parts * n + of_p, 2 + k)).collect();
+        self.right = vec![vec![0.0; length]; parts * width];
+        self.left = vec![vec![0.0; parts * n]; m];
+        self.g = vec![0.0; parts * width];
+        self.direction = vec![0.0; length];
+        if let Some(p) = self.parameter {
+            self.direction[n + p] = 1.0;
+        }
+        self.columns = vec![0.0; parts * n * width];
+        self.border_rows = vec![0.0; parts * n * width];
+        self.corner = vec![0.0; width * width];
+        self.work = vec![0.0; parts * (n + width)];
         for _ in 0..3 {
-            self.solve(at.system)?;
+            self.update(at)?;
             self.adapt();
         }
         Ok(())
     }
 
+    /// How many real numbers a component is.
+    fn parts(&self) -> usize {
+        if matches!(self.form, Form::Oscillation(_)) { 2 } else { 1 }
+    }
+
     /// Computes the null vectors at a point.
     pub fn update(&mut self, at: &mut At) -> Result<(), Failure> {
+        let (n, width, parts) = (at.system.names().dimension(), self.rows.len(), self.parts());
+        let (of_p, length) = (width - self.borders.len(), parts * n);
         at.system.assemble(at.x)?;
-        self.solve(at.system)
+        if of_p > 0 {
+            at.system.derivative(at.x, &[&self.direction], &mut self.columns[..n])?;
+        }
+        for (k, border) in self.borders.iter().enumerate() {
+            self.columns[(of_p + k) * length..][..length].copy_from_slice(border);
+        }
+        for (k, row) in self.rows.iter().enumerate() {
+            self.border_rows[k * length..][..length].copy_from_slice(&row[..length]);
+            self.corner[k * width..][..of_p].copy_from_slice(&row[length..]);
+        }
+        let (columns, rows, corner) = (&self.columns, &self.border_rows, &self.corner);
+        let border = Border { width, columns, rows, corner };
+        at.system.factor(self.form, border, &mut self.factors)?;
+        for i in 0..width {
+            self.work.fill(0.0);
+            self.work[n + i] = 1.0;
+            self.factors.solve(&mut self.work);
+            let solved = self.work.chunks_exact(n + width).zip(&mut self.right[i * parts..]);
+            for ((part, right), g) in solved.zip(&mut self.g[i * parts..]) {
+                right[..n].copy_from_slice(&part[..n]);
+                if let Some(p) = self.parameter {
+                    right[n + p] = part[n];
+                }
+                *g = part[n + width - 1];
+            }
+        }
+        for (j, left) in self.left.iter_mut().enumerate() {
+            self.work.fill(0.0);
+            self.work[n + of_p + j] = 1.0;
+            self.factors.solve_transposed(&mut self.work);
+            let solved = self.work.chunks_exact(n + width).zip(left.chunks_exact_mut(n));
+            solved.for_each(|(part, left)| left.copy_from_slice(&part[..n]));
+        }
+        Ok(())
     }
 
     /// Turns the borders to the null vectors.
     pub fn adapt(&mut self) {
-        let n = self.left.len();
-        self.column.copy_from_slice(&self.left);
-        self.row.copy_from_slice(&self.right[..n]);
-        normalise(&mut self.column);
-        normalise(&mut self.row);
-    }
-
-    fn solve(&mut self, system: &mut dyn System) -> Result<(), Failure> {
-        let n = self.left.len();
-        let border = Border { width: 1, columns: &self.column, rows: &self.row, corner: &[0.0] };
-        system.factor(self.form, border, &mut self.factors)?;
-        self.work.fill(0.0);
-        self.work[n] = 1.0;
-        self.factors.solve(&mut self.work);
-        self.right[..n].copy_from_slice(&self.work[..n]);
-        self.g = self.work[n];
-        self.work.fill(0.0);
-        self.work[n] = 1.0;
-        self.factors.solve_transposed(&mut self.work);
-        self.left.copy_from_slice(&self.work[..n]);
-        Ok(())
+        for (border, left) in self.borders.iter_mut().zip(&self.left) {
+            border.copy_from_slice(left);
+        }
+        let (parts, n) = (self.parts(), self.work.len() / self.parts() - self.rows.len());
+        for (row, right) in self.rows.iter_mut().zip(self.right.chunks_exact(parts)) {
+            for (row, right) in row.chunks_exact_mut(n).zip(right) {
+                row.copy_from_slice(&right[..n]);
+            }
+            if let Some(p) = self.parameter {
+                row[n] = right[0][n + p];
+            }
+        }
+        orthonormal(&mut self.borders);
+        // Otherwise the border might become singular.
+        orthonormal(&mut self.rows);
     }
 }

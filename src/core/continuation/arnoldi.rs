@@ -5,9 +5,9 @@
 //! discretised operators crowd around, so that a few of Arnoldi's vectors find them.
 
 use super::stepper::{Place, Stepper};
-use crate::core::condition::{At, Failure};
-use crate::core::newton::scaled_norm;
-use crate::core::vector::generic;
+use crate::core::condition::Failure;
+use crate::core::newton::{scale_to_one, scaled_norm};
+use crate::core::vector::{difference, dot, generic};
 use nalgebra::{Complex, DMatrix};
 
 /// The most vectors spent.
@@ -28,17 +28,17 @@ impl Stepper<'_> {
     /// last is that of the second place, with this row. And whether that one is a branch point itself, but for rounding.
     pub fn crossings(&mut self, from: &Place, row: &[f64]) -> (usize, bool) {
         let length = from.unknowns.len();
-        let roots: Vec<f64> =
-            self.weights.iter().map(|w| if *w > 0.0 { w.sqrt() } else { 1.0 }).collect();
+        // What has no weight counts as well.
+        let counted = |w: &f64| if *w > 0.0 { *w } else { 1.0 };
+        let weights: Vec<f64> = self.weights.iter().map(counted).collect();
         let mut basis: Vec<Vec<f64>> = vec![generic(length, 5)];
-        normalise_in(&mut basis[0], &roots);
+        scale_to_one(&mut basis[0], &weights);
         let mut h = DMatrix::<f64>::zeros(VECTORS + 1, VECTORS);
         let mut used = 0;
         for k in 0..VECTORS.min(length) {
             let Ok(mut v) = self.carried_back(from, row, &basis[k]) else { return (0, false) };
             if k == 0 {
-                let change: Vec<f64> = v.iter().zip(&basis[0]).map(|(a, b)| a - b).collect();
-                let size = scaled_norm(&change, &self.weights);
+                let size = scaled_norm(&difference(&v, &basis[0]), &self.weights);
                 if !(NEAR..=SINGULAR).contains(&size) {
                     return (0, size > SINGULAR);
                 }
@@ -46,12 +46,13 @@ impl Stepper<'_> {
             used = k + 1;
             for _ in 0..2 {
                 for (j, other) in basis.iter().enumerate() {
-                    let overlap = product_in(other, &v, &roots);
+                    let terms = other.iter().zip(&v).zip(&weights);
+                    let overlap: f64 = terms.map(|((a, b), w)| a * b * w).sum();
                     h[(j, k)] += overlap;
                     v.iter_mut().zip(other).for_each(|(v, o)| *v -= overlap * o);
                 }
             }
-            let size = normalise_in(&mut v, &roots);
+            let size = scale_to_one(&mut v, &weights);
             h[(k + 1, k)] = size;
             if size.is_nan() || size <= SPENT {
                 break;
@@ -66,30 +67,13 @@ impl Stepper<'_> {
 
     /// `M₁⁻¹ M₀ v`.
     fn carried_back(&mut self, from: &Place, row: &[f64], v: &[f64]) -> Result<Vec<f64>, Failure> {
-        let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
-        self.equations.load(&from.unknowns);
-        let At { system, x, released } = self.equations.at();
-        let mut direction = vec![0.0; x.len()];
-        direction[..n].copy_from_slice(&v[..n]);
-        for (&p, part) in released.iter().zip(&v[first..]) {
-            direction[n + p] = *part;
-        }
+        let n = self.equations.dimension();
+        let direction = self.equations.direction_of(v);
+        let x = self.equations.load(&from.unknowns).to_vec();
         let mut out = vec![0.0; v.len()];
-        system.derivative(x, &[&direction], &mut out[..n])?;
-        out[v.len() - 1] = row.iter().zip(v).map(|(r, v)| r * v).sum();
+        self.equations.system().derivative(&x, &[&direction], &mut out[..n])?;
+        out[v.len() - 1] = dot(row, v);
         self.equations.solve(&mut out);
         Ok(out)
     }
-}
-
-fn product_in(a: &[f64], b: &[f64], roots: &[f64]) -> f64 {
-    a.iter().zip(b).zip(roots).map(|((a, b), r)| a * b * r * r).sum()
-}
-
-fn normalise_in(v: &mut [f64], roots: &[f64]) -> f64 {
-    let size = product_in(v, v, roots).sqrt();
-    if size > 0.0 {
-        v.iter_mut().for_each(|v| *v /= size);
-    }
-    size
 }

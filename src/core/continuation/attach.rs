@@ -1,8 +1,8 @@
 //! What is attached to a curve from outside: further monitors, and conditions held along it.
 
 use super::{Continuation, Kind, TraceError};
-use crate::core::condition::{Condition, Level};
-use crate::core::function::{Attached, Equation, TestPoint};
+use crate::core::condition::Condition;
+use crate::core::function::{Attached, TestPoint};
 use num_dual::Dual64;
 use std::sync::Arc;
 
@@ -28,11 +28,8 @@ impl Continuation<'_> {
         name: impl Into<String>,
         function: impl Fn(&TestPoint) -> f64 + Send + Sync + 'static,
     ) -> Self {
-        self.attached.push(Attached {
-            name: name.into(),
-            function: Arc::new(function),
-            dual: None,
-        });
+        let (name, function) = (name.into(), Arc::new(function));
+        self.attached.push(Attached { name, function, dual: None });
         self
     }
 
@@ -72,23 +69,15 @@ impl Continuation<'_> {
     /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter must be
     /// released.
     pub fn hold_level(mut self, name: &str, level: f64) -> Self {
-        let quantity = match self.quantity(name) {
-            Ok(quantity) => quantity,
-            Err(error) => {
-                self.errors.push(error);
-                return self;
-            }
-        };
-        match self.attached_at(quantity).map(|attached| attached.dual.clone()) {
-            None => self.hold_condition(move || Level::new(quantity, level, Kind::UZ)),
-            Some(Some(dual)) => {
-                self.hold_condition(move || Equation::new(dual.clone(), level, Kind::UZ))
-            }
-            Some(None) => {
-                self.errors.push(TraceError::NoGradient(name.into()));
-                self
-            }
+        let no_gradient = || TraceError::NoGradient(name.into());
+        let held = self.quantity(name).and_then(|quantity| {
+            self.level_condition((quantity, level), Kind::UZ).ok_or_else(no_gradient)
+        });
+        match held {
+            Ok(make) => self.held.push((Kind::UZ, Some(make))),
+            Err(error) => self.errors.push(error),
         }
+        self
     }
 
     /// Holds a condition of the user's own.

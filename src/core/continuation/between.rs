@@ -4,7 +4,7 @@ use super::Kind;
 use super::found::Located;
 use super::run::Tracer;
 use super::stepper::{AT_START, Place, Step};
-use crate::core::test_function::{Side, Test};
+use crate::core::test_function::Test;
 
 impl Tracer<'_> {
     /// All events in a step, in the order in which the branch meets them, but for those of the start.
@@ -75,11 +75,9 @@ impl Tracer<'_> {
         let parameter = self.stepper.equations.parameters_at();
         let scale = self.stepper.weights[parameter].sqrt();
         let slopes = [from, to].map(|place| place.tangent[parameter] * scale);
-        let side = |place| {
-            let Place { point, spectrum, .. }: &Place = place;
-            Side { unstable: point.unstable, spectrum: spectrum.as_ref() }
-        };
-        self.stepper.events[index].test.is_noise(slopes, [side(from), side(to)])
+        let same = from.point.unstable == to.point.unstable;
+        let spectra = [from, to].map(|place| place.spectrum.as_ref());
+        self.stepper.events[index].test.is_noise(slopes, same, spectra)
     }
 
     /// Whether an event is another one of those found in the step, seen once more.

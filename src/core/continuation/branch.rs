@@ -212,11 +212,6 @@ impl Branch {
         self.special.iter().filter(move |point| point.kind == kind)
     }
 
-    /// The special points of one kind that have converged, in the order of the branch.
-    pub fn converged_points(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
-        self.of_kind(kind).filter(|point| point.converged)
-    }
-
     /// The special point with a label.
     pub fn labelled(&self, label: usize) -> Option<&SpecialPoint> {
         self.special.iter().find(|point| point.label == label)
@@ -294,5 +289,52 @@ impl SpecialPoint {
     /// The value of a column: parameters first, then monitors.
     pub fn value(&self, column: usize) -> Option<f64> {
         self.parameters.iter().chain(&self.monitors).nth(column).copied()
+    }
+}
+
+/// A point or special point of a branch while it is traced.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Traced {
+    /// A point was reached, the start first.
+    Point(Point),
+    /// A special point was found, before the next point.
+    Special(Box<SpecialPoint>),
+}
+
+/// One of the two halves of a branch. `after` of its special points counts points from the start, which is 0.
+pub(super) struct Half {
+    pub points: Vec<Point>,
+    pub special: Vec<SpecialPoint>,
+    pub end: End,
+}
+
+impl Half {
+    /// A half without points.
+    pub fn new(end: End) -> Self {
+        Half { points: Vec::new(), special: Vec::new(), end }
+    }
+
+    /// Joins this half, the start and the half ahead into one list from end to end.
+    pub fn join(mut self, start: Point, ahead: Half, branch: Branch) -> Branch {
+        let before = self.points.len();
+        self.points.reverse();
+        self.special.reverse();
+        for special in &mut self.special {
+            // Behind point k from the start means before it from the end; an end stays on its point.
+            let on_point = special.after == before || special.kind == Kind::RG;
+            special.after = before - special.after - usize::from(!on_point);
+            special.bracket.reverse();
+            special.tangent.iter_mut().for_each(|t| *t = -*t);
+        }
+        let moved =
+            |special: SpecialPoint| SpecialPoint { after: special.after + before, ..special };
+        let further = ahead.special.into_iter().map(moved);
+        Branch {
+            points: self.points.into_iter().chain([start]).chain(ahead.points).collect(),
+            special: self.special.into_iter().chain(further).collect(),
+            ends: [self.end, ahead.end],
+            ..branch
+        }
     }
 }

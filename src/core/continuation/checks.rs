@@ -99,13 +99,8 @@ impl Stepper<'_> {
                 if !decide && self.wants_stability() {
                     place = self.arrive(place.unknowns, &row, f64::INFINITY, true).ok()?;
                 }
-                return Some(Step {
-                    place,
-                    length,
-                    next: end - length,
-                    crossings: 0,
-                    singular: false,
-                });
+                let next = end - length;
+                return Some(Step { place, length, next, crossings: 0, singular: false });
             }
             // The three that enclose the smallest.
             let [a, b, c] = at;

@@ -39,25 +39,23 @@ impl Stepper<'_> {
         (cycles.repeats(&there) && !cycles.repeats(&before)).then_some(k)
     }
 
-    /// A place that a curve passes again if it is closed.
-    pub fn reference(&mut self, place: Place) -> Reference {
+    /// The solution at a place, on the present mesh.
+    pub fn solution_at(&mut self, place: &Place) -> Solution {
         let n = self.equations.dimension();
         let x = self.equations.load(&place.unknowns);
-        let (state, parameters) = (x[..n].to_vec(), x[n..].to_vec());
+        let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
         let system = self.equations.system();
-        let (mesh, itinerary) = (system.mesh(), system.itinerary());
-        let x = [&state[..], &parameters[..]].concat();
-        let mesh_error = system.cycles().map_or(0.0, |cycles| cycles.mesh_error(&x));
-        let saved = (!mesh.is_empty()).then_some(Solution {
-            kind: Kind::EP,
-            itinerary,
-            mesh,
-            state,
-            parameters,
-            tangent: None,
-            switch: None,
-        });
-        Reference { place, saved, mesh_error }
+        let (kind, itinerary, mesh) = (Kind::EP, system.itinerary(), system.mesh());
+        Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: None }
+    }
+
+    /// A place that a curve passes again if it is closed.
+    pub fn reference(&mut self, place: Place) -> Reference {
+        let saved = self.solution_at(&place);
+        let x = [&saved.state[..], &saved.parameters].concat();
+        let cycles = self.equations.system().cycles();
+        let mesh_error = cycles.map_or(0.0, |cycles| cycles.mesh_error(&x));
+        Reference { place, saved: Some(saved).filter(|saved| !saved.mesh.is_empty()), mesh_error }
     }
 
     /// How far along a step it passes through the reference, in its direction: a Newton correction

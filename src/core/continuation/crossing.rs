@@ -1,10 +1,9 @@
 //! Branch points: the directions of the branches that cross there.
 
-use super::departure::Departure;
-use super::stepper::{Place, Stepper};
+use super::stepper::{Departure, Place, Stepper};
 use crate::core::bifurcation::branches_at;
 use crate::core::condition::Failure;
-use crate::core::newton::{NewtonError, scaled_norm};
+use crate::core::newton::{NewtonError, scale_to_one};
 use crate::core::vector::{difference, dot};
 
 /// The part along the branch one comes from that a step from a branch point may have, compared with that along the
@@ -39,10 +38,7 @@ impl Stepper<'_> {
 
     /// Scales a direction to length 1.
     pub fn rescale(&self, direction: &mut [f64]) {
-        let size = scaled_norm(direction, &self.weights);
-        if size > 0.0 {
-            direction.iter_mut().for_each(|t| *t /= size);
-        }
+        scale_to_one(direction, &self.weights);
     }
 
     /// Refuses a first step that lies on the branch one comes from: the step from the branch point is resolved into

@@ -9,17 +9,6 @@ use crate::core::motion::{Critical, Stability, deciding, without_critical};
 use crate::core::vector::dot;
 use crate::core::zero::{Profile, Spectrum};
 
-/// A place on the branch to be recorded as a special point.
-pub(super) struct Described<'a> {
-    pub kind: Kind,
-    pub event: &'a str,
-    pub point: Point,
-    pub spectrum: &'a [(f64, f64)],
-    pub unknowns: &'a [f64],
-    pub tangent: &'a [f64],
-    pub profiles: Vec<Profile>,
-}
-
 impl Stepper<'_> {
     /// An end of the branch.
     pub fn end_point(&mut self, place: &Place, end: &End, after: usize) -> SpecialPoint {
@@ -65,9 +54,8 @@ impl Stepper<'_> {
         }
         let Place { unknowns, tangent, point, spectrum, .. } = place;
         let spectrum = spectrum.as_ref().or(own.as_ref()).map_or(&[][..], |all| all);
-        let point = point.clone();
-        let described = Described { kind, event, point, spectrum, unknowns, tangent, profiles };
-        SpecialPoint { after, ..self.special(described) }
+        let special = self.special(kind, event, point.clone(), spectrum, (unknowns, tangent));
+        SpecialPoint { after, profiles, ..special }
     }
 
     /// The special point with everything that is recorded of it; `between` are the places that enclose it, and how far
@@ -98,24 +86,13 @@ impl Stepper<'_> {
         let profiles = self.profiles();
         let parameter = self.equations.parameters_at();
         let bracket = [from.unknowns[parameter], to.unknowns[parameter]];
-        let special = self.special(Described {
-            kind: event.kind,
-            event: &event.name,
-            point,
-            spectrum: &spectrum,
-            unknowns,
-            tangent: &tangent,
-            profiles,
-        });
-        let subkind = match event.test.level() {
-            Some((Quantity::Monitor(monitor), _)) if event.kind == Kind::G => {
-                self.subkind(monitor, (&special.state, &special.parameters))
-            }
-            _ => None,
-        };
+        let at = (&unknowns[..], &tangent[..]);
+        let special = self.special(event.kind, &event.name, point, &spectrum, at);
+        let subkind = self.subkind(index, (&special.state, &special.parameters));
         let names = event.condition.as_ref().map_or(&[][..], |make| make().names());
         let numbers = names.iter().map(ToString::to_string).zip(own).collect();
-        let special = SpecialPoint { subkind, error, bracket, converged, numbers, ..special };
+        let special =
+            SpecialPoint { subkind, error, bracket, converged, numbers, profiles, ..special };
         let special = self.with_error(event, special, unknowns, &from.point);
         Some(Located { event: Some(index), along, special })
     }
@@ -151,8 +128,12 @@ impl Stepper<'_> {
         special
     }
 
-    /// What the field calls a point where a monitor of grazings vanishes, from its solution and all parameters.
-    pub fn subkind(&mut self, monitor: usize, (z, p): (&[f64], &[f64])) -> Option<String> {
+    /// What the field calls a point of this event, from its solution and all parameters, if it is a grazing.
+    pub fn subkind(&mut self, index: usize, (z, p): (&[f64], &[f64])) -> Option<String> {
+        let event = &self.events[index];
+        let (Kind::G, (Quantity::Monitor(monitor), _)) = (event.kind, event.test.level()?) else {
+            return None;
+        };
         let x = [&z[..self.equations.dimension()], p].concat();
         let system = self.equations.system();
         Some(system.admissible()?.kind_of_grazing(monitor, &x)?.into())
@@ -180,9 +161,15 @@ impl Stepper<'_> {
         at.system.profiles(at.x)
     }
 
-    /// A special point at the place loaded last.
-    pub fn special(&mut self, described: Described) -> SpecialPoint {
-        let Described { kind, event, point, spectrum, unknowns, tangent, profiles } = described;
+    /// A special point at the place loaded last, with its unknowns and tangent.
+    pub fn special(
+        &mut self,
+        kind: Kind,
+        event: &str,
+        point: Point,
+        spectrum: &[(f64, f64)],
+        (unknowns, tangent): (&[f64], &[f64]),
+    ) -> SpecialPoint {
         let (n, first) = (self.equations.dimension(), self.equations.parameters_at());
         SpecialPoint {
             label: 0,
@@ -202,7 +189,7 @@ impl Stepper<'_> {
             state: unknowns[..n].to_vec(),
             tangent: [&tangent[..n], &tangent[first..]].concat(),
             mesh: self.equations.system().mesh(),
-            profiles,
+            profiles: Vec::new(),
         }
     }
 

@@ -76,6 +76,24 @@ impl Tested {
             outcome => outcome.map(|()| self.stated = true),
         }
     }
+
+    /// The value at a point; `None` where what it is stated for is not known.
+    pub fn value(&mut self, at: At) -> Result<Option<f64>, Failure> {
+        if !self.stated {
+            // It is detected from the next point on; a failure here is none of the branch's.
+            let _ = self.state(at);
+            return Ok(None);
+        }
+        let mut value = [0.0];
+        match self.condition.values(at, &[], &mut value) {
+            Err(Failure::Undetermined(_)) => Ok(None),
+            outcome => {
+                outcome?;
+                self.condition.adapt();
+                Ok(Some(value[0]))
+            }
+        }
+    }
 }
 
 impl Event {
@@ -118,18 +136,8 @@ impl Event {
 
     /// A parameter or monitor at a level, marked `UZ`.
     pub fn level(name: impl Into<String>, quantity: Quantity, level: f64) -> Self {
-        Self::level_of_kind(Kind::UZ, name, quantity, level)
-    }
-
-    /// A parameter or monitor at a level that means a kind of special point.
-    pub(super) fn level_of_kind(
-        kind: Kind,
-        name: impl Into<String>,
-        quantity: Quantity,
-        level: f64,
-    ) -> Self {
-        let make = move || Level::new(quantity, level, kind);
-        Self::with_test(name, kind, Test::Level(quantity, level), make)
+        let make = move || Level::new(quantity, level, Kind::UZ);
+        Self::with_test(name, Kind::UZ, Test::Level(quantity, level), make)
     }
 
     /// Counts one direction only.
@@ -204,29 +212,14 @@ impl Event {
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
     }
 
-    /// A monitor that a user has attached, at a level: located by Newton's iteration where it has a gradient.
-    pub(super) fn level_of_attached(
-        kind: Kind,
-        name: impl Into<String>,
-        (monitor, level): (usize, f64),
-        dual: Option<&DualFunction>,
-    ) -> Self {
-        let test = Test::Level(Quantity::Monitor(monitor), level);
-        match dual.cloned() {
-            Some(dual) => {
-                Self::with_test(name, kind, test, move || Equation::new(dual.clone(), level, kind))
-            }
-            None => Self::without_condition(name, kind, test),
-        }
-    }
-
     /// Where an event of an orbit begins to lead elsewhere than the itinerary goes on, which a system decides without a
     /// function: known by bracketing only.
     pub(super) fn of_itinerary() -> Self {
         Self::without_condition("an event leads to another mode", Kind::G, Test::Itinerary)
     }
 
-    fn without_condition(name: impl Into<String>, kind: Kind, test: Test) -> Self {
+    /// An event that is located by bracketing.
+    pub(super) fn without_condition(name: impl Into<String>, kind: Kind, test: Test) -> Self {
         Event {
             name: name.into(),
             kind,

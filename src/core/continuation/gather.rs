@@ -59,7 +59,7 @@ impl Continuation<'_> {
     /// Where a monitor that is positive on admissible solutions vanishes.
     fn graze_at(&self, monitor: usize) -> Event {
         let name = self.system.names().monitors[monitor].clone();
-        Event::level_of_kind(Kind::G, name, Quantity::Monitor(monitor), 0.0)
+        self.level(Kind::G, name, (Quantity::Monitor(monitor), 0.0))
     }
 
     /// Grazings, but for the one that is held.

@@ -84,13 +84,8 @@ impl Stepper<'_> {
         let p = self.equations.parameters_at();
         let reach = |end: &Vec<f64>| (end[p] - unknowns[p]).abs();
         let error = bracket.ends.iter().map(reach).fold(self.parameter_error(), f64::max);
-        Found {
-            along: 0.5 * (bracket.low + bracket.high),
-            unknowns,
-            own: Vec::new(),
-            error,
-            converged: false,
-        }
+        let along = 0.5 * (bracket.low + bracket.high);
+        Found { along, unknowns, own: Vec::new(), error, converged: false }
     }
 
     /// The middle of a step, as a point that has not converged.

@@ -1,14 +1,16 @@
 //! From what a user asks for to a trace that can run: names resolved, then the start corrected.
 
-use super::event::Event;
+use super::event::{Event, MakeCondition};
 use super::run::Tracer;
 use super::start::Resolved;
 use super::trace::Origin;
 use super::{Continuation, Kind, TraceError};
-use crate::core::condition::{Failure, Quantity};
-use crate::core::function::Attached;
-use crate::core::names::UnknownName;
+use crate::core::condition::{Failure, Level, Quantity};
+use crate::core::function::Equation;
+use crate::core::names::position;
 use crate::core::solution::{Adopted, Start};
+use crate::core::test_function::Test;
+use std::sync::Arc;
 
 impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
@@ -72,27 +74,24 @@ impl<'a> Continuation<'a> {
 
     /// Why the curve cannot start from a solution.
     pub(super) fn not_started(&self, cause: Failure) -> TraceError {
-        TraceError::Start {
-            branch: self.name.clone(),
-            place: "the point to restart from".into(),
-            cause: Box::new(cause.into()),
-        }
+        let (branch, place) = (self.name.clone(), "the point to restart from".into());
+        TraceError::Start { branch, place, cause: Box::new(cause.into()) }
     }
 
     /// The position of a parameter.
     pub(super) fn parameter(&self, name: &str) -> Result<usize, TraceError> {
-        let names = self.system.names();
-        let known = names.parameters.iter().map(String::as_str);
-        names.parameter(name).ok_or_else(|| UnknownName::new("parameter", name, known).into())
+        Ok(position("parameter", name, &self.system.names().parameters)?)
     }
 
     pub(super) fn quantity(&self, name: &str) -> Result<Quantity, TraceError> {
-        let names = self.system.names();
-        let known = names.parameters.iter().map(String::as_str).chain(self.monitor_names());
-        let parameter = names.parameter(name).map(Quantity::Parameter);
-        parameter
-            .or_else(|| self.monitor_names().position(|n| n == name).map(Quantity::Monitor))
-            .ok_or_else(|| UnknownName::new("parameter or monitor", name, known).into())
+        let parameters = &self.system.names().parameters;
+        let known: Vec<&str> =
+            parameters.iter().map(String::as_str).chain(self.monitor_names()).collect();
+        let place = position("parameter or monitor", name, &known)?;
+        Ok(match place.checked_sub(parameters.len()) {
+            None => Quantity::Parameter(place),
+            Some(monitor) => Quantity::Monitor(monitor),
+        })
     }
 
     /// The names of the system's monitors, then of those attached.
@@ -101,29 +100,32 @@ impl<'a> Continuation<'a> {
         self.system.names().monitors.iter().map(String::as_str).chain(attached)
     }
 
-    /// What has been attached as this monitor, if it is none of the system's.
-    pub(super) fn attached_at(&self, quantity: Quantity) -> Option<&Attached> {
+    /// The condition that a parameter or a monitor is at a level; `None` for a monitor without a gradient.
+    pub(super) fn level_condition(
+        &self,
+        (quantity, level): (Quantity, f64),
+        kind: Kind,
+    ) -> Option<MakeCondition> {
+        let own = self.system.names().monitors.len();
         match quantity {
-            Quantity::Monitor(m) => {
-                self.attached.get(m.checked_sub(self.system.names().monitors.len())?)
+            Quantity::Monitor(m) if m >= own => {
+                let dual = self.attached[m - own].dual.clone()?;
+                Some(Arc::new(move || Box::new(Equation::new(dual.clone(), level, kind))))
             }
-            Quantity::Parameter(_) => None,
+            _ => Some(Arc::new(move || Box::new(Level::new(quantity, level, kind)))),
         }
     }
 
-    /// A parameter or monitor at a level.
+    /// A parameter or monitor at a level: located by bracketing without a gradient.
     pub(super) fn level(
         &self,
         kind: Kind,
         name: impl Into<String>,
         (quantity, level): (Quantity, f64),
     ) -> Event {
-        match (quantity, self.attached_at(quantity)) {
-            (Quantity::Monitor(m), Some(attached)) => {
-                Event::level_of_attached(kind, name, (m, level), attached.dual.as_ref())
-            }
-            _ => Event::level_of_kind(kind, name, quantity, level),
-        }
+        let condition = self.level_condition((quantity, level), kind);
+        let test = Test::Level(quantity, level);
+        Event { condition, ..Event::without_condition(name, kind, test) }
     }
 
     /// The columns of points that settings name.
@@ -164,19 +166,12 @@ impl<'a> Continuation<'a> {
     /// Scales that the user gives: of groups first, then of released parameters.
     fn resolve_scales(&self, released: &[usize]) -> Result<Vec<Option<f64>>, TraceError> {
         let names = self.system.names();
-        let known: Vec<&str> = names
-            .unknowns
-            .iter()
-            .map(|group| group.name.as_str())
-            .chain(released.iter().map(|&p| names.parameters[p].as_str()))
-            .collect();
+        let groups = names.unknowns.iter().map(|group| group.name.as_str());
+        let parameters = released.iter().map(|&p| names.parameters[p].as_str());
+        let known: Vec<&str> = groups.chain(parameters).collect();
         let mut scales = vec![None; known.len()];
         for (name, value) in &self.scales {
-            let what = "group of unknowns or released parameter";
-            let place = known
-                .iter()
-                .position(|known| known == name)
-                .ok_or_else(|| UnknownName::new(what, name, known.iter().copied()))?;
+            let place = position("group of unknowns or released parameter", name, &known)?;
             scales[place] = Some(*value);
         }
         Ok(scales)

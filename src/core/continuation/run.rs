@@ -1,14 +1,13 @@
 //! Running along a curve: step after step, event after event, to an end with a reason.
 
+use super::branch::{Half, Traced};
 use super::closing::Reference;
 use super::event::Event;
 use super::found::Located;
-use super::halves::Half;
 use super::hermite::MOST_KNOTS;
 use super::homoclinic::CycleLimits;
 use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
-use super::traced::Traced;
 use super::unexplained::LEAST_UNEXPLAINED;
 use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
@@ -100,7 +99,7 @@ impl Tracer<'_> {
         };
         let names: Vec<String> =
             events.filter(on_mark).map(|(event, _)| event.name.clone()).collect();
-        let mut half = Half { points: Vec::new(), special: Vec::new(), end: End::Start };
+        let mut half = Half::new(End::Start);
         for name in names {
             let mut special = self.stepper.end_point(&start, &End::Start, 0);
             (special.kind, special.event) = (Kind::UZ, name);
@@ -112,24 +111,12 @@ impl Tracer<'_> {
 
     /// Gives the system the mesh of the start back, which may have followed the branch, and forgets all that has been
     /// learned on the way: each half of a branch is what it would be alone.
-    pub fn return_to(&mut self, start: &Place, mesh: Vec<f64>, metric: Metric) {
-        self.give_mesh(start, mesh);
-        self.stepper.restore(&start.unknowns, metric);
-    }
-
-    fn give_mesh(&mut self, start: &Place, mesh: Vec<f64>) {
-        if mesh.is_empty() {
-            return;
+    pub fn return_to(&mut self, start: &Place, home: &Solution, metric: Metric) {
+        if !home.mesh.is_empty() {
+            // It was a solution on this mesh; if it is none any more, the first step says so.
+            let _ = self.stepper.equations.system().resume_from(home);
         }
-        let equations = &mut self.stepper.equations;
-        let n = equations.dimension();
-        let x = equations.load(&start.unknowns);
-        let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
-        let (kind, itinerary) = (Kind::EP, equations.system().itinerary());
-        let solution =
-            Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: None };
-        // It was a solution on this mesh; if it is none any more, the first step says so.
-        let _ = equations.system().resume_from(&solution);
+        self.stepper.restore(&start.unknowns, metric);
     }
 
     /// Nothing but the start, as an end of the branch.
@@ -142,7 +129,7 @@ impl Tracer<'_> {
         } else {
             self.stepper.refine_start(&mut special);
         }
-        let mut half = Half { points: Vec::new(), special: Vec::new(), end };
+        let mut half = Half::new(end);
         self.mark(&mut half, special);
         half
     }
@@ -152,7 +139,7 @@ impl Tracer<'_> {
         let closing = self.reference(&start, backward);
         let Settings { max_step, initial_step, .. } = self.stepper.settings;
         Walk {
-            half: Half { points: Vec::new(), special: Vec::new(), end: End::Start },
+            half: Half::new(End::Start),
             place: start.clone(),
             start,
             closing,
@@ -343,13 +330,7 @@ impl Tracer<'_> {
 
     /// The end at a bound that a place is on.
     fn bound_at(&mut self, index: usize, place: &Place) -> Option<End> {
-        let Event { kind, test, .. } = &self.stepper.events[index];
-        let subkind = match test.level()? {
-            (Quantity::Monitor(monitor), _) if *kind == Kind::G => {
-                self.stepper.subkind(monitor, place.solution())
-            }
-            _ => None,
-        };
+        let subkind = self.stepper.subkind(index, (&place.unknowns, &place.point.parameters));
         self.bound(index, subkind)
     }
 

@@ -3,18 +3,22 @@
 use super::event::{Event, MakeCondition};
 use super::metric::{Metric, in_units};
 use super::run::{Bound, Tracer};
-use super::stepper::{AT_START, Place, Stepper};
+use super::stepper::{AT_START, Place, Stepper, VANISHES};
 use super::trace::Origin;
-use super::{Branch, Continuation, End, Settings, TraceError};
-use crate::core::condition::Failure;
+use super::{Branch, Continuation, End, Kind, Settings, TraceError};
+use crate::core::condition::{Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, NewtonError, scaled_norm};
 use crate::core::solution::Start;
+use crate::core::test_function::Test;
 use crate::core::vector::{difference, dot, generic, largest};
 use std::collections::VecDeque;
 
 /// Unknowns whose sizes differ by less than this, relatively, are of one size.
 const EQUAL: f64 = 1e-4;
+
+/// A level nearer than this to where a curve is born, in scaled arclength, is where it is born.
+const AT_BIRTH: f64 = 1e-2;
 
 /// What a curve is made of, by the names that the system has.
 pub(super) struct Resolved {
@@ -34,11 +38,8 @@ impl<'a> Continuation<'a> {
     pub(super) fn start(self, resolved: Resolved, start: Start) -> Result<Tracer<'a>, TraceError> {
         let names = self.system.names();
         let values = &self.x[names.dimension()..];
-        let place: Vec<String> = resolved
-            .released
-            .iter()
-            .map(|&p| format!("{} = {}", names.parameters[p], values[p]))
-            .collect();
+        let at = |&p: &usize| format!("{} = {}", names.parameters[p], values[p]);
+        let place: Vec<String> = resolved.released.iter().map(at).collect();
         let (branch, place) = (self.name.clone(), place.join(", "));
         let tracer = self.begin(resolved, start).map_err(|cause| {
             let cause = Box::new(cause);
@@ -70,7 +71,7 @@ impl<'a> Continuation<'a> {
         stepper.attached = self.attached;
         (stepper.held, stepper.settled) = (held, settled);
         let [leaving, parent] =
-            stepper.departing(&start, &unknowns, known.as_deref(), &self.origin)?;
+            stepper.leaving(&start, &unknowns, known.as_deref(), &self.origin)?;
         let from_branch_point = leaving.is_some();
         let to_one_side = matches!(start, Start::Birth { .. }) && from_branch_point;
         // Both sides are the same where a branch of cycles emanates.
@@ -166,41 +167,26 @@ impl<'a> Stepper<'a> {
 
 impl Stepper<'_> {
     /// The tangent along which a branch begins where that is known before its start is corrected, and that of the branch it
-    /// leaves.
-    fn departing(
+    /// leaves: at a branch point both are from the algebraic bifurcation equations.
+    fn leaving(
         &mut self,
         start: &Start,
         unknowns: &[f64],
-        known: Option<&[f64]>,
-        origin: &Origin,
-    ) -> Result<[Option<Vec<f64>>; 2], Failure> {
-        match start {
-            Start::Direction(_) | Start::Birth { .. } => Ok([known.map(<[f64]>::to_vec), None]),
-            Start::BranchPoint { .. } => {
-                let (tangent, from) = self.leaving(unknowns, known, origin)?;
-                Ok([Some(tangent), from])
-            }
-            Start::Point { .. } => Ok([None, None]),
-        }
-    }
-
-    /// The direction in which to leave a branch point, and that of the branch one comes from where another one is to be
-    /// left along: both from the algebraic bifurcation equations.
-    fn leaving(
-        &mut self,
-        unknowns: &[f64],
         along: Option<&[f64]>,
         origin: &Origin,
-    ) -> Result<(Vec<f64>, Option<Vec<f64>>), Failure> {
-        let mut tangents = match (self.tangents_at_crossing(unknowns, origin.multiplicity), along) {
-            (Ok(tangents), _) => tangents,
-            (Err(_), Some(along)) if origin.switch.is_none() => return Ok((along.to_vec(), None)),
-            (Err(cause), _) => return Err(cause),
+    ) -> Result<[Option<Vec<f64>>; 2], Failure> {
+        let known = along.map(<[f64]>::to_vec);
+        match start {
+            Start::Direction(_) | Start::Birth { .. } => return Ok([known, None]),
+            Start::Point { .. } => return Ok([None, None]),
+            Start::BranchPoint { .. } => {}
+        }
+        let crossing = self.tangents_at_crossing(unknowns, origin.multiplicity.max(1));
+        let mut tangents = match crossing {
+            Err(_) if known.is_some() && origin.switch.is_none() => return Ok([known, None]),
+            crossing => crossing?,
         };
-        let Some(along) = along else {
-            let last = tangents.pop().unwrap_or_default();
-            return Ok((last, None));
-        };
+        let Some(along) = along else { return Ok([tangents.pop(), None]) };
         let row = self.covector(along);
         let parent = (0..tangents.len())
             .max_by(|&a, &b| {
@@ -208,12 +194,12 @@ impl Stepper<'_> {
                 cosine(a).total_cmp(&cosine(b))
             })
             .unwrap_or_default();
-        let parent = tangents.remove(parent);
-        let Some(crossing) = origin.switch else { return Ok((parent, None)) };
+        let parent = Some(tangents.remove(parent));
+        let Some(crossing) = origin.switch else { return Ok([parent, None]) };
         let count = tangents.len();
         match tangents.into_iter().nth(crossing) {
-            Some(tangent) => Ok((tangent, Some(parent))),
             None => Err(Failure::no_branch(crossing, count)),
+            tangent => Ok([tangent, parent]),
         }
     }
 
@@ -342,5 +328,49 @@ impl Stepper<'_> {
     fn check_first(&mut self, start: &Place) -> Result<(), Failure> {
         let x = self.equations.load(&start.unknowns).to_vec();
         self.leads_on(&x, &start.point.monitors, &start.point.parameters)
+    }
+
+    /// Where a branch of periodic orbits is born a multiplier is 1 but for rounding: its stability there is
+    /// not reported, nor is a change of it in the first step.
+    fn forget_stability_at(&self, start: &mut Place) {
+        start.point.unstable = None;
+        for (test, event) in start.tests.iter_mut().zip(&self.events) {
+            if event.test.needs_eigenvalues() {
+                *test = Some(0.0);
+            }
+        }
+    }
+
+    /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
+    /// how fast each level's test function grows along the curve at the start.
+    ///
+    /// A curve that is born on a level misses it by as much as the discretisation errs.
+    fn forget_levels_at(&mut self, start: &mut Place, from: &Start) -> Vec<f64> {
+        let born = matches!(from, Start::Birth { .. });
+        let vertical = matches!(from, Start::Birth { along: Some(_) });
+        let near = if born { AT_BIRTH } else { AT_START };
+        let mut slopes = vec![0.0; self.events.len()];
+        for i in 0..self.events.len() {
+            if born && self.events[i].test == Test::Itinerary {
+                // What the events of legs of no length lead to is decided by rounding.
+                start.tests[i] = None;
+            }
+            let Some((quantity, level)) = self.events[i].test.level() else { continue };
+            slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
+            let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
+            if let (true, Kind::G, Quantity::Monitor(m)) = (vertical, self.events[i].kind, quantity)
+            {
+                // Where it vanishes to second order its sign and that of its slope are rounding: the first step tells.
+                let p = &start.point.parameters;
+                let zero = VANISHES * self.equations.system().grazing_scale(m, p);
+                if start.tests[i].is_some_and(|test| test.abs() <= zero) {
+                    (rounding, slopes[i]) = (zero, 0.0);
+                }
+            }
+            if start.tests[i].is_some_and(|test| test.abs() <= rounding) {
+                start.tests[i] = Some(0.0);
+            }
+        }
+        slopes
     }
 }

@@ -1,16 +1,13 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
-use super::departure::Departure;
 use super::event::{Event, MakeCondition, Tested};
 use super::metric::Metric;
-use super::{Kind, Point, Settings};
+use super::{Point, Settings};
 use crate::core::condition::{At, Failure, Quantity};
 use crate::core::extended::{Closing, Extended};
 use crate::core::function::{Attached, TestPoint};
 use crate::core::motion::{Stability, deciding};
 use crate::core::newton::{Convergence, Newton, NewtonError, ROUGHLY, scaled_norm};
-use crate::core::solution::Start;
-use crate::core::test_function::Test;
 use crate::core::vector::{advanced, difference, dot};
 use crate::core::zero::Spectrum;
 
@@ -27,11 +24,12 @@ pub(super) struct Place {
     pub spectrum: Option<Spectrum>,
 }
 
-impl Place {
-    /// The solution, before what else is unknown, and all parameters.
-    pub fn solution(&self) -> (&[f64], &[f64]) {
-        (&self.unknowns, &self.point.parameters)
-    }
+/// A branch point that a curve leaves, along a tangent that is not that of the branch which leads to it.
+pub(super) struct Departure {
+    pub unknowns: Vec<f64>,
+    /// Of scaled length 1, both.
+    pub tangent: Vec<f64>,
+    pub parent: Vec<f64>,
 }
 
 /// The curve, the scales on it, and the events looked for.
@@ -68,9 +66,6 @@ const BEYOND: f64 = 1e-9;
 
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
 pub(super) const AT_START: f64 = 1e-6;
-
-/// A level nearer than this to where a curve is born, in scaled arclength, is where it is born.
-const AT_BIRTH: f64 = 1e-2;
 
 /// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
@@ -189,67 +184,16 @@ impl Stepper<'_> {
     /// The tangent, of scaled length 1, from the matrix factored last with the closing equation last.
     pub fn tangent(&mut self, tangent: &mut [f64]) {
         self.equations.tangent(tangent);
-        let size = scaled_norm(tangent, &self.weights);
-        tangent.iter_mut().for_each(|t| *t /= size);
-    }
-
-    /// Where a branch of periodic orbits is born a multiplier is 1 but for rounding: its stability there is
-    /// not reported, nor is a change of it in the first step.
-    pub fn forget_stability_at(&self, start: &mut Place) {
-        start.point.unstable = None;
-        for (test, event) in start.tests.iter_mut().zip(&self.events) {
-            if event.test.needs_eigenvalues() {
-                *test = Some(0.0);
-            }
-        }
-    }
-
-    /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
-    /// how fast each level's test function grows along the curve at the start.
-    ///
-    /// A curve that is born on a level misses it by as much as the discretisation errs.
-    pub fn forget_levels_at(&mut self, start: &mut Place, from: &Start) -> Vec<f64> {
-        let born = matches!(from, Start::Birth { .. });
-        let vertical = matches!(from, Start::Birth { along: Some(_) });
-        let near = if born { AT_BIRTH } else { AT_START };
-        let mut slopes = vec![0.0; self.events.len()];
-        for i in 0..self.events.len() {
-            if born && self.events[i].test == Test::Itinerary {
-                // What the events of legs of no length lead to is decided by rounding.
-                start.tests[i] = None;
-            }
-            let Some((quantity, level)) = self.events[i].test.level() else { continue };
-            slopes[i] = self.slope_of(quantity, start).unwrap_or_default();
-            let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
-            if let (true, Kind::G, Quantity::Monitor(m)) = (vertical, self.events[i].kind, quantity)
-            {
-                // Where it vanishes to second order its sign and that of its slope are rounding: the first step tells.
-                let p = &start.point.parameters;
-                let zero = VANISHES * self.equations.system().grazing_scale(m, p);
-                if start.tests[i].is_some_and(|test| test.abs() <= zero) {
-                    (rounding, slopes[i]) = (zero, 0.0);
-                }
-            }
-            if start.tests[i].is_some_and(|test| test.abs() <= rounding) {
-                start.tests[i] = Some(0.0);
-            }
-        }
-        slopes
+        self.rescale(tangent);
     }
 
     /// How fast a parameter or a monitor grows along the curve; `None` where it is not differentiable.
     pub fn slope_of(&mut self, quantity: Quantity, place: &Place) -> Option<f64> {
-        let n = self.equations.dimension();
-        let first = self.equations.parameters_at();
+        let direction = self.equations.direction_of(&place.tangent);
         self.equations.load(&place.unknowns);
         let At { system, x, released } = self.equations.at();
-        let mut direction = vec![0.0; x.len()];
-        direction[..n].copy_from_slice(&place.tangent[..n]);
-        for (&p, slope) in released.iter().zip(&place.tangent[first..]) {
-            direction[n + p] = *slope;
-        }
         match quantity {
-            Quantity::Parameter(p) => Some(direction[n + p]),
+            Quantity::Parameter(p) => Some(direction[system.names().dimension() + p]),
             Quantity::Monitor(m) if m >= system.names().monitors.len() => None,
             Quantity::Monitor(m) => {
                 let mut gradient = vec![0.0; x.len()];

@@ -1,11 +1,29 @@
 //! A branch point by point, while it is traced.
 
-use super::halves::Half;
+use super::branch::{Half, Traced};
 use super::metric::Metric;
 use super::run::{Tracer, Walk};
-use super::traced::Traced;
-use super::{Branch, End, Observer, Settings, SpecialPoint};
+use super::{Branch, End, Point, Settings, SpecialPoint};
+use crate::core::solution::Solution;
 use std::mem::replace;
+use std::ops::ControlFlow;
+
+/// Sees a branch while it is traced: to print, to show progress, to interrupt.
+pub trait Observer {
+    /// A branch begins; its names are known, its points are not.
+    fn begin(&mut self, _branch: &Branch) {}
+
+    /// A point was reached, the start first. `Break` ends the trace; what there is of the branch is kept.
+    fn point(&mut self, _point: &Point) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// A special point was found. Labels are final only when the branch is complete.
+    fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
+}
+
+/// An observer that sees nothing.
+impl Observer for () {}
 
 /// A branch while it is traced: an iterator over its points and special points as they are found, the start first, then one
 /// half from there, then the other one. What is not asked for is not computed.
@@ -29,8 +47,8 @@ use std::mem::replace;
 pub struct Steps<'a> {
     tracer: Tracer<'a>,
     stage: Stage,
-    /// The mesh and the scales at the start, to which the second half returns.
-    home: (Vec<f64>, Metric),
+    /// The start on its mesh, and the scales there, to which the second half returns.
+    home: (Solution, Metric),
     /// Marks that the start lies on.
     marked: Vec<SpecialPoint>,
     behind: Option<Half>,
@@ -69,8 +87,8 @@ impl Iterator for Steps<'_> {
 
 impl<'a> Steps<'a> {
     pub(super) fn new(mut tracer: Tracer<'a>) -> Self {
-        let mesh = tracer.stepper.equations.system().mesh();
-        let home = (mesh, tracer.stepper.metric.clone());
+        let start = tracer.stepper.solution_at(&tracer.start);
+        let home = (start, tracer.stepper.metric.clone());
         Steps { tracer, stage: Stage::Start, home, marked: Vec::new(), behind: None, ahead: None }
     }
 
@@ -101,8 +119,8 @@ impl<'a> Steps<'a> {
     pub fn finish(mut self) -> Branch {
         self.interrupt();
         let start = self.tracer.start.point.clone();
-        let nothing = || Half { points: Vec::new(), special: Vec::new(), end: End::Interrupted };
-        let [behind, ahead] = [self.behind, self.ahead].map(|half| half.unwrap_or_else(nothing));
+        let known = |half: Option<Half>| half.unwrap_or_else(|| Half::new(End::Interrupted));
+        let [behind, ahead] = [self.behind, self.ahead].map(known);
         let ahead = Half { special: [self.marked, ahead.special].concat(), ..ahead };
         behind.join(start, ahead, self.tracer.branch)
     }
@@ -177,8 +195,8 @@ impl<'a> Steps<'a> {
             return;
         }
         let mut start = self.tracer.start.clone();
-        let (mesh, metric) = self.home.clone();
-        self.tracer.return_to(&start, mesh, metric);
+        let (home, metric) = &self.home;
+        self.tracer.return_to(&start, home, metric.clone());
         if closed || end == End::Interrupted {
             self.behind = Some(self.tracer.no_half(end));
         } else {

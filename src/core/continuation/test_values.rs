@@ -1,12 +1,11 @@
 //! Values of test functions at points of a curve.
 
 use super::Point;
-use super::event::Tested;
 use super::stepper::{Place, Stepper};
-use crate::core::condition::{At, Failure};
+use crate::core::condition::{At, Failure, Quantity};
 use crate::core::function::TestPoint;
 use crate::core::motion::Stability;
-use crate::core::test_function::{Known, Test};
+use crate::core::test_function::Test;
 use crate::core::zero::Spectrum;
 
 /// Whether a sign changes.
@@ -33,46 +32,33 @@ impl Stepper<'_> {
         let leads = self.leads()?;
         let system = self.equations.system();
         let (dynamics, orientation) = (system.dynamics(), system.orientation());
-        let stability = |all: &Spectrum| Stability::of(dynamics, all).oriented(orientation);
-        let mut known = Known {
-            slope: tangent[first],
-            determinant,
-            stability: spectrum.map(stability),
-            parameters: &point.parameters,
-            monitors: &point.monitors,
-            own: &unknowns[n..first],
-            amplitude: self.amplitude(unknowns),
-            given: None,
-        };
-        let mut value = [0.0];
+        let stability = spectrum.map(|all| Stability::of(dynamics, all).oriented(orientation));
+        let amplitude = self.amplitude(unknowns);
         let mut tests = Vec::with_capacity(self.events.len());
         for (event, tested) in self.events.iter().zip(&mut self.tested) {
-            known.given = match tested {
-                Some(tested) if !tested.stated => {
-                    // It is detected from the next point on; a failure here is none of the branch's.
-                    let _ = tested.state(self.equations.at());
-                    None
+            tests.push(match event.test {
+                Test::Fold => Some(tangent[first]),
+                Test::BranchPoint => Some(determinant),
+                Test::Hopf => stability.map(|stability| stability.oscillation),
+                Test::PeriodDoubling => stability.map(|stability| stability.doubling),
+                Test::Level(Quantity::Parameter(p), level) => Some(point.parameters[p] - level),
+                Test::Level(Quantity::Monitor(m), level) => {
+                    Some(point.monitors[m] - level).filter(|value| !value.is_nan())
                 }
-                Some(Tested { condition, .. }) => {
-                    match condition.values(self.equations.at(), &[], &mut value) {
-                        // What a condition is stated for is not known here.
-                        Err(Failure::Undetermined(_)) => None,
-                        outcome => {
-                            outcome?;
-                            condition.adapt();
-                            Some(value[0])
-                        }
-                    }
-                }
-                None if event.test == Test::Itinerary => leads,
-                None => event.value(&TestPoint {
+                Test::Own { unknown, level } => Some(unknowns[n + unknown] - level),
+                Test::Amplitude => amplitude,
+                Test::Itinerary => leads,
+                Test::Condition => match tested {
+                    Some(tested) => tested.value(self.equations.at())?,
+                    None => None,
+                },
+                Test::Function => event.value(&TestPoint {
                     state: &self.equations.at().x[..n],
                     parameters: &point.parameters,
                     monitors: &point.monitors,
                     eigenvalues: spectrum.map_or(&[], |all| all),
                 }),
-            };
-            tests.push(event.test.value(&known));
+            });
         }
         Ok(tests)
     }

@@ -2,7 +2,7 @@
 
 use super::event::{Event, MakeCondition};
 use super::steps::Steps;
-use super::{Branch, Kind, Observer, Settings, TraceError};
+use super::{Branch, Kind, Settings, TraceError};
 use crate::core::function::Attached;
 use crate::core::solution::Solution;
 use crate::core::system_ref::SystemRef;
@@ -47,6 +47,7 @@ pub struct Continuation<'a> {
 }
 
 /// The point that a curve starts from.
+#[derive(Default)]
 pub(super) struct Origin {
     /// The saved solution that the branch starts from, at a restart.
     pub solution: Option<Solution>,
@@ -56,23 +57,10 @@ pub(super) struct Origin {
     pub kind: Option<Kind>,
     /// The error of its parameter.
     pub error: f64,
-    /// How many eigenvalues vanish at the branch point.
+    /// How many eigenvalues vanish at the branch point; 0 where that is not known.
     pub multiplicity: usize,
     /// Which of the branches that cross there is taken, if the branch point is left along another one.
     pub switch: Option<usize>,
-}
-
-impl Default for Origin {
-    fn default() -> Self {
-        Origin {
-            solution: None,
-            condition: None,
-            kind: None,
-            error: 0.0,
-            multiplicity: 1,
-            switch: None,
-        }
-    }
 }
 
 impl<'a> Continuation<'a> {
@@ -317,18 +305,10 @@ impl<'a> Continuation<'a> {
     /// [`TraceError`] if it cannot begin. Whatever happens later ends the branch with a reason
     /// ([`Branch::ends`]) and keeps what there is.
     pub fn trace(self) -> Result<Branch, TraceError> {
-        self.trace_with(&mut ())
+        Ok(self.steps()?.run(&mut ()))
     }
 
-    /// Traces the curve under the eyes of an observer.
-    ///
-    /// # Errors
-    /// As [`trace`](Continuation::trace).
-    pub fn trace_with(self, observer: &mut dyn Observer) -> Result<Branch, TraceError> {
-        Ok(self.steps()?.run(observer))
-    }
-
-    /// Begins to trace the curve, point by point.
+    /// Begins to trace the curve, point by point, or under the eyes of an observer ([`Steps::run`]).
     ///
     /// # Errors
     /// As [`trace`](Continuation::trace).

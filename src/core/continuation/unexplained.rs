@@ -1,7 +1,6 @@
 //! Changes of stability that no event explains: several eigenvalues that pass at one point, as symmetries make them do,
 //! or points of a kind that was not looked for.
 
-use super::describe::Described;
 use super::found::{Found, Located};
 use super::stepper::{Place, Step, Stepper};
 use super::test_values::turns;
@@ -82,16 +81,9 @@ impl Stepper<'_> {
         let profiles = self.profiles();
         let parameter = self.equations.parameters_at();
         let bracket = [from, &step.place].map(|place| place.unknowns[parameter]);
-        let special = self.special(Described {
-            kind: Kind::ND,
-            event: "eigenvalues pass, and no event explains it",
-            point,
-            spectrum: &[],
-            unknowns: &unknowns,
-            tangent: &from.tangent,
-            profiles,
-        });
-        let special = SpecialPoint { error, bracket, converged: false, ..special };
+        let event = "eigenvalues pass, and no event explains it";
+        let special = self.special(Kind::ND, event, point, &[], (&unknowns, &from.tangent));
+        let special = SpecialPoint { error, bracket, converged: false, profiles, ..special };
         Some(Located { event: None, along, special })
     }
 
@@ -175,15 +167,8 @@ impl Stepper<'_> {
         let tangent: Vec<f64> =
             from.tangent.iter().zip(&to.tangent).map(|(a, b)| 0.5 * (a + b)).collect();
         let profiles = self.profiles();
-        Some(self.special(Described {
-            kind,
-            event: &event,
-            point,
-            spectrum: &spectrum,
-            unknowns,
-            tangent: &tangent,
-            profiles,
-        }))
+        let special = self.special(kind, &event, point, &spectrum, (unknowns, &tangent));
+        Some(SpecialPoint { profiles, ..special })
     }
 }
 

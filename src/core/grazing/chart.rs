@@ -1,9 +1,8 @@
 //! Motion near a grazing point on jets.
 
 use super::error::GrazingError;
-use super::point::GrazingPoint;
+use super::point::{GrazingPoint, Surface};
 use super::section::{Coordinate, Section, unit_of_phase};
-use super::surface::Surface;
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, Scheme, Settings};
 use crate::core::hybrid::{
@@ -174,20 +173,8 @@ where
         self.source.section.coordinates.iter().map(deviation).collect()
     }
 
-    /// Moves a place on for a real time.
-    pub fn follow(&mut self, place: &mut Place<Jet<C>>, duration: f64) -> Result<(), GrazingError> {
-        if duration == 0.0 {
-            return Ok(());
-        }
-        self.advance(place, duration.into(), true)
-    }
-
-    /// Moves a place on for a time with nearly no real part.
-    pub fn shift(&mut self, place: &mut Place<Jet<C>>, time: Jet<C>) -> Result<(), GrazingError> {
-        self.advance(place, time, false)
-    }
-
-    fn advance(
+    /// Moves a place on for a time, a `long` one or one with nearly no real part.
+    pub fn advance(
         &mut self,
         place: &mut Place<Jet<C>>,
         duration: Jet<C>,
@@ -213,7 +200,7 @@ where
         for _ in 0..ROUNDS {
             let moving = surface.moving(self.at(place));
             let step = -moving.re / moving.eps;
-            self.shift(place, step)?;
+            self.advance(place, step, false)?;
             last = step.size();
             largest = last.max(largest);
             if last <= ROUNDING * largest {

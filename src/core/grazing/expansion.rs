@@ -245,10 +245,7 @@ impl LocalMap {
         let terms = |series: &Series, count: usize| -> Vec<f64> {
             (1..=count).map(|k| series.coefficient(&[k as u8])).collect()
         };
-        Ok(Expansion {
-            kind,
-            parameter: terms(&u[n], order),
-            depth: terms(&u[self.normal()], order - 1),
-        })
+        let (parameter, depth) = (terms(&u[n], order), terms(&u[self.normal()], order - 1));
+        Ok(Expansion { kind, parameter, depth })
     }
 }

@@ -6,9 +6,8 @@ use super::point::GrazingPoint;
 use super::section::{Coordinate, Section, unit_of_phase};
 use crate::core::hybrid::{HybridEquations, guard_scale};
 use crate::core::jet::Polynomial;
-use crate::core::linear::BorderedLu;
+use crate::core::linear::{solved, unit};
 use crate::core::names::position;
-use crate::core::zero::Border;
 
 /// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of the scales.
 const ITERATIONS: usize = 12;
@@ -77,7 +76,7 @@ impl GrazingPoint {
         let parts = missed.iter().zip(sizes).map(|(missed, size)| missed.abs() / size);
         let residual = parts.fold(0.0, f64::max);
         let entry = |i: usize, j: usize| {
-            rows[i].coefficients()[1 + j] - f64::from(u8::from(i == j && i < n))
+            rows[i].coefficients()[1 + j] - if i < n { unit(i, j) } else { 0.0 }
         };
         let change = solved(n + 1, entry, |i| missed[i])?;
         let before = unit_of_phase(system, &self.p);
@@ -97,18 +96,4 @@ impl GrazingPoint {
         }
         Ok(residual)
     }
-}
-
-/// Solves `A x = b` for a matrix given by its entries.
-pub(super) fn solved(
-    n: usize,
-    entry: impl Fn(usize, usize) -> f64,
-    right: impl Fn(usize) -> f64,
-) -> Result<Vec<f64>, GrazingError> {
-    let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
-    let mut x: Vec<f64> = (0..n).map(right).collect();
-    let mut lu = BorderedLu::default();
-    lu.factor(&matrix, Border::NONE)?;
-    lu.solve(&mut x);
-    Ok(x)
 }

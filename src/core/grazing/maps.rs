@@ -2,8 +2,7 @@
 
 use super::chart::{Chart, Place, REACHED, Source};
 use super::error::GrazingError;
-use super::point::TOUCHES;
-use super::surface::Surface;
+use super::point::{Surface, TOUCHES};
 use crate::core::hybrid::{EventNumber, FieldNumber, GuardNumber};
 use crate::core::jet::{Jet, Polynomial};
 use crate::core::scalar::Scalar;
@@ -85,7 +84,9 @@ where
         let penetration = -Surface::Guard(point.guard).value(self.at(&place));
         let legs = &point.legs;
         for (k, (leg, duration)) in legs.iter().enumerate() {
-            self.follow(&mut place, *duration)?;
+            if *duration != 0.0 {
+                self.advance(&mut place, (*duration).into(), true)?;
+            }
             match (legs.get(k + 1), leg.exit) {
                 (Some((next, _)), Some(guard)) => {
                     self.land(&mut place, Surface::Guard(guard))?;
@@ -189,14 +190,14 @@ where
         // Each iteration doubles the degree that is right.
         for _ in 0..=order.ilog2() + 2 {
             place.clone_from(&start);
-            self.shift(place, y * sigma)?;
+            self.advance(place, y * sigma, false)?;
             let h = Surface::Guard(guard).moving(self.at(place));
             let (g, slope) = (h.re.divided_by(normal).divided_by(normal), h.eps.divided_by(normal));
             sigma -= g / slope / self.source.depth();
             largest = largest.max(h.re.size());
         }
         place.clone_from(&start);
-        self.shift(place, y * sigma)?;
+        self.advance(place, y * sigma, false)?;
         // What is no multiple of y² has not been looked at.
         let left = Surface::Guard(guard).value(self.at(place)).size();
         if left <= REACHED * largest {

@@ -32,8 +32,6 @@ mod orbit;
 mod point;
 mod scenario;
 mod section;
-mod surface;
-mod table;
 mod touch;
 
 pub use chart::MapSettings;
@@ -45,4 +43,3 @@ pub use map::{LocalMap, PHASE};
 pub use orbit::LocalOrbit;
 pub use point::GrazingPoint;
 pub use scenario::{Classification, Scenario};
-pub use section::Coordinate;

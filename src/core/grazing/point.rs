@@ -1,10 +1,12 @@
-//! Where an orbit touches a guard.
+//! Where an orbit touches a guard, and the surfaces there.
 
 use super::error::GrazingError;
-use super::surface::Surface;
 use crate::core::field::Forcing;
-use crate::core::hybrid::{HybridEquations, Moment, guard_scale, time_scale};
+use crate::core::hybrid::{
+    FieldNumber, GuardNumber, HybridEquations, Moment, guard_scale, time_scale,
+};
 use crate::core::orbit::Leg;
+use num_dual::Dual;
 
 /// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
 pub(super) const TOUCHES: f64 = 1e-8;
@@ -97,5 +99,46 @@ impl GrazingPoint {
         fits(p == parameters, &|| format!("it has {p} parameters, the system {parameters}"))?;
         let first = self.legs.first().map(|(leg, _)| leg.mode);
         fits(first == Some(self.mode), &|| "its first leg is in another mode".into())
+    }
+}
+
+/// A surface in time and state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Surface {
+    /// Where a guard vanishes.
+    Guard(usize),
+    /// Where its rate along the motion does.
+    Turning(usize),
+}
+
+impl Surface {
+    /// The function that vanishes there.
+    pub fn value<T: FieldNumber + GuardNumber>(self, at: Moment<T>) -> T
+    where
+        Dual<T>: GuardNumber,
+    {
+        match self {
+            Surface::Guard(guard) => at.guard(guard),
+            Surface::Turning(guard) => at.rate(guard),
+        }
+    }
+
+    /// The function with its rate along the motion.
+    pub fn moving<T: FieldNumber>(self, at: Moment<T>) -> Dual<T>
+    where
+        Dual<T>: FieldNumber + GuardNumber,
+        Dual<Dual<T>>: GuardNumber,
+    {
+        at.along(|moving| self.value(moving))
+    }
+
+    /// Its name, given those of the guards.
+    pub fn name(self, system: &dyn HybridEquations) -> String {
+        let (Surface::Guard(guard) | Surface::Turning(guard)) = self;
+        let name = &system.guards()[guard].name;
+        match self {
+            Surface::Guard(_) => format!("the event `{name}`"),
+            Surface::Turning(_) => format!("the section where guard `{name}` is least"),
+        }
     }
 }

@@ -17,10 +17,9 @@
 //! is that of `y²` then, and the multipliers of the orbit with the event are those of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
-use super::locate::solved;
 use super::map::LocalMap;
 use crate::core::jet::Polynomial;
-use crate::core::linear::multipliers;
+use crate::core::linear::{multipliers, solved, unit};
 use crate::core::names::position;
 use crate::core::zero::Spectrum;
 use std::fmt::{Display, Formatter};
@@ -121,7 +120,6 @@ impl LocalMap {
             false => slope(polynomial, j),
         };
         let jump = |i: usize, j: usize| regular(&self.discontinuity()[i], j);
-        let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
         // ∂(image, virtual point)/∂ z or p.
         let image = |i: usize, j: usize| -> f64 {
             let direct = if j < n { 0.0 } else { smooth(i, j) };

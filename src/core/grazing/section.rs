@@ -1,15 +1,14 @@
 //! The section, and coordinates on it.
 
 use super::error::GrazingError;
-use super::point::GrazingPoint;
-use super::surface::Surface;
+use super::point::{GrazingPoint, Surface};
 use crate::core::field::Forcing;
 use crate::core::hybrid::{EventNumber, HybridEquations, Moment};
 use num_dual::Dual64;
 
 /// A coordinate on the section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coordinate {
+pub(super) enum Coordinate {
     /// A state of the touched mode, by number.
     State(usize),
     /// The phase of the forcing.

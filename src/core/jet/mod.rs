@@ -25,4 +25,4 @@ mod taylor;
 
 pub use number::Jet;
 pub use polynomial::{Monomials, Polynomial};
-pub use space::{JetError, MOST_ORDER, Space};
+pub use space::{JetError, Space};

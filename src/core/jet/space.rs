@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// The highest order of a jet. Flows by the method of order 8 are exact for times without a real part up to
 /// it.
-pub const MOST_ORDER: usize = 8;
+pub(super) const MOST_ORDER: usize = 8;
 
 /// The largest number of coefficients of a jet.
 const MOST_COEFFICIENTS: usize = 1024;
@@ -165,7 +165,7 @@ impl Space {
     }
 
     /// The positions of the monomials of one degree (none beyond the order).
-    pub fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
+    pub(super) fn of_degree(&self, degree: usize) -> std::ops::Range<usize> {
         match self.degrees.get(degree..degree + 2) {
             Some(ends) => ends[0]..ends[1],
             None => self.len()..self.len(),

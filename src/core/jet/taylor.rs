@@ -57,29 +57,24 @@ pub(super) fn ln(value: f64, a: f64) -> Series {
     integral(value, &power(a.recip(), a, -1.0))
 }
 
+/// The series of a function whose derivatives repeat these values.
+fn cycle<const P: usize>(values: [f64; P]) -> Series {
+    let mut factorial = 1.0;
+    std::array::from_fn(|k| {
+        factorial *= k.max(1) as f64;
+        values[k % P] / factorial
+    })
+}
+
 /// `sin a`, whose derivatives are those of a rotation, and `cos a`.
 pub(super) fn sin_cos(a: f64) -> [Series; 2] {
     let (sin, cos) = a.sin_cos();
-    let cycle = |first: [f64; 4]| {
-        let mut factorial = 1.0;
-        std::array::from_fn(|k| {
-            factorial *= k.max(1) as f64;
-            first[k % 4] / factorial
-        })
-    };
     [cycle([sin, cos, -sin, -cos]), cycle([cos, -sin, -cos, sin])]
 }
 
 /// `sinh a` and `cosh a`.
 pub(super) fn sinh_cosh(a: f64) -> [Series; 2] {
     let (sinh, cosh) = (a.sinh(), a.cosh());
-    let cycle = |first: [f64; 2]| {
-        let mut factorial = 1.0;
-        std::array::from_fn(|k| {
-            factorial *= k.max(1) as f64;
-            first[k % 2] / factorial
-        })
-    };
     [cycle([sinh, cosh]), cycle([cosh, sinh])]
 }
 
@@ -97,19 +92,14 @@ pub(super) fn of_value(value: f64, mut f: Series) -> Series {
     f
 }
 
-/// A function at `a` with the derivative `factor · (c + s x²)ʳ`, given its value.
+/// A function at `a` with the derivative `factor · (c + s x²)ʳ`, given its value: all inverse functions of circle and
+/// hyperbola are such functions.
 pub(super) fn inverse(value: f64, a: f64, factor: f64, [c, s, r]: [f64; 3]) -> Series {
-    let series = integral_of_power(0.0, [c + s * a * a, 2.0 * s * a, s], r);
-    of_value(value, series.map(|f| f * factor))
-}
-
-/// An integral, given its value, of `(p₀ + p₁ ε + p₂ ε²)ʳ`: all inverse functions of circle and hyperbola are
-/// such integrals.
-fn integral_of_power(value: f64, p: [f64; 3], r: f64) -> Series {
-    let root = continued(p[0].powf(r), |k, b| {
+    let p = [c + s * a * a, 2.0 * s * a, s];
+    let slope = continued(p[0].powf(r), |k, b| {
         let term = |j: usize| (r * j as f64 - (k + 1 - j) as f64) * p[j] * b[k + 1 - j];
         let second = if k == 0 { 0.0 } else { term(2) };
         (term(1) + second) / ((k + 1) as f64 * p[0])
     });
-    integral(value, &root)
+    of_value(value, integral(0.0, &slope).map(|f| f * factor))
 }

@@ -5,6 +5,7 @@ use crate::core::failure::Failure;
 use crate::core::zero::Border;
 use faer::c64;
 use std::any::Any;
+use std::ops::{Deref, DerefMut};
 
 /// A factored matrix within its border, as a [`System`](crate::core::zero::System) makes it.
 ///
@@ -49,25 +50,19 @@ impl Factors {
         let factors: &mut dyn Any = &mut *self.0;
         factors.downcast_mut().unwrap_or_else(|| unreachable!("the type was checked above"))
     }
+}
 
-    /// Solves with the matrix, in place.
-    pub fn solve(&mut self, right: &mut [f64]) {
-        self.0.solve(right);
+impl Deref for Factors {
+    type Target = dyn Factorisation;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
     }
+}
 
-    /// Solves with the transposed matrix, or the conjugate transposed one, in place.
-    pub fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.0.solve_transposed(right);
-    }
-
-    /// The sign of the determinant, −1 or 1; 1 for complex matrices.
-    pub fn determinant_sign(&self) -> f64 {
-        self.0.determinant_sign()
-    }
-
-    /// The derivative of a complex matrix by `ω`, without its border, times `v`; zero for real matrices.
-    pub fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
-        self.0.frequency_derivative(v, out);
+impl DerefMut for Factors {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut *self.0
     }
 }
 

@@ -287,6 +287,27 @@ impl<E: Entry> BorderedLu<E> {
     }
 }
 
+/// Solves `A x = b` for a matrix given by its entries.
+pub(in crate::core) fn solved(
+    n: usize,
+    entry: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize) -> f64,
+) -> Result<Vec<f64>, Failure> {
+    let matrix: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
+    let mut x: Vec<f64> = (0..n).map(right).collect();
+    if n > 0 {
+        let mut lu = BorderedLu::default();
+        lu.factor(&matrix, Border::NONE)?;
+        lu.solve(&mut x);
+    }
+    Ok(x)
+}
+
+/// An entry of the identity.
+pub(in crate::core) fn unit(i: usize, j: usize) -> f64 {
+    if i == j { 1.0 } else { 0.0 }
+}
+
 fn inverse_power_of_two(largest: f64) -> f64 {
     if largest > 0.0 && largest.is_finite() { (-largest.log2().round()).exp2() } else { 1.0 }
 }

@@ -10,5 +10,6 @@ pub use chain::Chain;
 pub(crate) use factors::ShiftedLu;
 pub use factors::{Factorisation, Factors};
 pub use lu::BorderedLu;
+pub(in crate::core) use lu::{solved, unit};
 pub use pencil::multipliers;
 pub(in crate::core) use pencil::undetermined;

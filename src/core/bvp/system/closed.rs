@@ -5,9 +5,8 @@ use super::equations::Discretised;
 use super::layout::Layout;
 use crate::core::bvp::{Legs, Mesh};
 use crate::core::condition::Failure;
-use crate::core::cycles::Cycles;
 use crate::core::interpolation::node_weights;
-use crate::core::solution::Solution;
+use crate::core::solution::{Cycles, Solution};
 use crate::core::vector::largest;
 
 /// How many phases are tried before the best one is refined.

@@ -5,10 +5,9 @@ use super::equations::{Discretised, Work};
 use super::local::{Arguments, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
-use crate::core::cycles::Cycles;
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
-use crate::core::solution::{Adopted, Solution};
+use crate::core::solution::{Adopted, Cycles, Solution};
 use crate::core::zero::{
     self, Across, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
 };
