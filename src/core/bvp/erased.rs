@@ -1,16 +1,18 @@
 //! Boundary-value problems behind one object-safe face.
 //!
-//! Users write a [`BoundaryProblem`](super::BoundaryProblem) generically. Discretisations see it through
+//! Users write a [`BoundaryProblem`] generically. Discretisations see it through
 //! [`Equations`], one scalar at a time, so that they are compiled once and not for every problem. [`Number`]
 //! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
 
+use super::problem::BoundaryProblem;
 use super::terms::{Ends, Legs, Monitor, Return, Watched};
 use super::trajectory::Trajectory;
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::Failure;
+use crate::core::domain::OutOfDomain;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{FieldRef, Fields};
-use crate::core::watch::{WatchIn, Watchable};
+use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
+use crate::core::watch::{Observable, WatchIn, Watchable};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 use std::any::Any;
 use std::sync::Arc;
@@ -60,117 +62,6 @@ pub trait EndFunctions<T> {
     fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T;
 }
 
-/// A boundary-value problem in the scalars that discretisations need. Every [`BoundaryProblem`](super::BoundaryProblem) is one;
-/// its documentation says what each method means.
-pub trait Equations:
-    Residual<f64>
-    + Residual<Dual64>
-    + Residual<HyperDual64>
-    + Residual<HyperHyperDual64>
-    + Residual<Narrow>
-    + Residual<Chunk>
-    + Residual<Dual<Chunk>>
-    + Residual<Dual2<Chunk>>
-    + Watches<f64>
-    + Watches<Dual64>
-    + Watches<Dual2_64>
-    + Watches<Chunk>
-    + EndFunctions<f64>
-    + EndFunctions<Chunk>
-    + Any
-    + Send
-    + Sync
-{
-    /// The names of the states of each segment.
-    fn segments(&self) -> Vec<Vec<String>>;
-    /// The names of the parameters.
-    fn parameters(&self) -> Vec<String>;
-    /// The names of the further unknown numbers.
-    fn extras(&self) -> Vec<String>;
-    /// The number of integral conditions.
-    fn integrals(&self) -> usize;
-    /// Whether anything moves along segments.
-    fn moves(&self) -> bool;
-    /// Whether a phase condition is needed.
-    fn phase(&self) -> bool;
-    /// Whether segments are the legs of an orbit.
-    fn legs(&self) -> Option<Legs> {
-        None
-    }
-    /// The conditions by which a period leads to the next.
-    fn returns(&self) -> Vec<Return>;
-    /// Positions of the monitors that are positive on admissible solutions.
-    fn grazings(&self) -> Vec<usize>;
-    /// The typical size of such a monitor.
-    fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
-    /// The typical size of a scalar along a segment.
-    fn watch_scale(&self, watched: Watched, q: &[f64]) -> f64;
-    /// The longest step in time, of a flow along a segment, in which nothing that is watched there changes much.
-    fn longest_step(&self, _segment: usize) -> f64 {
-        f64::INFINITY
-    }
-    /// The typical size of the further unknown numbers.
-    fn extra_scale(&self, p: &[f64]) -> f64;
-    /// What is recorded along a branch, by name.
-    fn monitors(&self) -> Vec<(String, Monitor)>;
-    /// The itinerary of the solutions, in words.
-    fn itinerary(&self) -> String;
-    /// The problem whose solutions have a saved itinerary.
-    fn with_itinerary(&self, words: &str) -> Result<Arc<dyn Equations>, Failure>;
-    /// The problem of solutions of two periods, if it is another one.
-    fn doubled(&self) -> Option<Arc<dyn Equations>>;
-    /// The problem of which one duration is as long as several of this, as a mesh that ends there has them, and its numbers from
-    /// those of this one; `None` if there is none.
-    fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
-        None
-    }
-    /// The extras of a solution that begins with a later segment instead, and at a time near that of others that are given;
-    /// `None` if that is no solution of this problem.
-    fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
-        None
-    }
-    /// One of the branches that emanate where a solution touches a surface, counted from 0.
-    fn born_at_grazing(
-        &self,
-        known: &[Trajectory],
-        q: &[f64],
-        which: usize,
-    ) -> Result<Option<Birth>, Failure>;
-    /// What the field calls the point where a monitor of [`grazings`](Self::grazings) vanishes, if it has a name of its own.
-    fn kind_of_grazing(
-        &self,
-        _monitor: usize,
-        _known: &[Trajectory],
-        _q: &[f64],
-    ) -> Option<&'static str> {
-        None
-    }
-    /// The solutions with the event at which a solution that does not pass it touches a surface.
-    fn with_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
-    /// Whether these are linearised otherwise than the one that touches: not where the event changes nothing there.
-    fn touch_matters(&self, _known: &[Trajectory], _q: &[f64]) -> Result<bool, Failure> {
-        Ok(true)
-    }
-    /// The solutions without the event at which a solution that passes it touches a surface.
-    fn without_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
-    /// Whether a monitor of grazings belongs to an event that solutions pass.
-    fn is_of_event(&self, monitor: usize) -> bool;
-    /// Checks that each segment leads to the next one.
-    fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
-}
-
-/// What can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations that are behind their face already.
-pub trait IntoEquations {
-    /// The equations behind their object-safe face.
-    fn into_equations(self) -> Arc<dyn Equations>;
-}
-
-impl IntoEquations for Arc<dyn Equations> {
-    fn into_equations(self) -> Arc<dyn Equations> {
-        self
-    }
-}
-
 /// A scalar in which the residual of any problem can be evaluated.
 pub trait Number: Scalar {
     /// The residual of a problem in this scalar.
@@ -183,8 +74,34 @@ pub trait WatchNumber: Scalar {
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
-macro_rules! numbers {
-    ($($number:ty)*; $($watch:ty)*) => {
+/// Declares [`Equations`]: methods that are those of a [`BoundaryProblem`], and the scalars in which residuals, watched
+/// scalars and functions of the ends are evaluated; and the traits by which generic code selects a scalar.
+macro_rules! equations {
+    (
+        $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
+        residual: $($number:ty)*;
+        watches: $($watch:ty)*;
+        ends: $($end:ty)*;
+        further: { $($further:tt)* }
+    ) => {
+        /// A boundary-value problem in the scalars that discretisations need. Every [`BoundaryProblem`] is one; its
+        /// documentation says what each method means.
+        pub trait Equations:
+            $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
+        {
+            $(
+                #[doc = concat!("[`BoundaryProblem::", stringify!($name), "`].")]
+                fn $name(&self, $($argument: $type),*) -> $result;
+            )*
+            $($further)*
+        }
+
+        impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
+            $(fn $name(&self, $($argument: $type),*) -> $result {
+                self.0.$name($($argument),*)
+            })*
+        }
+
         $(impl Number for $number {
             fn residual(problem: &dyn Equations) -> &dyn Residual<Self> {
                 problem
@@ -198,13 +115,145 @@ macro_rules! numbers {
     };
 }
 
-numbers! {
-    f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
-    f64 Dual64 Dual2_64 Chunk
+equations! {
+    fn segments() -> Vec<Vec<String>>;
+    fn parameters() -> Vec<String>;
+    fn extras() -> Vec<String>;
+    fn integrals() -> usize;
+    fn moves() -> bool;
+    fn phase() -> bool;
+    fn returns() -> Vec<Return>;
+    fn grazings() -> Vec<usize>;
+    fn grazing_scale(monitor: usize, p: &[f64]) -> f64;
+    fn watch_scale(watched: Watched, q: &[f64]) -> f64;
+    fn extra_scale(p: &[f64]) -> f64;
+    fn monitors() -> Vec<(String, Monitor)>;
+    fn itinerary() -> String;
+    fn with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
+    fn doubled() -> Option<Arc<dyn Equations>>;
+    fn born_at_grazing(known: &[Trajectory], q: &[f64], which: usize) -> Result<Option<Birth>, Failure>;
+    fn with_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    fn without_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+    fn is_of_event(monitor: usize) -> bool;
+    fn check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
+    residual: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
+    watches: f64 Dual64 Dual2_64 Chunk;
+    ends: f64 Chunk;
+    further: {
+        /// Whether segments are the legs of an orbit.
+        fn legs(&self) -> Option<Legs> {
+            None
+        }
+        /// The longest step in time, of a flow along a segment, in which nothing that is watched there changes much.
+        fn longest_step(&self, _segment: usize) -> f64 {
+            f64::INFINITY
+        }
+        /// The problem of which one duration is as long as several of this, as a mesh that ends there has them, and its
+        /// numbers from those of this one; `None` if there is none.
+        fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
+            None
+        }
+        /// The extras of a solution that begins with a later segment instead, and at a time near that of others that are
+        /// given; `None` if that is no solution of this problem.
+        fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
+            None
+        }
+        /// The name in the field of the point where a monitor of [`grazings`](Self::grazings) vanishes, if it has one of its
+        /// own.
+        fn kind_of_grazing(
+            &self,
+            _monitor: usize,
+            _known: &[Trajectory],
+            _q: &[f64],
+        ) -> Option<&'static str> {
+            None
+        }
+        /// Whether solutions [with the event](Self::with_touched) are linearised otherwise than the one that touches: not
+        /// where the event changes nothing there.
+        fn touch_matters(&self, _known: &[Trajectory], _q: &[f64]) -> Result<bool, Failure> {
+            Ok(true)
+        }
+    }
+}
+
+/// What can be discretised: a [`BoundaryProblem`], or equations that are behind their face already.
+pub trait IntoEquations {
+    /// The equations behind their object-safe face.
+    fn into_equations(self) -> Arc<dyn Equations>;
+}
+
+impl IntoEquations for Arc<dyn Equations> {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        self
+    }
+}
+
+impl<P: BoundaryProblem + 'static> IntoEquations for P {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        Arc::new(Stated(self))
+    }
+}
+
+/// A problem as its user has stated it.
+struct Stated<P>(P);
+
+impl<P: BoundaryProblem> Domains for Stated<P> {
+    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
+        self.0.domain(index, x, q)
+    }
+
+    fn scales_of(&self, index: usize, q: &[f64]) -> Vec<f64> {
+        self.0.scales(index, q)
+    }
+
+    fn states_of(&self, index: usize) -> Vec<String> {
+        self.0.segments().swap_remove(index)
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Fields<T> for Stated<P> {
+    #[inline]
+    fn field_of(&self, index: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.0.field(index, t, x, q, f);
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
+    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
+        let (fields, wide, start) = (self, Some(self as &dyn Fields<Wide<T>>), T::zero());
+        FieldRef { fields, wide, real: self, index: segment, start, numbers: q.len() }
+    }
+
+    fn duration_in(&self, segment: usize, q: &[T]) -> T {
+        self.0.duration(segment, q)
+    }
+
+    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        self.0.boundary(ends, q, b);
+    }
+
+    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
+        self.0.integrand(segment, t, x, q, g);
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
+    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
+        match observable {
+            Observable::State(i) => x[i],
+            Observable::Function(k) => self.0.watch(k, segment, t, x, q),
+        }
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
+    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        self.0.of_ends(function, ends, q)
+    }
 }
 
 /// A scalar of a problem on one segment, as flows watch it.
-pub(super) struct Watching<'a> {
+pub(in crate::core) struct Watching<'a> {
     pub problem: &'a dyn Equations,
     pub watched: Watched,
     /// Its typical size.

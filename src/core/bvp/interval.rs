@@ -18,6 +18,13 @@ pub struct Span {
     pub end: f64,
 }
 
+impl Span {
+    /// A place between its ends, from 0 to 1.
+    pub(super) fn at(&self, place: f64) -> f64 {
+        self.start + (self.end - self.start) * place
+    }
+}
+
 /// An interval with its data: what its equations are evaluated at.
 #[derive(Clone, Copy)]
 pub struct Interval<'a, T> {
@@ -40,6 +47,11 @@ impl<'a, T: Number> Interval<'a, T> {
     /// The duration of its segment.
     pub fn duration(&self) -> T {
         T::residual(self.problem).duration_in(self.span.segment, self.q)
+    }
+
+    /// The time at a place of it, from 0 to 1.
+    pub(super) fn time(&self, place: f64) -> T {
+        self.duration() * (self.span.start + self.length() * place)
     }
 
     /// The time at which it starts, and its length in time.

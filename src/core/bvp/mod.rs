@@ -13,14 +13,13 @@ mod mesh;
 mod method;
 mod problem;
 mod shooting;
-mod stated;
 mod system;
 mod terms;
 mod trajectory;
 
 pub use collocation::{Collocation, PointsError};
 pub use erased::{Birth, Equations, IntoEquations, Number, Residual};
-pub(in crate::core) use erased::{EndFunctions, WatchNumber, Watches};
+pub(in crate::core) use erased::{EndFunctions, WatchNumber, Watches, Watching};
 pub use error::BoundaryError;
 pub use interval::{Block, Interval, MonitoredFunctions, Span};
 pub use mesh::{Mesh, MeshError};

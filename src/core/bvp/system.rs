@@ -34,6 +34,7 @@ use layout::Layout;
 use linearisation::Linearisation;
 use local::{Numbers, Passes};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
@@ -171,20 +172,11 @@ impl BoundarySystem {
         extras: &[f64],
         mut states: impl FnMut(usize, f64, &mut [f64]),
     ) -> Vec<f64> {
-        let layout = &self.equations.layout;
-        let mut z = vec![0.0; layout.dimension];
-        let places = self.equations.method.places();
-        for (s, j) in layout.intervals() {
-            let (span, n) = (self.equations.span(s, j), layout.segments[s].states);
-            let mut x = vec![0.0; n];
-            for (place, node) in
-                places.iter().zip(layout.order[layout.interval(s, j)].chunks_exact(n))
-            {
-                states(s, span.start + (span.end - span.start) * place, &mut x);
-                node.iter().zip(&x).for_each(|(&z_k, x)| z[z_k] = *x);
-            }
-        }
-        z[layout.values()..].iter_mut().zip(extras).for_each(|(z, extra)| *z = *extra);
+        let Ok(mut z) = self.equations.sampled(extras, |segment, tau, x| {
+            states(segment, tau, x);
+            Ok::<(), Infallible>(())
+        });
+        z.resize(self.equations.layout.dimension, 0.0);
         z
     }
 
@@ -202,14 +194,13 @@ impl BoundarySystem {
         };
         let mut out = vec![0.0; s.states];
         self.plain.load(layout, |i| x[i]);
-        self.loaded_states(segment, tau, &mut out)?;
+        self.equations.value(&mut self.plain, segment, tau, &mut out)?;
         Ok(out)
     }
 
-    /// The same of the solution loaded last.
-    fn loaded_states(&mut self, segment: usize, tau: f64, out: &mut [f64]) -> Result<(), Failure> {
-        let (interval, place) = self.equations.meshes[segment].locate(tau);
-        self.equations.value(&mut self.plain, (segment, interval), place, out)
+    /// The same problem by the same method on other meshes.
+    fn on(&self, meshes: Vec<Mesh>) -> Result<Self, BoundaryError> {
+        BoundarySystem::new(self.problem().clone(), self.equations.method.clone(), meshes)
     }
 
     /// Makes a solution the reference of the phase condition. Without one, it is the first point at which the

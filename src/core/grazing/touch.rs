@@ -4,69 +4,47 @@ use super::error::GrazingError;
 use super::point::GrazingPoint;
 use crate::core::bvp::{BoundarySystem, Trajectory};
 use crate::core::condition::Failure;
-use crate::core::hybrid::{Moment, guard_scale, time_scale};
-use crate::core::orbit::{HybridOrbit, Leg, VANISHES};
+use crate::core::hybrid::Moment;
+use crate::core::orbit::{HybridOrbit, KnownOrbit, Leg};
 use crate::core::solution::Solution;
 use crate::core::zero::Discretised;
 use std::any::Any;
 
-/// An orbit: its problem, its motion on each leg, and its numbers.
-struct Orbit<'a> {
-    problem: &'a HybridOrbit,
-    legs: &'a [Trajectory],
-    q: &'a [f64],
-}
-
-impl Orbit<'_> {
-    /// When the first leg begins (under forcing), and how long each lasts.
-    fn times(&self) -> (f64, &[f64]) {
-        let (_, extras) = self.problem.split(self.q);
-        let legs = self.problem.legs().len();
-        let (begins, durations) = extras.split_at(extras.len().saturating_sub(legs));
-        (begins.first().copied().unwrap_or(0.0), durations)
-    }
-
-    /// The state at the end of a leg.
-    fn end(&self, leg: usize) -> Result<Vec<f64>, GrazingError> {
-        Ok(self.problem.state_on(leg, self.times().1[leg], self.legs, self.q)?)
-    }
-
+impl KnownOrbit<'_> {
     /// The point at which a leg ends by an event without a speed, if it does.
     fn ending(&self, leg: usize) -> Result<Option<GrazingPoint>, GrazingError> {
-        let Leg { mode, exit: Some(guard), accumulates: false } = self.problem.legs()[leg] else {
+        let Leg { mode, exit: Some(guard), accumulates: false } = self.legs()[leg] else {
             return Ok(None);
         };
-        let ((begins, durations), p) = (self.times(), self.problem.split(self.q).0);
+        let (begins, durations, p) = (self.begins(0), self.lengths(), self.p());
         let last = leg + 1 == durations.len();
         // The end of the last leg is the beginning of the first one.
         let time = if last { begins } else { begins + durations[..=leg].iter().sum::<f64>() };
-        let x = self.end(leg)?;
-        let (system, unit) = (self.problem.system(), time_scale(self.problem.system(), p));
-        let slow = VANISHES * guard_scale(system, (guard, mode), (time, &x), p) / unit;
-        if (Moment { system, mode, t: time, x: &x, p }).rate(guard).abs() > slow {
+        let (_, x) = self.end_of(leg)?;
+        if (Moment { system: self.system(), mode, t: time, x: &x, p }).has_speed(guard) {
             return Ok(None);
         }
         let mut legs: Vec<(Leg, f64)> =
-            self.problem.legs().iter().copied().zip(durations.iter().copied()).collect();
+            self.legs().iter().copied().zip(durations.iter().copied()).collect();
         legs.rotate_left(leg + 1);
         let returns = legs.iter().position(|(leg, _)| leg.mode == mode).unwrap_or(0);
-        if legs[..returns].iter().any(|(_, duration)| duration.abs() > VANISHES * unit) {
+        let later = |k: usize| (leg + 1 + k) % self.known.len();
+        if (0..returns).any(|k| self.lasts(later(k))) {
             return Ok(None);
         }
-        let next = (leg + 1 + returns) % self.legs.len();
-        self.problem.unmoved((mode, guard), [&x, self.legs[next].start()], p)?;
+        self.unmoved((mode, guard), [&x, self.known[later(returns)].start()], p)?;
         let following = legs.drain(..returns).map(|(leg, _)| leg).collect();
-        let (p, periods) = (p.to_vec(), self.problem.itinerary().periods);
+        let (p, periods) = (p.to_vec(), self.itinerary().periods);
         Ok(Some(GrazingPoint { guard, mode, time, x, p, following, legs, periods }))
     }
 
     /// The point at which the orbit touches a guard that it does not pass.
     fn touching(&self) -> Result<GrazingPoint, GrazingError> {
-        let birth = self.problem.born(self.legs, self.q, 0)?;
-        let q = [self.problem.split(self.q).0, &birth.extras].concat();
-        let born = Orbit { problem: &birth.problem, legs: &birth.trajectories, q: &q };
+        let birth = self.born(0)?;
+        let q = [self.p(), &birth.extras].concat();
+        let born = birth.problem.known(&birth.trajectories, &q);
         // The orbit that is born ends with the touch.
-        let last = born.problem.legs().len() - 1;
+        let last = born.legs().len() - 1;
         let point = born.ending(last)?.ok_or_else(|| {
             let reason =
                 "the orbit comes near to a guard but does not touch it: locate the grazing (G)";
@@ -85,13 +63,12 @@ impl GrazingPoint {
     pub fn of(orbit: &HybridOrbit, starts: &[f64], q: &[f64]) -> Result<Self, GrazingError> {
         let states = |leg: usize| Trajectory::from(starts[orbit.of_leg(leg)].to_vec());
         let legs: Vec<_> = (0..orbit.legs().len()).map(states).collect();
-        GrazingPoint::on(orbit, &legs, q)
+        GrazingPoint::on(orbit.known(&legs, q))
     }
 
     /// The same from the motion on each leg.
-    fn on(orbit: &HybridOrbit, legs: &[Trajectory], q: &[f64]) -> Result<Self, GrazingError> {
-        let orbit = Orbit { problem: orbit, legs, q };
-        for leg in 0..orbit.problem.legs().len() {
+    fn on(orbit: KnownOrbit) -> Result<Self, GrazingError> {
+        for leg in 0..orbit.legs().len() {
             if let Some(point) = orbit.ending(leg)? {
                 return Ok(point);
             }
@@ -132,6 +109,6 @@ impl GrazingPoint {
             let reason = "the solutions are no orbits of a hybrid system";
             Failure::Unsupported(reason.into())
         })?;
-        GrazingPoint::on(problem, &known.trajectories, &known.q)
+        GrazingPoint::on(problem.known(&known.trajectories, &known.q))
     }
 }

@@ -69,7 +69,7 @@ where
     // A state that has not converged yet may be behind the surface.
     let surface = Surface { system, guard, mode: start.mode, t: start.time };
     if flow.guards[guard].ends(start.mode) {
-        let change = surface.onto(&start.x, p);
+        let change = surface.change(&start.x, p, false);
         start.x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
     }
     let mut found = None;

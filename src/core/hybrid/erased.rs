@@ -205,6 +205,13 @@ impl dyn HybridEquations + '_ {
         T::fields(self).field_of(mode, t, x, p, f);
     }
 
+    /// Typical sizes of all states of a mode.
+    pub(crate) fn sizes_of(&self, mode: usize, p: &[f64]) -> Vec<f64> {
+        let mut sizes = self.scales_of(mode, p);
+        sizes.resize(self.states_of(mode).len(), 1.0);
+        sizes
+    }
+
     /// A state or a monitor in a mode.
     pub fn observe<T: MeasureNumber>(
         &self,

@@ -1,7 +1,7 @@
 //! One mode as a vector field, guards and other scalars as watched functions.
 
 use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
-use super::scales::typical_scale;
+use super::scales::{guard_scale, time_scale, typical_scale};
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
 use crate::core::scalar::Scalar;
@@ -59,6 +59,18 @@ impl<T: GuardNumber> Moment<'_, T> {
     /// The value of a guard.
     pub fn guard(self, guard: usize) -> T {
         self.system.guard(guard, self.mode, self.t, self.x, self.p)
+    }
+}
+
+impl Moment<'_, f64> {
+    /// The scale of a guard.
+    pub fn scale(self, guard: usize) -> f64 {
+        guard_scale(self.system, (guard, self.mode), (self.t, self.x), self.p)
+    }
+
+    /// The scale of the rate of a guard.
+    pub fn usual_rate(self, guard: usize) -> f64 {
+        self.scale(guard) / time_scale(self.system, self.p)
     }
 }
 

@@ -43,6 +43,7 @@ pub use leg::{GuardOf, InMode};
 pub(in crate::core) use leg::{Moment, ScalarOf};
 pub(crate) use measured::check_measures;
 pub(in crate::core) use repetition::{Repetition, StateScales};
+pub(in crate::core) use scales::gradient;
 pub(crate) use scales::{decision_scale, guard_scale, time_scale};
 pub use simulation::{HybridFlow, HybridSettings, HybridState, HybridStatistics};
 pub use system::{Guard, HybridSystem, Mode, Passage, Scales};

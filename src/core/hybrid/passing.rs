@@ -147,7 +147,7 @@ where
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
         let limit = self.series[series].limit();
-        let change = Surface { system: self.system, guard, mode, t: time }.to_rest(limit, p);
+        let change = Surface { system: self.system, guard, mode, t: time }.change(limit, p, true);
         // No more than the rest of the series, which the extrapolation does not know better than that.
         let bounds = limit.iter().zip(&self.event.before).map(|(a, b)| (*a - *b).real().abs());
         let largest = bounds.fold(0.0, f64::max);

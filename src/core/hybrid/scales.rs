@@ -45,11 +45,10 @@ pub(super) fn typical_scale(
     p: &[f64],
     value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
 ) -> f64 {
-    let mut x = system.scales_of(mode, p);
-    if x.is_empty() && time_scale(system, p) == 1.0 {
+    if system.scales_of(mode, p).is_empty() && time_scale(system, p) == 1.0 {
         return 1.0;
     }
-    x.resize(system.states_of(mode).len(), 1.0);
+    let mut x = system.sizes_of(mode, p);
     x.iter_mut().for_each(|x| *x *= 0.5);
     scale_at(system, mode, (0.0, &x), p, value)
 }
@@ -58,7 +57,7 @@ pub(super) fn typical_scale(
 fn scale_at(
     system: &dyn HybridEquations,
     mode: usize,
-    (t, x): (f64, &[f64]),
+    place: (f64, &[f64]),
     p: &[f64],
     value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
 ) -> f64 {
@@ -66,14 +65,25 @@ fn scale_at(
     if time == 1.0 && states.is_empty() {
         return 1.0;
     }
-    states.resize(x.len(), 1.0);
-    let [fixed_x, p] = [x, p].map(|v| v.iter().map(|v| Dual64::from(*v)).collect::<Vec<_>>());
-    let change = |t: Dual64, x: &[Dual64]| value(t, x, &p).eps.abs();
-    let mut scale = time * change(Dual64::from(t).derivative(), &fixed_x);
-    for (i, state) in states.iter().enumerate() {
-        let mut x = fixed_x.clone();
-        x[i] = x[i].derivative();
-        scale += state * change(t.into(), &x);
-    }
+    states.resize(place.1.len(), 1.0);
+    let (by_states, by_time) = gradient(place, p, value);
+    let changes = by_states.iter().zip(&states).map(|(slope, size)| size * slope.abs());
+    let scale = changes.fold(time * by_time.abs(), |sum, change| sum + change);
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
+}
+
+/// The derivatives of a function of time, states and parameters by the states, and by time.
+pub(crate) fn gradient(
+    (t, x): (f64, &[f64]),
+    p: &[f64],
+    value: impl Fn(Dual64, &[Dual64], &[Dual64]) -> Dual64,
+) -> (Vec<f64>, f64) {
+    let [mut x, p] = [x, p].map(|v| v.iter().map(|v| Dual64::from(*v)).collect::<Vec<_>>());
+    let mut by_states = vec![0.0; x.len()];
+    for (i, slope) in by_states.iter_mut().enumerate() {
+        x[i].eps = 1.0;
+        *slope = value(t.into(), &x, &p).eps;
+        x[i].eps = 0.0;
+    }
+    (by_states, value(Dual64::new(t, 1.0), &x, &p).eps)
 }

@@ -2,8 +2,9 @@
 
 use super::erased::{EventNumber, HybridEquations};
 use super::leg::{GuardOf, Moment};
+use super::scales::gradient;
 use crate::core::watch::{WatchIn, Watchable};
-use num_dual::{Dual, Dual64};
+use num_dual::Dual;
 
 /// Newton's iterations with the slopes of real numbers: the first ones give digits, each further one an order of
 /// derivatives.
@@ -25,22 +26,10 @@ impl<'a, T: EventNumber> Surface<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// The change, least in units of the scales, after which a state is at rest on the surface: the guard and its rate
-    /// along the motion vanish, with their derivatives.
-    pub fn to_rest(self, x: &[T], p: &[T]) -> Vec<T> {
-        self.change(x, p, true)
-    }
-
-    /// The change, least in units of the scales, after which a state is on the surface, with its derivatives.
-    pub fn onto(self, x: &[T], p: &[T]) -> Vec<T> {
-        self.change(x, p, false)
-    }
-
-    /// The change after which the guard vanishes, and where asked its rate.
-    fn change(self, x: &[T], p: &[T], and_rate: bool) -> Vec<T> {
-        let mut sizes =
-            self.system.scales_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
-        sizes.resize(x.len(), 1.0);
+    /// The change, least in units of the scales, after which a state is on the surface, with its derivatives, and where
+    /// asked at rest on it: the guard and its rate along the motion vanish.
+    pub fn change(self, x: &[T], p: &[T], at_rest: bool) -> Vec<T> {
+        let sizes = self.system.sizes_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
         let mut rested = x.to_vec();
         for _ in 0..ROUNDS + T::NDERIV {
             let (values, slopes) = (self.values(&rested, p), self.slopes(&rested, p));
@@ -53,7 +42,7 @@ where
                 break;
             }
             let determinant = hh * rr - hr * hr;
-            let shares = match and_rate && determinant > APART * hh * rr {
+            let shares = match at_rest && determinant > APART * hh * rr {
                 true => {
                     let [h, r] = values;
                     [(h * rr - r * hr) / determinant, (r * hh - h * hr) / determinant]
@@ -83,15 +72,10 @@ where
     /// The derivatives of the guard and of its rate by the states.
     fn slopes(self, x: &[T], p: &[T]) -> [Vec<f64>; 2] {
         let Surface { system, guard, mode, t } = self;
-        let real = |values: &[T]| values.iter().map(|v| v.real().into()).collect::<Vec<Dual64>>();
-        let (x, p, t) = (real(x), real(p), t.real().into());
-        let moved = |i: usize| {
-            let mut x = x.clone();
-            x[i].eps = 1.0;
-            let at = Moment { system, mode, t, x: &x, p: &p };
-            (at.guard(guard).eps, at.rate(guard).eps)
-        };
-        let (guards, rates) = (0..x.len()).map(moved).unzip();
-        [guards, rates]
+        let [x, p] = [x, p].map(|v| v.iter().map(T::real).collect::<Vec<f64>>());
+        let place = (t.real(), &x[..]);
+        let values = gradient(place, &p, |t, x, p| system.guard(guard, mode, t, x, p));
+        let rates = gradient(place, &p, |t, x, p| Moment { system, mode, t, x, p }.rate(guard));
+        [values.0, rates.0]
     }
 }

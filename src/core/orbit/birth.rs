@@ -4,15 +4,15 @@
 //! a leg, with legs between that last no time: an impact of no speed, a slip of no length. With those legs
 //! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
 
-use super::departed::{VANISHES, joined_to};
+use super::departed::{VANISHES, join};
 use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
-use crate::core::bvp::{Birth, Residual, Trajectory};
+use super::known::KnownOrbit;
+use crate::core::bvp::{Birth, Residual, Watched, Watching};
 use crate::core::condition::Failure;
 use crate::core::flow::{Extrema, Flow};
-use crate::core::hybrid::{GuardNumber, MeasureNumber, Moment, guard_scale, time_scale};
-use crate::core::watch::{WatchIn, Watchable};
+use crate::core::hybrid::{Moment, time_scale};
 use std::ops::ControlFlow;
 
 /// Where an orbit comes nearest to a guard.
@@ -43,27 +43,6 @@ impl Passed {
     }
 }
 
-/// A guard along a segment.
-struct OnLeg<'a> {
-    orbit: &'a HybridOrbit,
-    leg: usize,
-    guard: usize,
-    /// The size of the guard's typical changes.
-    scale: f64,
-}
-
-impl<T: GuardNumber + MeasureNumber> WatchIn<T> for OnLeg<'_> {
-    fn value_in(&self, t: T, x: &[T], q: &[T]) -> T {
-        self.orbit.function_on(self.leg, self.guard, t, x, q)
-    }
-}
-
-impl Watchable<f64> for OnLeg<'_> {
-    fn size(&self) -> f64 {
-        self.scale
-    }
-}
-
 /// How much sooner than a touch an event comes that shows in which direction a branch leaves, in units of the scale of time.
 const SOONER: f64 = 1e-3;
 /// By how much sooner another one comes, of which the error is smaller by the square of this.
@@ -88,66 +67,52 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     Ok((0..count).map(|touch| touch < MOST_TOUCHES && bits >> touch & 1 == 1).collect())
 }
 
-impl HybridOrbit {
+impl KnownOrbit<'_> {
     /// The orbits that are born where this one touches guards: first those that pass all of them, then those that pass some, in the
     /// order of [`selection`]. They begin after the nearest touch.
-    pub(in crate::core) fn born(
-        &self,
-        known: &[Trajectory],
-        q: &[f64],
-        which: usize,
-    ) -> Result<Birth<Self>, Failure> {
-        let (mut touches, mut passed) = self.touched(known, q)?;
+    pub fn born(&self, which: usize) -> Result<Birth<HybridOrbit>, Failure> {
+        let (mut touches, mut passed) = self.touched()?;
         let mut selected = selection(touches.len(), which)?.into_iter();
         (touches, passed) =
             touches.into_iter().zip(passed).filter(|_| selected.next() == Some(true)).unzip();
         let pairs = touches.iter().zip(&passed);
-        let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed, known, q));
+        let sooner = pairs.map(|(touch, passed)| self.passed_sooner(touch, passed));
         let sooner: Option<Vec<Passed>> = sooner.collect();
-        let birth = self.with_passed(passed, known, q);
-        let beside = sooner.map(|passed| self.with_passed(passed, known, q));
+        let birth = self.with_passed(passed);
+        let beside = sooner.map(|passed| self.with_passed(passed));
         let beside = beside.map(|beside| (beside.trajectories, beside.extras));
         Ok(Birth { beside, ..birth })
     }
 
-    /// The same without a neighbour.
-    pub(super) fn with_touches(
-        &self,
-        known: &[Trajectory],
-        q: &[f64],
-    ) -> Result<Birth<Self>, Failure> {
-        let (_, passed) = self.touched(known, q)?;
-        Ok(self.with_passed(passed, known, q))
+    /// The orbits that pass all touches, without a neighbour.
+    pub(super) fn with_touches(&self) -> Result<Birth<HybridOrbit>, Failure> {
+        Ok(self.with_passed(self.touched()?.1))
     }
 
     /// Where the orbit touches guards, and these touches as events.
-    fn touched(
-        &self,
-        known: &[Trajectory],
-        q: &[f64],
-    ) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
-        let touches = self.touches(known, q)?;
-        let passed = touches.iter().map(|touch| self.passed(touch, q)).collect::<Result<_, _>>()?;
+    fn touched(&self) -> Result<(Vec<Touch>, Vec<Passed>), Failure> {
+        let touches = self.touches()?;
+        let passed = touches.iter().map(|touch| self.passed(touch)).collect::<Result<_, _>>()?;
         Ok((touches, passed))
     }
 
     /// This orbit with the legs of what it passes, of which there is one at least.
-    fn with_passed(&self, passed: Vec<Passed>, known: &[Trajectory], q: &[f64]) -> Birth<Self> {
+    fn with_passed(&self, passed: Vec<Passed>) -> Birth<HybridOrbit> {
         let legs = self.legs();
         let nearest = passed.iter().map(|it| it.distance).fold(f64::INFINITY, f64::min);
         let (mut all, mut first, mut begins) = (Vec::<Lasting>::new(), None, 0.0);
-        for leg in 0..legs.len() {
-            let (mut begin, mut since, motion) = (known[leg].start().to_vec(), 0.0, &known[leg]);
+        for (leg, motion) in self.known.iter().enumerate() {
+            let (mut begin, mut since) = (motion.start().to_vec(), 0.0);
             for it in passed.iter().filter(|it| it.leg == leg) {
                 let part = motion.part(begin, since..it.since);
                 all.push((Leg { exit: Some(it.guard), ..legs[leg] }, part, it.since - since));
                 if first.is_none() && it.distance <= nearest {
-                    (first, begins) = (Some(all.len()), self.time(leg, q) + it.since);
+                    (first, begins) = (Some(all.len()), self.begins(leg) + it.since);
                 }
                 all.extend(it.following.legs.iter().cloned());
                 (begin, since) = (it.following.state.clone(), it.resumed());
             }
-            let end = self.duration_of(leg, q);
+            let end = self.duration_of(leg);
             all.push((legs[leg], motion.part(begin, since..end), end - since));
         }
         let first = first.unwrap_or_default();
@@ -155,45 +120,31 @@ impl HybridOrbit {
         if self.smooth() {
             // The start is no event: what goes on there is one leg.
             let joint = all.len() - first;
-            let (ended, motion, after) = all.remove(joint);
-            joined_to(&mut all[joint - 1], (ended, &motion, after));
+            let next = all.remove(joint);
+            join(&mut all[joint - 1], next);
         }
         self.with_legs(all, begins)
     }
 
-    /// Orbits with these legs, the first of which begins at a time.
-    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Birth<Self> {
-        // The time of the start comes first where it is an unknown.
-        let mut extras: Vec<f64> = self.forced.then_some(begins).into_iter().collect();
-        let (mut legs, mut trajectories) = (Vec::new(), Vec::new());
-        for (leg, motion, duration) in all {
-            legs.push(leg);
-            trajectories.push(motion);
-            extras.push(duration);
-        }
-        let problem = self.like(Itinerary { legs, periods: self.itinerary.periods });
-        Birth { problem, trajectories, extras, beside: None }
-    }
-
     /// How long a leg lasts.
-    fn duration_of(&self, leg: usize, q: &[f64]) -> f64 {
+    fn duration_of(&self, leg: usize) -> f64 {
         match self.smooth() {
-            true => self.duration_in(leg, q),
-            false => self.durations(self.split(q).1)[leg],
+            true => self.duration_in(leg, self.q),
+            false => self.lengths()[leg],
         }
     }
 
     /// Where the orbit touches guards that it does not pass, in order; where it touches none, the place where it comes
     /// nearest to one.
-    pub(super) fn touches(&self, known: &[Trajectory], q: &[f64]) -> Result<Vec<Touch>, Failure> {
+    pub(super) fn touches(&self) -> Result<Vec<Touch>, Failure> {
         let mut found: Vec<(Touch, f64)> = Vec::new();
         for leg in (0..self.legs().len()).filter(|leg| !self.legs()[*leg].accumulates) {
-            let (mode, p) = (self.legs()[leg].mode, self.split(q).0);
+            let mode = self.legs()[leg].mode;
+            let (system, t, x) = (self.system(), self.begins(leg), self.known[leg].start());
+            let begin = Moment { system, mode, t, x, p: self.p() };
             for guard in self.guards_in(mode) {
-                let place = (self.time(leg, q), known[leg].start());
-                let scale = guard_scale(self.system(), (guard, mode), place, p);
-                let watch = OnLeg { orbit: self, leg, guard, scale };
-                let dips = self.dips(&watch, &known[leg], &self.numbers_of(leg, q))?;
+                let scale = begin.scale(guard);
+                let dips = self.dips(leg, guard, scale)?;
                 found.extend(dips.into_iter().map(|touch| (touch, VANISHES * scale)));
             }
         }
@@ -208,21 +159,19 @@ impl HybridOrbit {
         Ok(touches)
     }
 
-    /// The local minima of a guard on a leg, with the states there.
-    fn dips(&self, watch: &OnLeg, motion: &Trajectory, q: &[f64]) -> Result<Vec<Touch>, Failure> {
-        let leg = watch.leg;
-        let field = Residual::<f64>::on_segment(self, leg, q);
-        let (duration, unit) =
-            (self.duration_in(leg, q), time_scale(self.system(), self.split(q).0));
-        let mut found = self.extrema_on(watch, motion, duration, q)?;
+    /// The local minima of a guard of some scale on a leg, with the states there.
+    fn dips(&self, leg: usize, guard: usize, scale: f64) -> Result<Vec<Touch>, Failure> {
+        let duration = self.duration_of(leg);
+        let watched = Watched::function(leg, guard);
+        let watch = Watching { problem: self.problem, watched, scale };
+        let mut found = self.extrema_on(leg, &watch, duration)?;
         if !self.smooth() {
             // What is as near to an event as that is one with it.
-            let apart = |since: f64| since.min(duration - since) > VANISHES * unit;
-            found.retain(|(since, _)| apart(*since));
+            let unit = time_scale(self.system(), self.p());
+            found.retain(|(since, _)| since.min(duration - since) > VANISHES * unit);
         }
         let touch = |(since, value): (f64, f64)| {
-            let x = motion.states_at(&field, since, q)?;
-            Ok(Touch { leg, guard: watch.guard, since, value, x })
+            Ok(Touch { leg, guard, since, value, x: self.state_on(leg, since)? })
         };
         found.into_iter().map(touch).collect()
     }
@@ -230,12 +179,12 @@ impl HybridOrbit {
     /// The extrema of a guard on a leg: times since its beginning, and values.
     fn extrema_on(
         &self,
-        watch: &OnLeg,
-        motion: &Trajectory,
+        leg: usize,
+        watch: &Watching,
         duration: f64,
-        q: &[f64],
     ) -> Result<Vec<(f64, f64)>, Failure> {
-        let field = Residual::<f64>::on_segment(self, watch.leg, q);
+        let (motion, q) = (&self.known[leg], &self.numbers_of(leg, self.q)[..]);
+        let field = Residual::<f64>::on_segment(self.problem, leg, q);
         let (mut flow, mut extrema) = (Flow::<f64>::default(), Extrema::default());
         let mut search = |begin: f64, length: f64, states: &[f64], steps: usize| {
             let (mut found, mut left, mut x) = (Vec::new(), steps, states.to_vec());
@@ -271,19 +220,66 @@ impl HybridOrbit {
     }
 
     /// A touch as an event: what follows is decided at a small approach speed.
-    fn passed(&self, touch: &Touch, q: &[f64]) -> Result<Passed, Failure> {
-        let (system, mode, guard) = (self.system(), self.legs()[touch.leg].mode, touch.guard);
-        let p = self.split(q).0;
-        let t = self.time(touch.leg, q) + touch.since;
-        let at = Moment { system, mode, t, x: &touch.x, p };
-        let scale = guard_scale(system, (guard, mode), (t, &touch.x), p);
-        let speed = NUDGE * scale / time_scale(system, p);
+    fn passed(&self, touch: &Touch) -> Result<Passed, Failure> {
+        let Touch { leg, guard, since, value, ref x } = *touch;
+        let (system, mode, p) = (self.system(), self.legs()[leg].mode, self.p());
+        let at = Moment { system, mode, t: self.begins(leg) + since, x, p };
+        let speed = NUDGE * at.usual_rate(guard);
         let near = self.nudged(guard, at, |at| at.rate(guard), -speed);
-        let onset = Onset { guard, mode, next: None, at: (t, touch.x.clone()), near };
+        let onset = Onset { guard, mode, next: None, at: (at.t, x.clone()), near };
         let [following, _] = self.following(onset, mode, p)?;
-        self.unmoved((mode, guard), [&touch.x, &following.state], p)?;
-        let Touch { leg, since, value, .. } = *touch;
+        self.unmoved((mode, guard), [x, &following.state], p)?;
         Ok(Passed { leg, guard, since, distance: value.abs(), following })
+    }
+
+    /// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows as if nothing had
+    /// happened: the branch leaves in this direction then, in which the equations are singular. So it is where motion
+    /// touches what only stops it, and where it slides to the end of what holds it. `None` where an event changes motion, as
+    /// impacts do.
+    fn passed_sooner(&self, touch: &Touch, passed: &Passed) -> Option<Passed> {
+        if passed.following.legs.is_empty() {
+            return None;
+        }
+        let unit = time_scale(self.system(), self.p());
+        let (near, error) = self.sooner(touch, SOONER * unit)?;
+        let (_, less) = self.sooner(touch, SOONER / NEARER * unit)?;
+        let same = near.following.itinerary().eq(passed.following.itinerary());
+        // What an event changes grows like the time, what is left out of it like its square.
+        let second_order = less <= error * 2.0 / (NEARER * NEARER) + ROUNDING;
+        (same && second_order).then_some(near)
+    }
+
+    /// The event that comes so long before a touch, and how far from the motion that touches it ends, in units of the scales.
+    fn sooner(&self, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
+        let Touch { leg, guard, .. } = *touch;
+        let (system, p, mode) = (self.system(), self.p(), self.legs()[leg].mode);
+        let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
+        let (t, x) = (self.begins(leg) + since, self.state_on(leg, since).ok()?);
+        let place = (t, self.onto(guard, Moment { system, mode, t, x: &x, p }));
+        let onset = Onset { guard, mode, next: None, at: place.clone(), near: place };
+        let [_, following] = self.following(onset, mode, p).ok()?;
+        let passed = Passed { leg, guard, since, distance: touch.value.abs(), following };
+        let resumed = Some(passed.resumed()).filter(|since| *since < self.duration_of(leg))?;
+        let meant = self.state_on(leg, resumed).ok()?;
+        let differences = passed.following.state.iter().zip(&meant).zip(system.sizes_of(mode, p));
+        let error = differences.map(|((a, b), size)| (a - b).abs() / size).fold(0.0, f64::max);
+        Some((passed, error))
+    }
+}
+
+impl HybridOrbit {
+    /// Orbits with these legs, the first of which begins at a time.
+    pub(super) fn with_legs(&self, all: Vec<Lasting>, begins: f64) -> Birth<Self> {
+        // The time of the start comes first where it is an unknown.
+        let mut extras: Vec<f64> = self.forced.then_some(begins).into_iter().collect();
+        let (mut legs, mut trajectories) = (Vec::new(), Vec::new());
+        for (leg, motion, duration) in all {
+            legs.push(leg);
+            trajectories.push(motion);
+            extras.push(duration);
+        }
+        let problem = self.like(Itinerary { legs, periods: self.itinerary.periods });
+        Birth { problem, trajectories, extras, beside: None }
     }
 
     /// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie apart from those without.
@@ -293,7 +289,7 @@ impl HybridOrbit {
         [before, after]: [&[f64]; 2],
         p: &[f64],
     ) -> Result<(), Failure> {
-        let Some(i) = self.moved_state(mode, [before, after], p) else { return Ok(()) };
+        let Some(i) = self.moved_state(mode, [before, after], UNMOVED, p) else { return Ok(()) };
         Err(Failure::Undetermined(format!(
             "at the touch the event {} takes {} from {:.6e} to {:.6e}: orbits with the event and orbits without it do not \
              meet where its reset jumps; start a branch of them from a simulated cycle (`orbit::from_cycle`)",
@@ -301,72 +297,18 @@ impl HybridOrbit {
         )))
     }
 
-    /// A state of a mode by which a touch moves motion, if there is one.
-    fn moved_state(&self, mode: usize, [before, after]: [&[f64]; 2], p: &[f64]) -> Option<usize> {
-        let mut sizes = self.system().scales_of(mode, p);
-        sizes.resize(after.len(), 1.0);
-        let moved = |i: &usize| {
-            let (before, after) = (before[*i], after[*i]);
-            (after - before).abs() > UNMOVED * sizes[*i].max(before.abs())
+    /// A state of a mode that moves by more than a part of its size, if there is one.
+    pub(super) fn moved_state(
+        &self,
+        mode: usize,
+        [before, after]: [&[f64]; 2],
+        part: f64,
+        p: &[f64],
+    ) -> Option<usize> {
+        let states = before.iter().zip(after).zip(self.system().sizes_of(mode, p));
+        let moves = |(before, after): (&f64, &f64), size: f64| {
+            (after - before).abs() > part * size.max(before.abs())
         };
-        (0..after.len()).find(moved)
-    }
-
-    /// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows as if nothing had
-    /// happened: the branch leaves in this direction then, in which the equations are singular. So it is where motion
-    /// touches what only stops it, and where it slides to the end of what holds it. `None` where an event changes motion, as
-    /// impacts do.
-    fn passed_sooner(
-        &self,
-        touch: &Touch,
-        passed: &Passed,
-        known: &[Trajectory],
-        q: &[f64],
-    ) -> Option<Passed> {
-        if passed.following.legs.is_empty() {
-            return None;
-        }
-        let unit = time_scale(self.system(), self.split(q).0);
-        let [(near, error), (_, less)] = [SOONER, SOONER / NEARER]
-            .map(|sooner| self.sooner(touch, sooner * unit, &known[touch.leg], q))
-            .into_iter()
-            .collect::<Option<Vec<_>>>()?
-            .try_into()
-            .ok()?;
-        let same = near.following.itinerary().eq(passed.following.itinerary());
-        // What an event changes grows like the time, what is left out of it like its square.
-        let second_order = less <= error * 2.0 / (NEARER * NEARER) + ROUNDING;
-        (same && second_order).then_some(near)
-    }
-
-    /// The event that comes so long before a touch, and how far from the motion that touches it ends, in units of the scales.
-    fn sooner(
-        &self,
-        touch: &Touch,
-        sooner: f64,
-        motion: &Trajectory,
-        q: &[f64],
-    ) -> Option<(Passed, f64)> {
-        let (system, p) = (self.system(), self.split(q).0);
-        let (mode, guard) = (self.legs()[touch.leg].mode, touch.guard);
-        let (numbers, begins) = (self.numbers_of(touch.leg, q), self.time(touch.leg, q));
-        let field = Residual::<f64>::on_segment(self, touch.leg, &numbers);
-        let at = |since: f64| motion.states_at(&field, since, &numbers).ok();
-        let since = Some(touch.since - sooner).filter(|since| *since > 0.0)?;
-        let (t, x) = (begins + since, at(since)?);
-        let place = (t, self.onto(guard, Moment { system, mode, t, x: &x, p }));
-        let onset = Onset { guard, mode, next: None, at: place.clone(), near: place };
-        let [_, following] = self.following(onset, mode, p).ok()?;
-        let distance = touch.value.abs();
-        let passed = Passed { leg: touch.leg, guard, since, distance, following };
-        let meant =
-            at(passed.resumed()).filter(|_| passed.resumed() < self.duration_of(touch.leg, q))?;
-        let mut sizes = system.scales_of(mode, p);
-        sizes.resize(meant.len(), 1.0);
-        let state = &passed.following.state;
-        let differences =
-            state.iter().zip(&meant).zip(&sizes).map(|((a, b), size)| (a - b).abs() / size);
-        let error = differences.fold(0.0, f64::max);
-        Some((passed, error))
+        states.into_iter().position(|(pair, size)| moves(pair, size))
     }
 }

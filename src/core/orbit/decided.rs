@@ -4,9 +4,10 @@ use super::departed::VANISHES;
 use super::following::{Following, Lasting, NUDGE, Onset};
 use super::hybrid::HybridOrbit;
 use super::itinerary::Leg;
-use crate::core::bvp::{Birth, Trajectory};
+use super::known::KnownOrbit;
+use crate::core::bvp::Birth;
 use crate::core::condition::Failure;
-use crate::core::hybrid::{MeasureNumber, Moment, decision_scale, guard_scale, time_scale};
+use crate::core::hybrid::{MeasureNumber, Moment, decision_scale};
 
 /// Orbits with a leg in another mode begin where the one without it goes on, but for this part of the scales.
 const CONTINUOUS: f64 = 1e-4;
@@ -69,27 +70,25 @@ impl HybridOrbit {
         });
         scales.reduce(f64::min).unwrap_or(1.0)
     }
+}
 
+impl KnownOrbit<'_> {
     /// The orbits on the other side of the decisions that vanish here, all at a time: with the legs of no length to which
     /// their events lead there. `None` where no decision vanishes.
-    pub(super) fn decided_otherwise(
-        &self,
-        known: &[Trajectory],
-        q: &[f64],
-    ) -> Result<Option<Birth<Self>>, Failure> {
+    pub(super) fn decided_otherwise(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
         if !self.decides() {
             return Ok(None);
         }
-        let (legs, durations) = (self.legs(), self.durations(self.split(q).1));
         let (mut all, mut near) = (Vec::<Lasting>::new(), Vec::<Lasting>::new());
         let (mut changed, mut singular) = (false, false);
-        for leg in 0..legs.len() {
-            let own = (legs[leg], known[leg].clone(), durations[leg]);
+        for (leg, motion) in self.known.iter().enumerate() {
+            let own = (self.legs()[leg], motion.clone(), self.lengths()[leg]);
+            let end = self.begins(leg) + own.2;
             all.push(own.clone());
             near.push(own);
-            if let Some([there, beside]) = self.inserted_after(leg, known, q)? {
+            if let Some([there, beside]) = self.inserted_after(leg)? {
                 changed = true;
-                singular |= self.any_slow(&there, self.time(leg, q) + durations[leg], q);
+                singular |= self.any_slow(&there, end);
                 all.extend(there);
                 near.extend(beside);
             }
@@ -97,35 +96,29 @@ impl HybridOrbit {
         if !changed {
             return Ok(None);
         }
-        let birth = self.with_legs(all, self.time(0, q));
+        let birth = self.with_legs(all, self.begins(0));
         // A leg that begins where its event has no speed may last no time in any orbit: its direction is known.
-        let beside = singular.then(|| self.with_legs(near, self.time(0, q)));
+        let beside = singular.then(|| self.with_legs(near, self.begins(0)));
         let beside = beside.map(|near| (near.trajectories, near.extras));
         Ok(Some(Birth { beside, ..birth }))
     }
 
     /// Whether the event of one of some legs of no length has no speed at a time.
-    fn any_slow(&self, legs: &[Lasting], t: f64, q: &[f64]) -> bool {
-        let (system, p) = (self.system(), self.split(q).0);
+    fn any_slow(&self, legs: &[Lasting], t: f64) -> bool {
+        let (system, p) = (self.system(), self.p());
         legs.iter().any(|(Leg { mode, exit, .. }, motion, _)| {
-            let (Some(guard), x) = (*exit, motion.start()) else { return false };
-            let scale = guard_scale(system, (guard, *mode), (t, x), p) / time_scale(system, p);
-            Moment { system, mode: *mode, t, x, p }.rate(guard).abs() < VANISHES * scale
+            let at = Moment { system, mode: *mode, t, x: motion.start(), p };
+            exit.is_some_and(|guard| !at.has_speed(guard))
         })
     }
 
     /// The legs of no length after a leg where its decision vanishes and is made otherwise, and those beside; `None` where it
     /// does not vanish.
-    fn inserted_after(
-        &self,
-        leg: usize,
-        known: &[Trajectory],
-        q: &[f64],
-    ) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
+    fn inserted_after(&self, leg: usize) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
         let Some(Decision { guard, mode, modes }) = self.decision_after(leg) else {
             return Ok(None);
         };
-        let ((t, x), system, p) = (self.end_of(leg, known, q)?, self.system(), self.split(q).0);
+        let ((t, x), system, p) = (self.end_of(leg)?, self.system(), self.p());
         let at = Moment { system, mode, t, x: &x, p };
         let chosen = self.mode_after(leg);
         let vanishing = |k: usize| {
@@ -150,26 +143,16 @@ impl HybridOrbit {
         let near = self.nudged(guard, at, function, change);
         let onset = Onset { guard, mode, next: Some(next), at: (t, x.clone()), near };
         let [Following { legs, state }, beside] = self.following(onset, chosen, p)?;
-        self.check_continuous((leg, next), &state, known, p)?;
+        self.check_continuous((leg, next), &state)?;
         Ok(Some([legs, beside.legs]))
     }
 
     /// Refuses another mode after a leg from which motion comes to another state than the next leg's.
-    fn check_continuous(
-        &self,
-        (leg, other): (usize, usize),
-        state: &[f64],
-        known: &[Trajectory],
-        p: &[f64],
-    ) -> Result<(), Failure> {
-        let next = (leg + 1) % self.legs().len();
-        let mode = self.legs()[next].mode;
-        let mut sizes = self.system().scales_of(mode, p);
-        sizes.resize(state.len(), 1.0);
-        let known = known[next].start();
-        let differs =
-            |k: &usize| (state[*k] - known[*k]).abs() > CONTINUOUS * sizes[*k].max(known[*k].abs());
-        let Some(k) = (0..state.len()).find(differs) else { return Ok(()) };
+    fn check_continuous(&self, (leg, other): (usize, usize), state: &[f64]) -> Result<(), Failure> {
+        let (mode, known) =
+            (self.mode_after(leg), self.known[(leg + 1) % self.known.len()].start());
+        let moved = self.moved_state(mode, [known, state], CONTINUOUS, self.p());
+        let Some(k) = moved else { return Ok(()) };
         let (modes, names) = (&self.modes, &self.modes[mode].states);
         Err(Failure::Undetermined(format!(
             "decided otherwise, leg {leg} leads by way of `{}` to `{}` with {} = {:.6e} in place of {:.6e}: no branch is \

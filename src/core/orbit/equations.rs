@@ -3,6 +3,7 @@
 use super::accumulation::Still;
 use super::hybrid::HybridOrbit;
 use super::itinerary::{Itinerary, Leg};
+use super::known::KnownOrbit;
 use super::measures::{APPROACH, DECISION, SHORTEST};
 use super::returning::mean_rate;
 use crate::core::bvp::{
@@ -12,7 +13,7 @@ use crate::core::bvp::{
 use crate::core::condition::Failure;
 use crate::core::domain::OutOfDomain;
 use crate::core::hybrid::{
-    ChatterNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, guard_scale, time_scale,
+    ChatterNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, time_scale,
 };
 use crate::core::measure::Measure;
 use crate::core::scalar_field::{Domains, FieldIn, FieldRef, Fields};
@@ -284,12 +285,13 @@ impl Equations for HybridOrbit {
         if self.guards.is_empty() {
             return Ok(None);
         }
-        let mut birth = self.without(known, q)?;
+        let orbit = self.known(known, q);
+        let mut birth = orbit.without()?;
         if birth.is_none() {
-            birth = self.decided_otherwise(known, q)?;
+            birth = orbit.decided_otherwise()?;
         }
         match (birth, which) {
-            (None, _) => Ok(Some(self.born(known, q, which)?.erased())),
+            (None, _) => Ok(Some(orbit.born(which)?.erased())),
             (Some(birth), 0) => Ok(Some(birth.erased())),
             (Some(_), _) => Err(Failure::no_branch(which, 1)),
         }
@@ -301,24 +303,25 @@ impl Equations for HybridOrbit {
         known: &[Trajectory],
         q: &[f64],
     ) -> Option<&'static str> {
-        self.name_of_grazing(monitor, known, q)
+        self.known(known, q).name_of_grazing(monitor)
     }
 
     fn without_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
-        Ok(self.without(known, q)?.map(Birth::erased))
+        Ok(self.known(known, q).without()?.map(Birth::erased))
     }
 
     fn with_touched(&self, known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure> {
         match self.guards.is_empty() {
             true => Ok(None),
-            false => Ok(Some(self.with_touches(known, q)?.erased())),
+            false => Ok(Some(self.known(known, q).with_touches()?.erased())),
         }
     }
 
     fn touch_matters(&self, known: &[Trajectory], q: &[f64]) -> Result<bool, Failure> {
+        let orbit = self.known(known, q);
         Ok(!self.guards.is_empty()
-            && self.decided_otherwise(known, q)?.is_none()
-            && self.born(known, q, 0)?.beside.is_none())
+            && orbit.decided_otherwise()?.is_none()
+            && orbit.born(0)?.beside.is_none())
     }
 
     fn is_of_event(&self, monitor: usize) -> bool {
@@ -355,17 +358,22 @@ impl Equations for HybridOrbit {
 }
 
 impl HybridOrbit {
+    /// An orbit of these with its motion.
+    pub(in crate::core) fn known<'a>(
+        &'a self,
+        known: &'a [Trajectory],
+        q: &'a [f64],
+    ) -> KnownOrbit<'a> {
+        KnownOrbit { problem: self, known, q }
+    }
+
     /// At an event that is tangent, or virtual, nothing can be told.
     fn check_event(&self, leg: usize, at: Moment<f64>) -> Result<(), Failure> {
         let Moment { system, mode, t, x, p } = at;
         let Some(guard) = self.legs()[leg].exit else { return Ok(()) };
         let (approach, meant) = (-at.rate(guard), self.mode_after(leg));
         let next = system.next_mode(guard, mode, t, x, p);
-        let sure = || {
-            let scale = guard_scale(system, (guard, mode), (t, x), p);
-            approach > SURE * scale / time_scale(system, p)
-        };
-        if next == meant || !sure() {
+        if next == meant || approach <= SURE * at.usual_rate(guard) {
             return Ok(());
         }
         let (event, mode) = (&self.guards[guard].name, &self.modes[mode].name);

@@ -5,7 +5,7 @@ use super::itinerary::Leg;
 use crate::core::bvp::Trajectory;
 use crate::core::chunk::Chunk;
 use crate::core::condition::Failure;
-use crate::core::hybrid::{Moment, guard_scale, time_scale};
+use crate::core::hybrid::{Moment, gradient, time_scale};
 use crate::core::vector::dot;
 use num_dual::{Dual, Dual64};
 
@@ -102,10 +102,9 @@ impl HybridOrbit {
 
     /// The guard of a mode that falls to zero first, and when, if that is at once.
     fn soonest(&self, at: Moment<f64>) -> Option<(f64, usize)> {
-        let Moment { system, mode, t, x, p } = at;
-        let unit = time_scale(system, p);
-        let times = self.guards_in(mode).filter_map(|guard| {
-            let zero = ZERO * guard_scale(system, (guard, mode), (t, x), p);
+        let unit = time_scale(at.system, at.p);
+        let times = self.guards_in(at.mode).filter_map(|guard| {
+            let zero = ZERO * at.scale(guard);
             let time = falls(course(at, guard), [zero, zero / unit]);
             time.filter(|time| *time <= AT_ONCE * unit).map(|time| (time, guard))
         });
@@ -116,23 +115,18 @@ impl HybridOrbit {
     /// reset leaves on the surfaces on which it puts them, as where sliding ends; of all where there is none.
     pub(super) fn onto(&self, guard: usize, at: Moment<f64>) -> Vec<f64> {
         let Moment { system, mode, t, x, p } = at;
-        let mut sizes = system.scales_of(mode, p);
-        sizes.resize(x.len(), 1.0);
-        let dual_p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
-        let moved = |along: &dyn Fn(usize) -> f64| -> Vec<Dual64> {
-            x.iter().enumerate().map(|(i, x)| Dual64::new(*x, along(i) * sizes[i])).collect()
-        };
-        let slope = |i: usize| {
-            let x = moved(&|k| f64::from(k == i));
-            Moment { system, mode, t: t.into(), x: &x, p: &dual_p }.guard(guard).eps
-        };
-        let normal: Vec<f64> = (0..x.len()).map(slope).collect();
+        let sizes = system.sizes_of(mode, p);
+        let (mut normal, _) = gradient((t, x), p, |t, x, p| system.guard(guard, mode, t, x, p));
+        normal.iter_mut().zip(&sizes).for_each(|(slope, size)| *slope *= size);
         let next = system.next_mode(guard, mode, t, x, p);
-        let mut after = vec![Dual64::from(0.0); self.modes[next].states.len()];
         let kept = match self.modes[next].states == self.modes[mode].states {
             true => {
-                let x = moved(&|k| normal[k]);
-                system.reset(guard, (mode, next), t.into(), &x, &dual_p, &mut after);
+                let steps = normal.iter().zip(&sizes).map(|(slope, size)| slope * size);
+                let x: Vec<_> =
+                    x.iter().zip(steps).map(|(x, step)| Dual64::new(*x, step)).collect();
+                let p: Vec<_> = p.iter().map(|p| Dual64::from(*p)).collect();
+                let mut after = vec![Dual64::from(0.0); x.len()];
+                system.reset(guard, (mode, next), t.into(), &x, &p, &mut after);
                 after.iter().zip(&sizes).map(|(after, size)| after.eps / size).collect()
             }
             false => Vec::new(),
@@ -154,19 +148,16 @@ impl HybridOrbit {
         change: f64,
     ) -> (f64, Vec<f64>) {
         let Moment { system, mode, t, x, p } = at;
-        let (n, unit) = (x.len(), time_scale(system, p));
-        let mut sizes = system.scales_of(mode, p);
-        sizes.resize(n, 1.0);
-        sizes.push(unit);
-        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
-        let place: Vec<f64> = x.iter().copied().chain([t]).collect();
-        let (mut normal, mut slope) = (vec![0.0; n + 1], vec![0.0; n + 1]);
-        for i in 0..=n {
-            let mut place: Vec<Dual64> = place.iter().map(|x| Dual64::from(*x)).collect();
-            place[i].eps = sizes[i];
-            let changed = Moment { system, mode, t: place[n], x: &place[..n], p: &p };
-            (normal[i], slope[i]) = (changed.guard(guard).eps, function(changed).eps);
-        }
+        let n = x.len();
+        let mut sizes = system.sizes_of(mode, p);
+        sizes.push(time_scale(system, p));
+        let by = |value: &dyn Fn(Moment<Dual64>) -> Dual64| -> Vec<f64> {
+            let at = |t, x: &[_], p: &[_]| value(Moment { system, mode, t, x, p });
+            let (by_states, by_time) = gradient((t, x), p, at);
+            let slopes = by_states.into_iter().chain([by_time]).zip(&sizes);
+            slopes.map(|(slope, size)| slope * size).collect()
+        };
+        let (normal, slope) = (by(&|at| at.guard(guard)), by(&function));
         let across = |m: usize| {
             let (normal, mut slope) = (&normal[..m], slope[..m].to_vec());
             let share = dot(&slope, normal) / dot(normal, normal).max(f64::MIN_POSITIVE);
@@ -180,10 +171,10 @@ impl HybridOrbit {
         };
         let size = dot(&slope, &slope);
         let steps = slope.iter().zip(&sizes).map(|(slope, unit)| change * slope * unit / size);
-        let mut moved = place;
-        moved.iter_mut().zip(steps).for_each(|(x, step)| *x += step);
-        let time = moved.pop().unwrap_or(t);
-        (time, moved)
+        let mut moved: Vec<f64> =
+            x.iter().chain([&t]).zip(steps).map(|(x, step)| x + step).collect();
+        let time = moved.split_off(n);
+        (time.first().copied().unwrap_or(t), moved)
     }
 }
 

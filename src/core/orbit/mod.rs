@@ -12,6 +12,7 @@ mod equations;
 mod following;
 mod hybrid;
 mod itinerary;
+mod known;
 mod map_cycle;
 mod measures;
 mod periodic;
@@ -20,11 +21,11 @@ mod simulated;
 mod smooth;
 mod tangent;
 
-pub(in crate::core) use departed::VANISHES;
 #[cfg(feature = "scene")]
 pub(crate) use equations::GRAZINGS;
 pub use hybrid::{HybridOrbit, IntoHybrid};
 pub use itinerary::{Itinerary, ItineraryError, Leg};
+pub(in crate::core) use known::KnownOrbit;
 pub use map_cycle::{DiscreteMap, MapCycle};
 pub use periodic::{from_cycle, periodic_orbits};
 pub use smooth::Smooth;

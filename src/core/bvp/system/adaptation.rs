@@ -104,8 +104,7 @@ impl BoundarySystem {
             }
             meshes.push(mesh.equidistributed(&density, (needed as usize).max(2)));
         }
-        let (problem, method) = (equations.problem.clone(), equations.method.clone());
-        let mut system = BoundarySystem::new(problem, method, meshes)?;
+        let mut system = before.on(meshes)?;
         let carried = equations.carried(&system.equations, x)?;
         if !equations.phase.reference.is_empty() {
             let reference = equations.carried(&system.equations, &equations.phase.reference)?;

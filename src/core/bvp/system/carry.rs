@@ -40,38 +40,44 @@ impl Transfer {
 }
 
 impl Discretised {
-    /// The states at a place in an interval, at the arguments of `work`.
+    /// The states of a segment at a time in units of its duration, at the arguments of `work`.
     pub fn value(
         &self,
         work: &mut Work<f64>,
-        (segment, interval): (usize, usize),
-        place: f64,
+        segment: usize,
+        tau: f64,
         out: &mut [f64],
     ) -> Result<(), Failure> {
-        let nodes = &work.nodes[self.layout.interval(segment, interval)];
-        let q = &work.numbers[self.layout.local(segment)];
-        let interval = self.interval((segment, interval), nodes, q);
+        let (interval, place) = self.meshes[segment].locate(tau);
+        let interval = self.interval((segment, interval), &work.nodes, &work.numbers);
         self.method.value(interval, place, &mut work.local.method, out)
+    }
+
+    /// The values at all nodes, given for each segment and time in units of its duration, and others behind them.
+    pub fn sampled<E>(
+        &self,
+        others: &[f64],
+        mut states: impl FnMut(usize, f64, &mut [f64]) -> Result<(), E>,
+    ) -> Result<Vec<f64>, E> {
+        let mut z = vec![0.0; self.layout.values()];
+        for (s, j) in self.layout.intervals() {
+            let (span, mut x) = (self.span(s, j), vec![0.0; self.layout.segments[s].states]);
+            let nodes = self.layout.order[self.layout.interval(s, j)].chunks_exact(x.len());
+            for (place, node) in self.method.places().iter().zip(nodes) {
+                states(s, span.at(*place), &mut x)?;
+                node.iter().zip(&x).for_each(|(&k, x)| z[k] = *x);
+            }
+        }
+        z.extend_from_slice(others);
+        Ok(z)
     }
 
     /// `x = (z, p)` on the nodes of another discretisation.
     pub fn carried(&self, onto: &Discretised, x: &[f64]) -> Result<Vec<f64>, Failure> {
-        let mut out = vec![0.0; onto.layout.values()];
-        out.extend_from_slice(&x[self.layout.values()..]);
         let mut work: Work<f64> = Work::new(&self.layout);
         work.load(&self.layout, |i| x[i]);
-        for (s, j) in onto.layout.intervals() {
-            let (span, n) = (onto.span(s, j), onto.layout.segments[s].states);
-            let mut states = vec![0.0; n];
-            let nodes = onto.layout.order[onto.layout.interval(s, j)].chunks_exact(n);
-            for (place, node) in onto.method.places().iter().zip(nodes) {
-                let tau = span.start + (span.end - span.start) * place;
-                let (interval, place) = self.meshes[s].locate(tau);
-                self.value(&mut work, (s, interval), place, &mut states)?;
-                node.iter().zip(&states).for_each(|(&z, state)| out[z] = *state);
-            }
-        }
-        Ok(out)
+        let others = &x[self.layout.values()..];
+        onto.sampled(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
     }
 
     /// From the polynomials through the nodes of these meshes to the nodes of others with as many intervals.
@@ -81,8 +87,7 @@ impl Discretised {
         for (segment, s) in self.layout.segments.iter().enumerate() {
             for node in 0..s.nodes {
                 let j = (node / m).min(s.intervals - 1);
-                let span = span(meshes, segment, j);
-                let tau = span.start + (span.end - span.start) * places[node - j * m];
+                let tau = span(meshes, segment, j).at(places[node - j * m]);
                 let (interval, place) = self.meshes[segment].locate(tau);
                 transfer.first.push(interval * m);
                 transfer.weights.extend((0..=m).map(|a| lagrange(places, a, place)));

@@ -28,8 +28,7 @@ impl Cycles for BoundarySystem {
         if degree != self.equations.layout.degree {
             return Ok(Vec::new());
         }
-        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-        let mut from = BoundarySystem::new(problem, method, meshes)?;
+        let mut from = self.on(meshes)?;
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         if self.equations.layout.phase && self.equations.layout.closes() {
             let shift = self.best_phase(&mut from, &x)?;
@@ -72,7 +71,8 @@ impl Cycles for BoundarySystem {
             };
             for ((segment, tau), out) in [first, second].into_iter().zip(&mut halves) {
                 let states = self.equations.layout.segments[segment].states;
-                if self.loaded_states(segment, tau, &mut out[..states]).is_err() {
+                let out = &mut out[..states];
+                if self.equations.value(&mut self.plain, segment, tau, out).is_err() {
                     return false;
                 }
             }
@@ -166,17 +166,12 @@ impl BoundarySystem {
         (turn, shift): (usize, f64),
     ) -> Result<Vec<f64>, Failure> {
         let (count, end) = (from.meshes().len(), from.meshes()[0].end());
-        let mut outcome = Ok(());
         from.plain.load(&from.equations.layout, |i| x[i]);
-        let z = self.sampled(extras, |segment, tau, out| {
+        self.equations.sampled(extras, |segment, tau, out| {
             // The states at the end of a leg are not those at its beginning.
             let tau = if shift == 0.0 { tau } else { wrapped(tau + shift, end) };
-            if let Err(cause) = from.loaded_states((segment + turn) % count, tau, out) {
-                outcome = Err(cause);
-            }
-        });
-        outcome?;
-        Ok(z)
+            from.equations.value(&mut from.plain, (segment + turn) % count, tau, out)
+        })
     }
 
     /// By how much later than it does a cycle is to begin to meet the phase condition.

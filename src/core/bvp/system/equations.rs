@@ -134,8 +134,19 @@ impl Discretised {
         scales
     }
 
-    /// An interval of a segment with values at its nodes, and the segment's numbers.
+    /// An interval of a segment, from the values at all nodes and the numbers of all segments.
     pub fn interval<'a, T>(
+        &'a self,
+        (segment, interval): (usize, usize),
+        nodes: &'a [T],
+        numbers: &'a [T],
+    ) -> Interval<'a, T> {
+        let nodes = &nodes[self.layout.interval(segment, interval)];
+        self.alone((segment, interval), nodes, &numbers[self.layout.local(segment)])
+    }
+
+    /// An interval of a segment with values at its nodes, and the segment's numbers.
+    pub fn alone<'a, T>(
         &'a self,
         (segment, interval): (usize, usize),
         nodes: &'a [T],
@@ -164,8 +175,7 @@ impl Discretised {
     fn residual_inside<T: Number>(&self, work: &mut Work<T>) -> Result<(), Failure> {
         let Work { nodes, numbers, r, local, .. } = work;
         for (s, j) in self.layout.intervals() {
-            let (nodes, q) = (&nodes[self.layout.interval(s, j)], &numbers[self.layout.local(s)]);
-            let interval = self.interval((s, j), nodes, q);
+            let interval = self.interval((s, j), nodes, numbers);
             let r = &mut r[self.layout.equations(s, j)];
             self.method.residual(interval, &mut local.method, r)?;
         }
@@ -181,8 +191,7 @@ impl Discretised {
         self.boundary(&work.ends, &work.q, boundary);
         closing.fill(T::zero());
         for (s, j) in layout.intervals() {
-            let (nodes, q) = (&work.nodes[layout.interval(s, j)], &work.numbers[layout.local(s)]);
-            let interval = self.interval((s, j), nodes, q);
+            let interval = self.interval((s, j), &work.nodes, &work.numbers);
             self.integrals(interval, &mut work.local, &mut closing[..layout.integrals])?;
         }
         if layout.phase {
@@ -275,7 +284,7 @@ impl Discretised {
             for ((place, x), order) in
                 places.iter().zip(values).zip(layout.order[nodes].chunks_exact(n))
             {
-                let t = duration * (span.start + (span.end - span.start) * place);
+                let t = duration * span.at(*place);
                 field.domain(x, q).map_err(|cause| placed(cause, s, t))?;
                 field.slope(t, x, q, f);
                 if let Some(i) = not_finite(f) {

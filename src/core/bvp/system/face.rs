@@ -2,7 +2,7 @@
 
 use super::across::Known;
 use super::equations::{Discretised, Work};
-use super::local::{Arguments, Weighted};
+use super::local::{Arguments, Gradient, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
@@ -229,7 +229,8 @@ impl System for BoundarySystem {
         // Where extremes are is known as well as can be.
         equations.watch_for(monitor, plain)?;
         equations.gradient(out, |equations, out| {
-            equations.add_monitor_gradient(monitor, (x, numbers), plain, chunk, out)
+            let gradient = &mut Gradient { x, numbers, passes: chunk, out };
+            equations.add_monitor_gradient(monitor, plain, gradient)
         })?;
         finite_gradient(out, self.equations.layout.dimension, released)
     }
@@ -273,8 +274,7 @@ impl zero::Discretised for BoundarySystem {
     }
 
     fn duplicate(&self) -> Option<Box<dyn System>> {
-        let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-        let mut own = BoundarySystem::new(problem, method, self.meshes().to_vec()).ok()?;
+        let mut own = self.on(self.meshes().to_vec()).ok()?;
         own.equations.phase.clone_from(&self.equations.phase);
         own.refinements = self.refinements;
         Some(Box::new(own))

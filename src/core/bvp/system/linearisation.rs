@@ -190,7 +190,7 @@ impl Linearisation {
             let Passes { unknowns, q, r, local: buffers, .. } = &mut *passes;
             let sums = &mut r[..layout.integrals];
             sums.fill(Chunk::from(0.0));
-            equations.integrals(equations.interval((s, j), unknowns, q), buffers, sums)?;
+            equations.integrals(equations.alone((s, j), unknowns, q), buffers, sums)?;
             for (i, sum) in sums.iter().enumerate() {
                 if start == 0 {
                     self.residual[first + i] += sum.re;

@@ -47,6 +47,29 @@ pub(super) struct Numbers {
     pub all: Vec<usize>,
 }
 
+/// A gradient by the unknowns and some numbers at `x` that is added up in `out`, as long as `x`.
+pub(super) struct Gradient<'a> {
+    pub x: &'a [f64],
+    pub numbers: &'a Numbers,
+    pub passes: &'a mut Passes<Chunk>,
+    pub out: &'a mut [f64],
+}
+
+impl Gradient<'_> {
+    /// Adds that of a function of some unknowns, and of the numbers of a segment or of all.
+    pub fn add(
+        &mut self,
+        layout: &Layout,
+        unknowns: &[usize],
+        segment: Option<usize>,
+        function: impl FnMut(&mut Passes<Chunk>) -> Result<Chunk, Failure>,
+    ) -> Result<(), Failure> {
+        let numbers = if segment.is_some() { &self.numbers.local } else { &self.numbers.all };
+        let dependence = Dependence { unknowns, segment, numbers };
+        self.passes.add_gradient(layout, dependence, Arguments::plain(self.x), self.out, function)
+    }
+}
+
 /// A number with a chunk of derivatives, and with one along a direction.
 pub(super) trait Directional: Number {
     /// A value that is seeded, and its component of the direction.
@@ -255,7 +278,7 @@ impl Discretised {
                     let value = seeded(combined(coefficients, x, i), i, start);
                     *argument = T::along(value, combined(coefficients, v, i));
                 }
-                let interval = self.interval((s, j), unknowns, q);
+                let interval = self.alone((s, j), unknowns, q);
                 let weights = [&w[rows.start + c * n..][..n], closing];
                 let sum = self.method.nonlinear(interval, c, weights, &mut local.method, r)?;
                 for (k, slope) in (start..n + numbers.len()).zip(sum.derivative().eps) {

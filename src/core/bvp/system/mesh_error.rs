@@ -12,8 +12,7 @@
 //! polynomials may be alike, and as wrong. Where the mesh resolves the solution, it is negligible.
 
 use super::equations::{Discretised, Work};
-use super::local::{Arguments, Dependence, Passes};
-use crate::core::chunk::Chunk;
+use super::local::{Arguments, Dependence, Gradient};
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::vector::largest;
@@ -157,10 +156,8 @@ impl Discretised {
     /// neighbours, and on its largest value.
     pub fn add_error_gradient(
         &mut self,
-        x: &[f64],
         work: &Work<f64>,
-        passes: &mut Passes<Chunk>,
-        out: &mut [f64],
+        Gradient { x, passes, out, .. }: &mut Gradient,
     ) -> Result<(), Failure> {
         let Some(LargestError { segment, state, interval, .. }) =
             self.largest_error(&work.nodes, &work.numbers)

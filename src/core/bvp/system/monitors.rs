@@ -3,7 +3,7 @@
 use super::equations::{Discretised, Work, gather_ends};
 use super::extremes::Sighting;
 use super::layout::span;
-use super::local::{Arguments, Dependence, Numbers, Passes};
+use super::local::{Gradient, Passes};
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
     EndFunctions, Ends, Equations, Interval, Monitor, Number, WatchNumber, Watched,
@@ -67,29 +67,23 @@ impl Discretised {
         }
     }
 
-    /// Adds the gradient of a monitor by the unknowns and some `numbers` at `x`, which `work` has loaded, to
-    /// `out`.
+    /// Adds the gradient of a monitor at a point that `work` has loaded.
     pub fn add_monitor_gradient(
         &mut self,
         monitor: usize,
-        (x, numbers): (&[f64], &Numbers),
         work: &mut Work<f64>,
-        passes: &mut Passes<Chunk>,
-        out: &mut [f64],
+        gradient: &mut Gradient,
     ) -> Result<(), Failure> {
         self.watch_for(monitor, work)?;
         match self.monitors.get(monitor) {
-            Some(Monitor::Duration) => self.add_duration(|_| true, 1.0, (x, numbers), passes, out),
+            Some(Monitor::Duration) => self.add_duration(|_| true, 1.0, gradient),
             Some(Monitor::Ends(function)) => {
-                let unknowns = &self.layout.ends;
-                let dependence = Dependence { unknowns, segment: None, numbers: &numbers.all };
-                let at = Arguments::plain(x);
-                passes.add_gradient(&self.layout, dependence, at, out, |passes| {
+                gradient.add(&self.layout, &self.layout.ends, None, |passes| {
                     Ok(self.of_ends(*function, &passes.unknowns, &passes.q))
                 })
             }
             Some(Monitor::Integral(integral, watched)) => {
-                self.add_integral(*integral, watched, (x, numbers), (work, passes), out)
+                self.add_integral(*integral, watched, work, gradient)
             }
             Some(Monitor::Rising(pairs)) => {
                 let Some(((through, value), sighting)) = self.rising(pairs) else {
@@ -99,15 +93,14 @@ impl Discretised {
                 let [height, level] = self.rates(sighting, [through, value], work)?;
                 // The place of a rise moves: `d v = ∂v − (v'/h') ∂h` at the fixed place.
                 let ratio = level.eps / height.eps;
-                self.add_term(&(value, sighting, 1.0), (x, numbers), passes, out)?;
-                self.add_term(&(through, sighting, -ratio), (x, numbers), passes, out)
+                self.add_term(&(value, sighting, 1.0), gradient)?;
+                self.add_term(&(through, sighting, -ratio), gradient)
             }
-            Some(monitor) => self
-                .terms(monitor)
-                .iter()
-                .flatten()
-                .try_for_each(|term| self.add_term(term, (x, numbers), passes, out)),
-            None => self.add_error_gradient(x, work, passes, out),
+            Some(monitor) => {
+                let terms = self.terms(monitor);
+                terms.iter().flatten().try_for_each(|term| self.add_term(term, gradient))
+            }
+            None => self.add_error_gradient(work, gradient),
         }
     }
 
@@ -122,14 +115,10 @@ impl Discretised {
         &self,
         counts: impl Fn(usize) -> bool,
         factor: f64,
-        (x, numbers): (&[f64], &Numbers),
-        passes: &mut Passes<Chunk>,
-        out: &mut [f64],
+        gradient: &mut Gradient,
     ) -> Result<(), Failure> {
         for (s, mesh) in self.meshes.iter().enumerate().filter(|(s, _)| counts(*s)) {
-            let dependence =
-                Dependence { unknowns: &[], segment: Some(s), numbers: &numbers.local };
-            passes.add_gradient(&self.layout, dependence, Arguments::plain(x), out, |passes| {
+            gradient.add(&self.layout, &[], Some(s), |passes| {
                 let duration = Chunk::residual(&*self.problem).duration_in(s, &passes.q);
                 Ok(duration * (mesh.end() * factor))
             })?;
@@ -147,8 +136,7 @@ impl Discretised {
         let Work { nodes, numbers, local, .. } = work;
         let mut sum = 0.0;
         for at in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
-            let q = &numbers[self.layout.local(at.0)];
-            let interval = self.interval(at, &nodes[self.layout.interval(at.0, at.1)], q);
+            let interval = self.interval(at, nodes, numbers);
             sum += self.share(integral, watched, interval, &mut local.method)?;
         }
         Ok([sum, self.duration(numbers, |s| on_segment(watched, s))])
@@ -176,9 +164,8 @@ impl Discretised {
         &self,
         integral: Integral,
         watched: &[Watched],
-        (x, numbers): (&[f64], &Numbers),
-        (work, passes): (&mut Work<f64>, &mut Passes<Chunk>),
-        out: &mut [f64],
+        work: &mut Work<f64>,
+        gradient: &mut Gradient,
     ) -> Result<(), Failure> {
         let [sum, time] = self.sum_and_time(integral, watched, work)?;
         let slope =
@@ -186,20 +173,13 @@ impl Discretised {
         let (by_sum, by_time) = (slope([1.0, 0.0]), slope([0.0, 1.0]));
         for (s, j) in self.layout.intervals().filter(|(s, _)| on_segment(watched, *s)) {
             let unknowns = &self.layout.order[self.layout.interval(s, j)];
-            passes.add_gradient(
-                &self.layout,
-                Dependence { unknowns, segment: Some(s), numbers: &numbers.local },
-                Arguments::plain(x),
-                out,
-                |passes| {
-                    let Passes { unknowns, q, local, .. } = passes;
-                    let interval = self.interval((s, j), unknowns, q);
-                    Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
-                },
-            )?;
+            gradient.add(&self.layout, unknowns, Some(s), |passes| {
+                let Passes { unknowns, q, local, .. } = passes;
+                let interval = self.alone((s, j), unknowns, q);
+                Ok(self.share(integral, watched, interval, &mut local.method)? * by_sum)
+            })?;
         }
-        let counts = |s| on_segment(watched, s);
-        self.add_duration(counts, by_time, (x, numbers), passes, out)
+        self.add_duration(|s| on_segment(watched, s), by_time, gradient)
     }
 
     /// A function of states at the ends, those where segments begin coming first.
@@ -293,15 +273,13 @@ impl Discretised {
     ) -> Result<[Dual64; 2], Failure> {
         let segment = watched[0].segment;
         let n = self.layout.segments[segment].states;
-        let nodes = &work.nodes[self.layout.interval(segment, interval)];
-        let q = &work.numbers[self.layout.local(segment)];
-        let at = self.interval((segment, interval), nodes, q);
+        let at = self.interval((segment, interval), &work.nodes, &work.numbers);
         let (mut x, mut f) = (vec![0.0; n], vec![0.0; n]);
         self.method.value(at, place, &mut work.local.method, &mut x)?;
-        let t = at.duration() * (at.span.start + at.length() * place);
-        at.field().slope(t, &x, q, &mut f);
+        let t = at.time(place);
+        at.field().slope(t, &x, at.q, &mut f);
         let moving: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
-        let q: Vec<Dual64> = q.iter().map(|q| Dual64::from(*q)).collect();
+        let q: Vec<Dual64> = at.q.iter().map(|q| Dual64::from(*q)).collect();
         let problem = Dual64::watches(&*self.problem);
         Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
     }
@@ -311,20 +289,16 @@ impl Discretised {
     fn add_term(
         &self,
         (watched, sighting, factor): &Term,
-        (x, numbers): (&[f64], &Numbers),
-        passes: &mut Passes<Chunk>,
-        out: &mut [f64],
+        gradient: &mut Gradient,
     ) -> Result<(), Failure> {
         let (layout, segment) = (&self.layout, watched.segment);
         let (at, n) = ((segment, sighting.interval), layout.segments[segment].states);
         let unknowns = &layout.order[layout.interval(segment, sighting.interval)];
-        let dependence = Dependence { unknowns, segment: Some(segment), numbers: &numbers.local };
-        passes.add_gradient(&self.layout, dependence, Arguments::plain(x), out, |passes| {
+        gradient.add(layout, unknowns, Some(segment), |passes| {
             let Passes { unknowns, q, local, .. } = passes;
-            let (interval, x) = (self.interval(at, unknowns, q), &mut local.x[..n]);
+            let (interval, x) = (self.alone(at, unknowns, q), &mut local.x[..n]);
             self.method.value(interval, sighting.place, &mut local.method, x)?;
-            let t =
-                interval.duration() * (interval.span.start + interval.length() * sighting.place);
+            let t = interval.time(sighting.place);
             Ok(Chunk::watches(interval.problem).watch_in(*watched, t, x, q) * *factor)
         })
     }

@@ -53,15 +53,12 @@ impl Discretised {
         let each = FEWEST_POINTS.div_ceil(s.intervals).max(self.layout.degree);
         let mut history = Vec::with_capacity(s.intervals * each + 1);
         for interval in 0..s.intervals {
-            let span = self.span(segment, interval);
-            let nodes = &work.nodes[self.layout.interval(segment, interval)];
-            let time =
-                |place: f64| begin + duration * (span.start + (span.end - span.start) * place);
+            let at = self.interval((segment, interval), &work.nodes, &work.numbers);
+            let time = |place: f64| begin + duration * at.span.at(place);
             let mut visit = |place: f64, x: &[f64]| history.push([&[time(place)], x].concat());
-            let place = self.interval((segment, interval), nodes, q);
-            self.method.trajectory(place, each, &mut work.local.method, &mut visit)?;
+            self.method.trajectory(at, each, &mut work.local.method, &mut visit)?;
             if interval + 1 == s.intervals {
-                visit(1.0, &nodes[nodes.len() - s.states..]);
+                visit(1.0, &at.nodes[at.nodes.len() - s.states..]);
             }
         }
         Ok(history)

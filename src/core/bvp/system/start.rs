@@ -1,6 +1,7 @@
 //! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
 
 use super::across::Known;
+use super::equations::Discretised;
 use super::layout::Segment;
 use super::{BoundarySystem, Method};
 use crate::core::bvp::{
@@ -71,8 +72,7 @@ impl BoundarySystem {
         let finer =
             self.meshes().iter().zip(&meshes).any(|(own, m)| own.intervals() > m.intervals());
         if doubled || (same_method && !finer) {
-            let (problem, method) = (self.problem().clone(), self.equations.method.clone());
-            *self = BoundarySystem::new(problem, method, meshes)?;
+            *self = self.on(meshes)?;
         } else {
             solution.state = self.resampled(&solution, degree, meshes)?;
             solution.tangent = None;
@@ -148,8 +148,7 @@ impl BoundarySystem {
         self.equations.layout.spread(&[p, extras].concat(), &mut numbers);
         let mut flow = Flow::<f64>::default();
         let mut at = (usize::MAX, 0.0, Vec::new());
-        let mut outcome = Ok(());
-        let z = self.sampled(extras, |segment, tau, out| {
+        self.equations.sampled(extras, |segment, tau, out| {
             let (equations, q) =
                 (f64::residual(&**problem), &numbers[self.equations.layout.local(segment)]);
             let field = equations.on_segment(segment, q);
@@ -160,14 +159,13 @@ impl BoundarySystem {
                 at = (segment, node, states.to_vec());
             }
             let (from, x) = (at.1, &mut at.2);
-            if outcome.is_ok() && time != from {
-                outcome = flow.advance(&field, from, time - from, x, q).map(|_| ());
+            if time != from {
+                flow.advance(&field, from, time - from, x, q)?;
             }
             at.1 = time;
             out.copy_from_slice(&at.2);
-        });
-        outcome?;
-        Ok(z)
+            Ok(())
+        })
     }
 
     /// How many values there are on meshes with `degree` nodes an interval beyond its first.
@@ -202,25 +200,14 @@ impl BoundarySystem {
         degree: usize,
         meshes: Vec<Mesh>,
     ) -> Result<Vec<f64>, Failure> {
-        let problem = self.problem().clone();
-        let x = [&solution.state[..], &solution.parameters[..]].concat();
         let method = match degree {
             1 => Method::from(Shooting::default()),
             _ => Collocation::new(degree).map_err(|cause| mismatch(cause.to_string()))?.into(),
         };
-        let mut from = BoundarySystem::new(problem, method, meshes)?;
-        let layout = &from.equations.layout;
-        let extras = &x[layout.values()..layout.dimension];
-        let mut outcome = Ok(());
-        let z = self.sampled(extras, |segment, tau, out| {
-            if outcome.is_ok() {
-                match from.states(&x, segment, tau) {
-                    Ok(states) => out.copy_from_slice(&states),
-                    Err(cause) => outcome = Err(cause),
-                }
-            }
-        });
-        outcome?;
+        let from = Discretised::new(self.problem().clone(), method, meshes)?;
+        let x = [&solution.state[..], &solution.parameters[..]].concat();
+        let mut z = from.carried(&self.equations, &x)?;
+        z.truncate(self.equations.layout.dimension);
         Ok(z)
     }
 

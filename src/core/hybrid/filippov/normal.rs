@@ -1,8 +1,10 @@
 //! Fields across the surface, and along it.
 
 use super::{FilippovSystem, Side};
+use crate::core::hybrid::scales::gradient;
 use crate::core::scalar::Scalar;
-use num_dual::{Dual, Dual64};
+use crate::core::vector::dot;
+use num_dual::Dual;
 
 /// The rate of the surface's function along a direction `(1, f)` of time and states: `h_t + h_x f`.
 fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
@@ -69,15 +71,8 @@ pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
 ) -> [f64; 2] {
     let mut f = vec![0.0; x.len()];
     system.sliding(t, x, p, &mut f);
-    f.push(1.0);
-    let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
-    let term = |i: usize| {
-        let place = x.iter().chain([&t]).copied().map(Dual64::from);
-        let mut place: Vec<Dual64> = place.collect();
-        place[i].eps = f[i];
-        system.surface(place[x.len()], &place[..x.len()], &p).eps
-    };
-    let terms = (0..=x.len()).map(term);
+    let (by_states, by_time) = gradient((t, x), p, |t, x, p| system.surface(t, x, p));
+    let terms = by_states.iter().zip(&f).map(|(slope, f)| slope * f).chain([by_time]);
     terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
 }
 
@@ -88,15 +83,11 @@ pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     (t, x, p): (T, &mut [T], &[T]),
     sizes: &[f64],
 ) {
-    let real = |values: &[T]| values.iter().map(|v| v.real().into()).collect::<Vec<Dual64>>();
-    let (place, numbers) = (real(x), real(p));
-    let slope = |i: usize| {
-        let mut place = place.clone();
-        place[i].eps = sizes[i];
-        system.surface(t.real().into(), &place, &numbers).eps
-    };
-    let slopes: Vec<f64> = (0..x.len()).map(slope).collect();
-    let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
+    let [real_x, real_p] = [&*x, p].map(|v| v.iter().map(T::real).collect::<Vec<f64>>());
+    let place = (t.real(), &real_x[..]);
+    let (mut slopes, _) = gradient(place, &real_p, |t, x, p| system.surface(t, x, p));
+    slopes.iter_mut().zip(sizes).for_each(|(slope, size)| *slope *= size);
+    let square = dot(&slopes, &slopes);
     if square > 0.0 {
         let distance = system.surface(t, x, p) / square;
         for (x, (slope, size)) in x.iter_mut().zip(slopes.iter().zip(sizes)) {
