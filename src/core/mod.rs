@@ -2,6 +2,7 @@
 
 pub mod attractor;
 pub mod bifurcation;
+pub(crate) mod bracketed;
 pub mod bvp;
 pub mod chunk;
 pub mod condition;
@@ -12,6 +13,7 @@ pub mod extended;
 pub(crate) mod failure;
 pub mod field;
 pub mod flow;
+mod forward;
 pub(crate) mod function;
 pub mod grazing;
 pub mod hybrid;

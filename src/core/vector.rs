@@ -42,3 +42,10 @@ pub(crate) fn advanced(a: &[f64], s: f64, b: &[f64]) -> Vec<f64> {
 pub(crate) fn generic(length: usize, seed: usize) -> Vec<f64> {
     (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
 }
+
+/// Replaces the elements of a vector, in the room that it has.
+#[inline]
+pub(crate) fn refill<T>(vector: &mut Vec<T>, elements: impl IntoIterator<Item = T>) {
+    vector.clear();
+    vector.extend(elements);
+}

@@ -18,10 +18,12 @@ mod linearise;
 
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
+use crate::core::bracketed::{Until, bracketed_zero};
 use crate::core::failure::Failure;
 use crate::core::interpolation::lagrange;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::refill;
 use crate::core::watch::{Observable, WatchIn};
 use basis::{Basis, combine};
 use linearise::{Passes, linearise_in};
@@ -134,23 +136,10 @@ impl Collocation {
     }
 }
 
-/// Where a function vanishes between two places, of which it has a sign at the first: Newton's method with its value
-/// and rate, kept inside by bisection.
-fn zero([mut low, mut high]: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
-    let mut place = 0.5 * (low + high);
-    for _ in 0..ROUNDS {
-        let [value, rate] = of(place);
-        *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
-        let newton = place - value / rate;
-        let inside = newton > low && newton < high;
-        let next = if inside { newton } else { 0.5 * (low + high) };
-        let moved = (next - place).abs();
-        place = next;
-        if moved < 1e-14 {
-            break;
-        }
-    }
-    place
+/// The place in an interval where a function vanishes that has a sign at the first of two places.
+fn zero(places: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
+    let until = Until { rounds: ROUNDS, moved: 1e-14 };
+    bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), until, of)
 }
 
 /// The method's part of [`Method`](super::Method), where everything is explained.
@@ -176,8 +165,7 @@ impl Collocation {
         let (duration, h) = (interval.duration(), interval.length());
         work.x.resize(n, T::zero());
         work.f.resize(n, T::zero());
-        work.real.clear();
-        work.real.extend(q.iter().map(Scalar::real));
+        refill(&mut work.real, q.iter().map(Scalar::real));
         work.real.resize(q.len() + n, 0.0);
         let (real_q, real_x) = work.real.split_at_mut(q.len());
         for (c, r) in r.chunks_exact_mut(n).enumerate() {

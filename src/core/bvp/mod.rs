@@ -18,8 +18,8 @@ mod terms;
 mod trajectory;
 
 pub use collocation::{Collocation, PointsError};
-pub use erased::{Birth, Equations, IntoEquations, Number, Residual};
-pub(in crate::core) use erased::{EndFunctions, WatchNumber, Watches, Watching};
+pub use erased::{Birth, Equations, IntoEquations};
+pub(in crate::core) use erased::{EndFunctions, Number, Residual, WatchNumber, Watches, Watching};
 pub use error::BoundaryError;
 pub use interval::{Block, Interval, MonitoredFunctions, Span};
 pub use mesh::{Mesh, MeshError};
@@ -27,5 +27,6 @@ pub use method::Method;
 pub use problem::BoundaryProblem;
 pub use shooting::Shooting;
 pub use system::BoundarySystem;
-pub use terms::{Ends, Legs, Monitor, Return, Unknown, Watched};
+pub(in crate::core) use terms::Legs;
+pub use terms::{Ends, Monitor, Return, Unknown, Watched};
 pub use trajectory::Trajectory;

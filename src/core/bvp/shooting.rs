@@ -248,8 +248,7 @@ impl Shooting {
         let mut search = ExtremumSearch { functions, observers, visit };
         search.begin();
         search.end(&interval, 0.0, left);
-        x.clear();
-        x.extend_from_slice(left);
+        left.clone_into(x);
         let (start, length) = interval.times();
         let field = interval.field();
         plain.observe(&field, start, length, x, interval.q, |step| search.real(&interval, step))?;

@@ -2,7 +2,6 @@
 
 mod across;
 mod adaptation;
-mod bordered;
 mod carry;
 mod closed;
 mod equations;
@@ -27,11 +26,10 @@ use crate::core::chunk::Chunk;
 use crate::core::failure::Failure;
 use crate::core::zero::{Border, Group, Names};
 use across::Beside;
-use bordered::{Bordered, Form};
 use equations::{Discretised, Work};
 use factorisation::Factorisation;
 use layout::Layout;
-use linearisation::Linearisation;
+use linearisation::{Bordered, Form, Linearisation};
 use local::{Numbers, Passes};
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::convert::Infallible;
@@ -243,7 +241,7 @@ impl BoundarySystem {
         if self.pencil_of != assembled.count {
             let (form, border) = (Form::Jacobian, Border::NONE);
             self.condensed.condense(Bordered { layout, assembled, form, border })?;
-            self.condensed.pencil(layout, assembled, &mut self.pencil);
+            self.condensed.pencil(assembled, &mut self.pencil);
             self.pencil_of = assembled.count;
         }
         let [p, q] = &self.pencil;

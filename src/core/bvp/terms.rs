@@ -111,7 +111,7 @@ impl Return {
 ///
 /// Extras are the time of the start (under forcing) and the durations. A segment depends on parameters, the time at which
 /// it begins, and its duration: these are the numbers `q` with which its equations are evaluated. Conditions are what
-/// [`leg_end_in`](super::Residual::leg_end_in) says: the states at which segments begin, what vanishes where they
+/// `leg_end_in` of a problem says: the states at which segments begin, what vanishes where they
 /// end, and under forcing `cycle − Σ durations`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Legs {

@@ -14,6 +14,7 @@ use super::stages::Stages;
 use super::step::{Known, Step};
 use super::tableau::{Row, Tableau};
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::refill;
 use crate::core::watch::WatchIn;
 use num_dual::Dual;
 use std::cell::Cell;
@@ -57,8 +58,7 @@ impl<T: InLanes> Flow<T> {
         let motion = &Motion { field, start, length, p, evaluations: &evaluations };
         let (scheme, tolerance) = (self.settings.scheme, self.settings.absolute);
         let buffers = &mut self.buffers;
-        buffers.x.clear();
-        buffers.x.extend_from_slice(&lane_state.x);
+        lane_state.x.clone_into(&mut buffers.x);
         buffers.scales.clear();
         buffers.scales.resize(n, 1.0);
         buffers.stages.resize(n);
@@ -71,8 +71,7 @@ impl<T: InLanes> Flow<T> {
         // The end of the step, as if it had been asked for.
         let first = scheme.tableau().map_or(0, |tableau| tableau.end() * n);
         buffers.partial.end.clone_from(&buffers.stages.end);
-        buffers.slopes.clear();
-        buffers.slopes.extend_from_slice(&buffers.stages.slopes[first..first + n]);
+        buffers.stages.slopes[first..first + n].clone_into(&mut buffers.slopes);
         let known = Known::at(1.0);
         observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known });
         lane_state.statistics.evaluations += evaluations.get();
@@ -150,13 +149,10 @@ impl<T: InLanes> BatchStepper<T> {
         let BatchStepper { tableau, renewed, given, time, length, x, p, stages, dual_p, .. } = self;
         let (start, length) = (T::gather(*time), T::gather(*length));
         let evaluations = &Cell::new(0);
-        x.clear();
-        x.extend(given[0].iter().map(|x| T::gather(*x)));
+        refill(x, given[0].iter().map(|x| T::gather(*x)));
         if std::mem::take(renewed) {
-            p.clear();
-            p.extend(given[2].iter().map(|p| T::gather(*p)));
-            dual_p.clear();
-            dual_p.extend(p.iter().map(|p| Dual::from_re(T::reals(p))));
+            refill(p, given[2].iter().map(|p| T::gather(*p)));
+            refill(dual_p, p.iter().map(|p| Dual::from_re(T::reals(p))));
         }
         stages.resize(x.len());
         for (to, slope) in stages.slopes.iter_mut().zip(&given[1]) {

@@ -2,6 +2,7 @@
 
 use super::lanes::Lanes;
 use super::roots::{Sign, ZERO};
+use crate::core::bracketed::{Until, bracketed_zero};
 use num_dual::Dual;
 
 /// Rounds for the root of a cubic, to begin with.
@@ -72,20 +73,11 @@ impl EventForecast {
         // a + slope θ + square θ² + cube θ³
         let (square, cube) =
             (3.0 * (b - a) - 2.0 * slope - slope_b, 2.0 * (a - b) + slope + slope_b);
-        let (mut low, mut high, mut theta) = (0.0, 1.0, a / (a - b));
-        for _ in 0..ROUNDS {
+        let until = Until { rounds: ROUNDS, moved: NEAR };
+        Some(bracketed_zero([0.0, 1.0], 1.0, a / (a - b), until, |theta| {
             let value = a + theta * (slope + theta * (square + theta * cube));
-            let rate = slope + theta * (2.0 * square + 3.0 * theta * cube);
-            *(if value > 0.0 { &mut low } else { &mut high }) = theta;
-            let next = theta - value / rate;
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            let change = (next - theta).abs();
-            theta = next;
-            if change < NEAR {
-                break;
-            }
-        }
-        Some(theta)
+            [value, slope + theta * (2.0 * square + 3.0 * theta * cube)]
+        }))
     }
 
     /// By how much the end of the step of a lane is to be moved, in units of the step, to where the function vanishes.

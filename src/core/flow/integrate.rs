@@ -12,6 +12,7 @@ use super::work;
 use crate::core::interruption;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::refill;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
@@ -149,14 +150,11 @@ impl<T: Scalar> Flow<T> {
     }
 
     pub(super) fn resize<F: FieldIn<T>>(&mut self, field: &F, x: &[T], p: &[T]) {
-        self.real.clear();
-        self.real.extend(x.iter().chain(p).map(T::real));
+        refill(&mut self.real, x.iter().chain(p).map(T::real));
         let buffers = &mut self.buffers;
-        buffers.scales.clear();
-        buffers.scales.extend(field.state_scales(&self.real[x.len()..]));
+        refill(&mut buffers.scales, field.state_scales(&self.real[x.len()..]));
         buffers.scales.resize(x.len(), 1.0);
-        buffers.x.clear();
-        buffers.x.extend_from_slice(x);
+        x.clone_into(&mut buffers.x);
         buffers.stages.resize(x.len());
         buffers.partial.resize(x.len());
     }

@@ -6,6 +6,7 @@ use super::integrate::Statistics;
 use super::settings::Settings;
 use super::step::CLOSE;
 use crate::core::scalar::Scalar;
+use crate::core::vector::refill;
 
 /// So many shorter steps are taken towards a root; what takes more is looked at alone.
 const TRIES: usize = 4;
@@ -80,10 +81,8 @@ impl<T: Scalar> LaneState<T> {
         slope: impl Iterator<Item = T>,
         settings: &Settings,
     ) {
-        self.x.clear();
-        self.x.extend_from_slice(x);
-        self.slope.clear();
-        self.slope.extend(slope);
+        x.clone_into(&mut self.x);
+        refill(&mut self.slope, slope);
         (self.start, self.length, self.sigma, self.h) = (start, length, 0.0, h);
         self.largest_step = settings.largest_step;
         self.control = Control::new(settings);

@@ -18,6 +18,7 @@ use super::stages::{Stages, combine};
 use crate::core::chunk::seeded;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{FieldIn, WIDTH, Wide};
+use crate::core::vector::refill;
 
 /// The field linearised at the start of a step, and the factored matrix of its stages.
 pub(super) struct Linearisation<T: Scalar> {
@@ -44,12 +45,10 @@ impl<T: Scalar> Linearisation<T> {
     pub fn update<F: FieldIn<T>>(&mut self, motion: &Motion<F, T>, sigma: f64, x: &[T]) {
         let n = x.len();
         self.resize(n);
-        self.p.clear();
-        self.p.extend(motion.p.iter().map(|p| Wide::of(*p)));
+        refill(&mut self.p, motion.p.iter().map(|p| Wide::of(*p)));
         self.f.resize(n, Wide::of(T::zero()));
         for first in (0..=n).step_by(WIDTH) {
-            self.x.clear();
-            self.x.extend(x.iter().enumerate().map(|(j, x)| seeded(*x, j, first)));
+            refill(&mut self.x, x.iter().enumerate().map(|(j, x)| seeded(*x, j, first)));
             let time = seeded(motion.time(sigma), n, first);
             motion.count();
             motion.field.wide_slope(time, &self.x, &self.p, &mut self.f);

@@ -8,6 +8,7 @@ use super::stages::{Stages, combine};
 use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::refill;
 use crate::core::watch::Watchable;
 use std::sync::LazyLock;
 
@@ -281,8 +282,7 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         let (Buffers { x, scales, stages, .. }, RealStep { buffers, p, .. }) =
             (&*self.buffers, real);
         let copy = |from: &[T], to: &mut Vec<f64>| {
-            to.clear();
-            to.extend(from.iter().map(T::real));
+            refill(to, from.iter().map(T::real));
         };
         buffers.scales.clone_from(scales);
         copy(&stages.slopes[..slopes], &mut buffers.stages.slopes);

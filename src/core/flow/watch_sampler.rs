@@ -7,7 +7,7 @@
 use super::step::Step;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
-use crate::core::vector::largest;
+use crate::core::vector::{largest, refill};
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
@@ -76,10 +76,8 @@ impl<S: Scalar> Arguments<S> {
         lift: impl Fn(T) -> S,
         states: impl Iterator<Item = S>,
     ) -> S {
-        self.x.clear();
-        self.x.extend(states);
-        self.p.clear();
-        self.p.extend(p.iter().map(|p| lift(*p)));
+        refill(&mut self.x, states);
+        refill(&mut self.p, p.iter().map(|p| lift(*p)));
         watch.value_in(time, &self.x, &self.p)
     }
 }

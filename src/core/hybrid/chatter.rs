@@ -81,8 +81,7 @@ impl<T: Scalar> Series<T> {
             }
         }
         (self.time, self.interval, self.speed, self.ratio) = (time, interval, speed, ratio);
-        self.state.clear();
-        self.state.extend_from_slice(state);
+        state.clone_into(&mut self.state);
         accumulation
     }
 
@@ -102,8 +101,7 @@ impl<T: Scalar> Series<T> {
     fn estimate(&mut self, time: T, ratio: T, state: &[T]) {
         let Series { work: [new, old], estimates, .. } = self;
         (new.0, old.0) = (time, self.time);
-        new.1.clear();
-        new.1.extend_from_slice(state);
+        state.clone_into(&mut new.1);
         old.1.clone_from(&self.state);
         let mut power = ratio;
         for (k, estimate) in estimates.iter_mut().enumerate() {

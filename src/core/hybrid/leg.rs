@@ -4,6 +4,7 @@ use super::erased::{FieldNumber, GuardNumber, HybridEquations, MeasureNumber};
 use super::scales::{guard_scale, time_scale, typical_scale};
 use super::system::HybridSystem;
 use crate::core::field::{Forcing, VectorField};
+use crate::core::forward::forward;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::Domains;
 use crate::core::watch::{Observable, WatchIn, Watchable};
@@ -19,6 +20,11 @@ pub struct InMode<'a, S> {
 }
 
 impl<S: HybridSystem> VectorField for InMode<'_, S> {
+    forward! { |self| self.system;
+        fn forcing() -> Forcing;
+        fn period<T>(p: &[T]) -> T;
+    }
+
     fn names(&self) -> Names {
         let mode = self.system.modes().swap_remove(self.mode);
         Names::new(mode.states.iter().map(String::as_str), self.system.parameters())
@@ -26,14 +32,6 @@ impl<S: HybridSystem> VectorField for InMode<'_, S> {
 
     fn field<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         self.system.field(self.mode, t, x, p, f);
-    }
-
-    fn forcing(&self) -> Forcing {
-        self.system.forcing()
-    }
-
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.system.period(p)
     }
 
     fn scales(&self, p: &[f64]) -> Vec<f64> {

@@ -33,9 +33,8 @@ pub(in crate::core) use accumulated::ChatterNumber;
 pub use beyond::virtual_point;
 pub use cycle::{Cycle, CycleLeg};
 pub use cycle_search::{CycleSearch, CycleSearchError};
-pub use erased::{
-    EventNumber, FieldNumber, GuardNumber, Guards, HybridEquations, MeasureNumber, Measures, Resets,
-};
+pub use erased::{EventNumber, HybridEquations};
+pub(in crate::core) use erased::{FieldNumber, GuardNumber, MeasureNumber};
 pub use error::HybridError;
 pub use event::{Event, History, HybridObserver, Piece};
 pub use fleet::{Fleet, FleetObserver, Member};

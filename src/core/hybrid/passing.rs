@@ -9,6 +9,7 @@ use super::leg::GuardOf;
 use super::simulation::{HybridFlow, HybridState, Run};
 use super::support::Surface;
 use crate::core::flow::NEGATIVE;
+use crate::core::vector::refill;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
@@ -59,8 +60,7 @@ where
 
     /// Real parts of the state before the event.
     fn real_event(&mut self) {
-        self.x.clear();
-        self.x.extend(self.event.before.iter().map(T::real));
+        refill(&mut self.x, self.event.before.iter().map(T::real));
     }
 
     /// Resets the state to the next mode and shows the event.
@@ -124,8 +124,7 @@ where
         let Event { guard, mode, .. } = self.event;
         let (series, here) = (self.series_of(guard, mode), accumulation == Accumulation::Here);
         let before = if here { &self.event.before[..] } else { self.series[series].limit() };
-        self.x.clear();
-        self.x.extend(before.iter().map(T::real));
+        refill(&mut self.x, before.iter().map(T::real));
         if !here && self.another_comes_before(time.real()) {
             return Ok(ControlFlow::Continue(()));
         }
@@ -152,11 +151,13 @@ where
         let bounds = limit.iter().zip(&self.event.before).map(|(a, b)| (*a - *b).real().abs());
         let largest = bounds.fold(0.0, f64::max);
         let small = change.iter().all(|change| change.real().abs() <= largest);
-        self.event.before.clear();
-        self.event.before.extend(limit.iter().zip(change).map(|(limit, change)| match small {
-            true => *limit + change,
-            false => *limit,
-        }));
+        refill(
+            &mut self.event.before,
+            limit.iter().zip(change).map(|(limit, change)| match small {
+                true => *limit + change,
+                false => *limit,
+            }),
+        );
     }
 
     /// Whether another guard of the mode vanishes with the event, the real parts of the state before which are in `x`.

@@ -11,6 +11,7 @@ use super::system::{Guard, Mode};
 use crate::core::field::Forcing;
 use crate::core::flow::{Flow, FlowError, NEGATIVE, Roots, Settings, Statistics};
 use crate::core::scalar::Scalar;
+use crate::core::vector::refill;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
@@ -250,8 +251,7 @@ where
             same("parameters", p.len(), self.system.parameters().len())?;
         }
         same("states", state.x.len(), states.len())?;
-        self.p.clear();
-        self.p.extend(p.iter().map(T::real));
+        refill(&mut self.p, p.iter().map(T::real));
         self.unit = time_scale(self.system, &self.p);
         self.inside(state, None)
     }
@@ -262,8 +262,7 @@ where
         state: &HybridState<T>,
         event: Option<usize>,
     ) -> Result<(), HybridError> {
-        self.x.clear();
-        self.x.extend(state.x.iter().map(T::real));
+        refill(&mut self.x, state.x.iter().map(T::real));
         let time = state.time.real();
         for &g in &self.watched[state.mode] {
             let value = self.system.guard(g, state.mode, time, &self.x, &self.p);
@@ -354,8 +353,7 @@ where
     /// Begins to watch the guards of a state's mode.
     fn watch_guards(&mut self, state: &HybridState<T>) {
         let (system, mode) = (self.system, state.mode);
-        self.x.clear();
-        self.x.extend(state.x.iter().map(T::real));
+        refill(&mut self.x, state.x.iter().map(T::real));
         for k in 0..self.watched[mode].len() {
             let guard = self.watched[mode][k];
             let scale = self.scale_of(guard, mode, state.time.real());

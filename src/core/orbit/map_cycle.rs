@@ -5,6 +5,7 @@ use crate::core::bvp::{
     Return, Shooting, Watched,
 };
 use crate::core::condition::Failure;
+use crate::core::forward::forward;
 use crate::core::scalar::Scalar;
 use crate::core::zero::Names;
 use std::ops::Deref;
@@ -34,20 +35,11 @@ const REPEATS: f64 = 1e-6;
 
 /// A map that is shared or referred to.
 impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
-    fn names(&self) -> Names {
-        (**self).names()
-    }
-
-    fn defaults(&self) -> Vec<f64> {
-        (**self).defaults()
-    }
-
-    fn next<T: Scalar>(&self, x: &[T], p: &[T], next: &mut [T]) {
-        (**self).next(x, p, next);
-    }
-
-    fn monitor<T: Scalar>(&self, monitor: usize, x: &[T], p: &[T]) -> T {
-        (**self).monitor(monitor, x, p)
+    forward! { |self| (**self);
+        fn names() -> Names;
+        fn defaults() -> Vec<f64>;
+        fn next<T>(x: &[T], p: &[T], next: &mut [T]) -> ();
+        fn monitor<T>(monitor: usize, x: &[T], p: &[T]) -> T;
     }
 }
 

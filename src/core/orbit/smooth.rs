@@ -2,6 +2,7 @@
 
 use crate::core::domain::OutOfDomain;
 use crate::core::field::{Forcing, VectorField};
+use crate::core::forward::forward;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
@@ -19,6 +20,12 @@ use crate::core::scalar::Scalar;
 pub struct Smooth<F>(pub F);
 
 impl<F: VectorField> HybridSystem for Smooth<F> {
+    forward! { |self| self.0;
+        fn forcing() -> Forcing;
+        fn period<T>(p: &[T]) -> T;
+        fn measures() -> Vec<(String, Measure)>;
+    }
+
     fn modes(&self) -> Vec<Mode> {
         vec![Mode::new("flow", self.0.names().unknowns.into_iter().map(|state| state.name))]
     }
@@ -49,18 +56,6 @@ impl<F: VectorField> HybridSystem for Smooth<F> {
 
     fn monitor<T: Scalar>(&self, monitor: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         self.0.monitor(monitor, t, x, p)
-    }
-
-    fn measures(&self) -> Vec<(String, Measure)> {
-        self.0.measures()
-    }
-
-    fn forcing(&self) -> Forcing {
-        self.0.forcing()
-    }
-
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.0.period(p)
     }
 
     fn scales(&self, p: &[f64]) -> Scales {

@@ -1,11 +1,14 @@
 //! Gauss–Legendre points, Lobatto nodes and the Lagrange polynomials through them.
 
+use crate::core::bracketed::{Until, bracketed_zero};
 use crate::core::interpolation::lagrange;
 use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
 
 /// The largest number of nodes.
 const MOST: usize = 8;
+/// How many times a root is improved at most.
+const ROUNDS: usize = 60;
 
 /// What collocation at `m` Gauss points needs: everything on the interval from 0 to 1.
 #[derive(Clone, Debug)]
@@ -141,28 +144,14 @@ fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
     for right in turns[..turn_count].iter().copied().chain([1.0]) {
         let ends = [horner(coefficients, left), horner(coefficients, right)];
         if (ends[0] < 0.0) != (ends[1] < 0.0) {
-            roots[count] = root_between(coefficients, slope, left, right);
+            let sign = if ends[0] < 0.0 { -1.0 } else { 1.0 };
+            let until = Until { rounds: ROUNDS, moved: 1e-15 };
+            roots[count] = bracketed_zero([left, right], sign, 0.5 * (left + right), until, |y| {
+                [horner(coefficients, y), horner(slope, y)]
+            });
             count += 1;
         }
         left = right;
     }
     (roots, count)
-}
-
-/// Newton's iteration, kept inside the bracket by bisection.
-fn root_between(coefficients: &[f64], slope: &[f64], left: f64, right: f64) -> f64 {
-    let (mut left, mut right) = (left, right);
-    let negative = horner(coefficients, left) < 0.0;
-    let mut y = 0.5 * (left + right);
-    for _ in 0..60 {
-        let value = horner(coefficients, y);
-        *(if (value < 0.0) == negative { &mut left } else { &mut right }) = y;
-        let newton = y - value / horner(slope, y);
-        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
-        if (next - y).abs() <= 1e-15 {
-            break;
-        }
-        y = next;
-    }
-    y
 }

@@ -6,6 +6,7 @@ use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
 use crate::core::failure::Failure;
 use crate::core::scalar_field::FieldIn;
+use crate::core::vector::refill;
 
 /// Arguments and values of the field in a pass over `W` directions.
 #[derive(Clone, Debug, Default)]
@@ -58,8 +59,7 @@ where
 
     /// The numbers `q`, the active ones seeded as the directions after the `n` states.
     fn seed_numbers(&mut self, q: &[f64], active: &[usize], n: usize, start: usize) {
-        self.q.clear();
-        self.q.extend(q.iter().map(|q| DualChunk::from(*q)));
+        refill(&mut self.q, q.iter().map(|q| DualChunk::from(*q)));
         for (k, &number) in active.iter().enumerate() {
             self.q[number] = seeded(q[number], n + k, start);
         }

@@ -5,6 +5,7 @@ use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
 use crate::core::failure::Failure;
 use crate::core::flow::{Flow, Settings};
+use crate::core::vector::refill;
 
 /// A flow with derivatives in `N` directions.
 pub(super) struct Variation<const N: usize> {
@@ -44,10 +45,8 @@ where
         let Interval { problem, span, nodes, q } = *interval;
         let n = nodes.len() / 2;
         let states = nodes[..n].iter().enumerate();
-        self.x.clear();
-        self.x.extend(states.map(|(i, x)| seeded(*x, i, first)));
-        self.q.clear();
-        self.q.extend(q.iter().map(|q| DualChunk::from(*q)));
+        refill(&mut self.x, states.map(|(i, x)| seeded(*x, i, first)));
+        refill(&mut self.q, q.iter().map(|q| DualChunk::from(*q)));
         for (k, number) in active.iter().enumerate() {
             self.q[*number] = seeded(q[*number], n + k, first);
         }
@@ -60,8 +59,7 @@ where
         self.flow.observe(&field, start, length, &mut self.x, &self.q, |step| {
             search.dual(interval, step)
         })?;
-        self.end.clear();
-        self.end.extend(self.x.iter().map(|x| x.re));
+        refill(&mut self.end, self.x.iter().map(|x| x.re));
         search.end(interval, 1.0, &self.end);
         for (i, x) in self.x.iter().enumerate() {
             block.residual[i] = x.re - nodes[n + i];

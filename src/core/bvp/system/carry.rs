@@ -27,8 +27,7 @@ impl Transfer {
             for state in 0..s.states {
                 let start = s.values + state * s.nodes;
                 let values = &mut vector[start..start + s.nodes];
-                self.before.clear();
-                self.before.extend_from_slice(values);
+                values.clone_into(&mut self.before);
                 let old = self.first[nodes.clone()].iter().zip(weights.clone());
                 for (value, (&first, weights)) in values.iter_mut().zip(old) {
                     *value = self.before[first..].iter().zip(weights).map(|(x, w)| x * w).sum();

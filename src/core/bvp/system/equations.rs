@@ -319,8 +319,7 @@ impl Discretised {
             row.iter_mut().for_each(|r| *r = -*r);
         }
         self.phase.row = row;
-        self.phase.reference.clear();
-        self.phase.reference.extend_from_slice(x);
+        x.clone_into(&mut self.phase.reference);
     }
 
     /// Refuses a residual that is not finite.

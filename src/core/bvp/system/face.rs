@@ -8,6 +8,7 @@ use crate::core::bvp::{Mesh, Number};
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Cycles, Solution};
+use crate::core::vector::refill;
 use crate::core::zero::{
     self, Across, Admissible, Border, Dynamics, Form, Names, Profile, Refinement, Spectrum, System,
 };
@@ -55,8 +56,7 @@ impl BoundarySystem {
         let own = [of_segments, layout.parameters..layout.numbers()];
         for (numbers, own) in [&mut self.numbers.local, &mut self.numbers.all].into_iter().zip(own)
         {
-            numbers.clear();
-            numbers.extend(own);
+            refill(numbers, own);
             numbers.extend_from_slice(released);
         }
         out[..layout.dimension].fill(0.0);
@@ -156,18 +156,13 @@ impl System for BoundarySystem {
         out: &mut [f64],
     ) -> Result<(), Failure> {
         self.release(released, out);
-        let weighted = Weighted { at: Arguments { x, v }, w, numbers: &self.numbers };
-        match order {
-            1 => {
-                let passes = &mut self.nested;
-                self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
-            }
-            2 => {
-                let passes = &mut self.nested_twice;
-                self.equations.gradient(out, |e, out| e.add_gradient(&weighted, passes, out))?;
-            }
-            _ => return Err(unknown_order(order)),
-        }
+        let Self { equations, numbers, nested, nested_twice, .. } = self;
+        let weighted = Weighted { at: Arguments { x, v }, w, numbers };
+        equations.gradient(out, |equations, out| match order {
+            1 => equations.add_gradient(&weighted, nested, out),
+            2 => equations.add_gradient(&weighted, nested_twice, out),
+            _ => Err(unknown_order(order)),
+        })?;
         finite_gradient(out, self.equations.layout.dimension, released)
     }
 

@@ -11,17 +11,18 @@
 //!     ⎣  rows of the border                 ⎦
 //! ```
 
-use super::bordered::{Bordered, Form};
 use super::joined::Joined;
 use super::layout::{Layout, Rest};
-use super::linearisation::Linearisation;
+use super::linearisation::{Bordered, Form, Linearisation};
 use crate::core::failure::Failure;
-use crate::core::linear::{BorderedLu, Chain};
+use crate::core::linear::{self, BorderedLu, Chain};
+use crate::core::vector::refill;
 use crate::core::zero::Border;
+use std::sync::Arc;
 
 /// The factors of the Jacobian within a border, with everything that solving needs.
-#[derive(Default)]
 pub(super) struct Factorisation {
+    pub layout: Arc<Layout>,
     chains: Vec<Chain>,
     /// Where segments are legs: all of them.
     joined: Joined,
@@ -51,13 +52,25 @@ pub(super) struct Left {
 
 impl Factorisation {
     /// Chains for the segments of a layout.
-    pub fn new(layout: &Layout) -> Self {
+    pub fn new(layout: &Arc<Layout>) -> Self {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
+        let (lu, matrix, units, columns) = Default::default();
+        let (rows, left, reduced, condensed) = Default::default();
+        let chains = layout.segments.iter().map(chain).collect();
+        let (joined, nodes) = (Joined::new(layout), vec![0.0; layout.values()]);
         Factorisation {
-            chains: layout.segments.iter().map(chain).collect(),
-            joined: Joined::new(layout),
-            nodes: vec![0.0; layout.values()],
-            ..Default::default()
+            layout: layout.clone(),
+            chains,
+            joined,
+            lu,
+            matrix,
+            units,
+            columns,
+            rows,
+            left,
+            reduced,
+            nodes,
+            condensed,
         }
     }
 
@@ -216,18 +229,13 @@ impl Factorisation {
 
     /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices (one row
     /// after the other); false if it is not this assembly that was factored last.
-    pub fn pencil(
-        &self,
-        layout: &Layout,
-        assembled: &Linearisation,
-        out: &mut [Vec<f64>; 2],
-    ) -> bool {
+    pub fn pencil(&self, assembled: &Linearisation, out: &mut [Vec<f64>; 2]) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
         };
-        let (n, rest) = (layout.segments[0].states, layout.rest());
+        let (n, rest) = (self.layout.segments[0].states, self.layout.rest());
         let border = self.left.dense.len() - 2 * rest.states - rest.extras;
-        let width = 2 * n + layout.own() + border;
+        let width = 2 * n + self.layout.own() + border;
         out.iter_mut().for_each(Vec::clear);
         for row in chain.reduced().chunks_exact(width).take(n) {
             out[0].extend_from_slice(&row[..n]);
@@ -236,16 +244,9 @@ impl Factorisation {
         true
     }
 
-    /// Solves in place: the right side as the equations are ordered, the solution as the unknowns are, each
-    /// followed by what belongs to the border.
-    pub fn solve(&mut self, layout: &Layout, right: &mut [f64]) {
-        self.forward(layout, right);
-        self.lu.solve(&mut self.left.dense);
-        self.back(layout, right);
-    }
-
     /// Eliminates what is inside the chains from a right side: what is left is [`left`](Self::left).
-    pub fn forward(&mut self, layout: &Layout, right: &mut [f64]) {
+    pub fn forward(&mut self, right: &mut [f64]) {
+        let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
         let (below, legs) = (states + boundary, layout.legs.is_some());
         let Left { dense, joined } = &mut self.left;
@@ -272,7 +273,8 @@ impl Factorisation {
     }
 
     /// From what is left to all unknowns. `right` is what [`forward`](Self::forward) has left of it.
-    pub fn back(&mut self, layout: &Layout, right: &mut [f64]) {
+    pub fn back(&mut self, right: &mut [f64]) {
+        let layout = &*self.layout;
         let all = layout.rest().states;
         let Left { dense, joined } = &mut self.left;
         if layout.legs.is_some() {
@@ -284,8 +286,7 @@ impl Factorisation {
             let nodes = &mut self.nodes[s.values..s.values + s.nodes * s.states];
             if layout.legs.is_some() {
                 let (x_0, x_n, own) = self.joined.leg(k, s.states);
-                self.reduced.clear();
-                self.reduced.extend(own);
+                refill(&mut self.reduced, own);
                 self.reduced.extend_from_slice(y);
                 chain.back(equations, x_0, x_n, &self.reduced, nodes);
                 continue;
@@ -300,15 +301,9 @@ impl Factorisation {
         }
     }
 
-    /// Solves with the transposed matrix, in place.
-    pub fn solve_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
-        self.forward_transposed(layout, right);
-        self.lu.solve_transposed(&mut self.left.dense);
-        self.back_transposed(layout, right);
-    }
-
     /// As [`forward`](Self::forward) for the transposed matrix.
-    pub fn forward_transposed(&mut self, layout: &Layout, right: &[f64]) {
+    pub fn forward_transposed(&mut self, right: &[f64]) {
+        let layout = &*self.layout;
         let (all, legs) = (layout.rest().states, layout.legs.is_some());
         let Left { dense, .. } = &mut self.left;
         self.nodes.iter_mut().zip(&layout.order).for_each(|(value, &z)| *value = right[z]);
@@ -340,7 +335,8 @@ impl Factorisation {
     }
 
     /// As [`back`](Self::back) for the transposed matrix. The chains remember what was eliminated last.
-    pub fn back_transposed(&mut self, layout: &Layout, right: &mut [f64]) {
+    pub fn back_transposed(&mut self, right: &mut [f64]) {
+        let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
         let Left { dense, joined } = &mut self.left;
         match layout.legs {
@@ -368,9 +364,25 @@ impl Factorisation {
     pub fn entry(&self, row: usize, column: usize) -> f64 {
         self.matrix[column * self.left.dense.len() + row]
     }
+}
 
-    /// The sign of the determinant, up to one that depends on the numbers of unknowns only.
-    pub fn determinant_sign(&self) -> f64 {
+impl linear::Factorisation for Factorisation {
+    /// The right side is as the equations are ordered, the solution as the unknowns are, each followed by what belongs to
+    /// the border.
+    fn solve(&mut self, right: &mut [f64]) {
+        self.forward(right);
+        self.lu.solve(&mut self.left.dense);
+        self.back(right);
+    }
+
+    fn solve_transposed(&mut self, right: &mut [f64]) {
+        self.forward_transposed(right);
+        self.lu.solve_transposed(&mut self.left.dense);
+        self.back_transposed(right);
+    }
+
+    /// Up to one that depends on the numbers of unknowns only.
+    fn determinant_sign(&self) -> f64 {
         let chains: f64 = self.chains.iter().map(Chain::determinant_sign).product();
         chains * self.joined.determinant_sign() * self.lu.determinant_sign()
     }

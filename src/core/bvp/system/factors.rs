@@ -1,34 +1,14 @@
 //! Factored linearisations as values, which know the layout that they belong to.
 
 use super::BoundarySystem;
-use super::bordered::{Bordered, Form as Kept};
 use super::factorisation::{Factorisation, form_of};
 use super::layout::Layout;
+use super::linearisation::{Bordered, Form as Kept};
 use super::rotating::Rotating;
 use crate::core::failure::{Failure, SINGULAR};
-use crate::core::linear::{self, Factors};
+use crate::core::linear::Factors;
 use crate::core::zero::{Border, Form};
 use std::sync::Arc;
-
-/// The factors of a real linearisation.
-struct Condensed {
-    layout: Arc<Layout>,
-    factors: Factorisation,
-}
-
-impl linear::Factorisation for Condensed {
-    fn solve(&mut self, right: &mut [f64]) {
-        self.factors.solve(&self.layout, right);
-    }
-
-    fn solve_transposed(&mut self, right: &mut [f64]) {
-        self.factors.solve_transposed(&self.layout, right);
-    }
-
-    fn determinant_sign(&self) -> f64 {
-        self.factors.determinant_sign()
-    }
-}
 
 impl BoundarySystem {
     /// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
@@ -48,22 +28,19 @@ impl BoundarySystem {
                 let reason = "a complex linearisation of orbits takes a border of width 1";
                 return Err(Failure::Unsupported(reason.into()));
             }
-            let fits = |known: &Rotating| Arc::ptr_eq(&known.layout, shared);
+            let fits = |known: &Rotating| Arc::ptr_eq(known.layout(), shared);
             let rotating = into.reuse(fits, || Rotating::new(shared));
             let outcome = rotating.factor(assembled, omega, border);
             return outcome.map_err(|cause| self.singular_by_growth(cause));
         }
-        let condensed = into.reuse(
-            |known: &Condensed| Arc::ptr_eq(&known.layout, shared),
-            || Condensed { layout: shared.clone(), factors: Factorisation::new(layout) },
-        );
-        let factors = &mut condensed.factors;
+        let fits = |known: &Factorisation| Arc::ptr_eq(&known.layout, shared);
+        let factors = into.reuse(fits, || Factorisation::new(shared));
         let (form, mu) = match form {
             Form::Antiperiodic => (form_of(layout), -1.0),
             _ => (Kept::Jacobian, 1.0),
         };
         let outcome = factors.factor(Bordered { layout, assembled, form, border }, mu);
-        if layout.closes() && factors.pencil(layout, assembled, &mut self.pencil) {
+        if layout.closes() && factors.pencil(assembled, &mut self.pencil) {
             self.pencil_of = assembled.count;
         }
         outcome.map_err(|cause| self.singular_by_growth(cause))

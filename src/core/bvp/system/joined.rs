@@ -11,8 +11,8 @@
 //! are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`, and under forcing `T⁺ − T` is the cycle.
 //! Legs with fewer states than others have further ones that are zero.
 
-use super::bordered::Bordered;
 use super::layout::Layout;
+use super::linearisation::Bordered;
 use crate::core::bvp::Legs;
 use crate::core::failure::Failure;
 use crate::core::linear::Chain;
@@ -251,8 +251,7 @@ impl Joined {
 
     /// As [`forward`](Self::forward) for the transposed matrix.
     pub fn forward_transposed(&mut self, dense: &mut [f64]) {
-        self.reduced.clear();
-        self.reduced.extend_from_slice(&dense[2 * self.n..]);
+        dense[2 * self.n..].clone_into(&mut self.reduced);
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
@@ -266,8 +265,7 @@ impl Joined {
         right: &mut [f64],
     ) {
         let n = self.n;
-        self.reduced.clear();
-        self.reduced.extend_from_slice(&dense[..n]);
+        dense[..n].clone_into(&mut self.reduced);
         self.reduced.extend_from_slice(&dense[2 * n..]);
         joined.resize(self.legs * 2 * n, 0.0);
         self.chain.back_transposed(&self.reduced, joined);

@@ -8,6 +8,7 @@ use crate::core::bvp::{Block, Interval, MonitoredFunctions};
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::failure::{Failure, not_finite};
 use crate::core::interruption;
+use crate::core::zero::Border;
 
 /// The Jacobian and the residual at the `x` assembled last.
 #[derive(Clone, Default)]
@@ -38,6 +39,25 @@ pub(super) struct Linearisation {
     pub rough: bool,
     /// How often it was assembled.
     pub count: usize,
+}
+
+/// Which linearisation is factored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// The Jacobian.
+    Jacobian,
+    /// The same with the extras zero in place of integral and phase conditions: what is left of a periodic
+    /// orbit's linearisation when its boundary conditions are others.
+    Twisted,
+}
+
+/// The assembled linearisation of a system, in a form, within a border.
+#[derive(Clone, Copy)]
+pub(super) struct Bordered<'a> {
+    pub layout: &'a Layout,
+    pub assembled: &'a Linearisation,
+    pub form: Form,
+    pub border: Border<'a>,
 }
 
 impl Linearisation {
@@ -269,27 +289,20 @@ impl Linearisation {
     fn check(&self, equations: &Discretised, q: &[f64]) -> Result<(), Failure> {
         equations.check(&self.residual, q)?;
         let layout = &equations.layout;
-        for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {
-            let (width, active) = ((layout.degree + 1) * s.states, self.active.len());
-            let by_nodes = not_finite(blocks).map(|k| (k / width, blocks[k]));
-            let by_numbers = not_finite(numbers).map(|k| (k / active, numbers[k]));
-            if let Some((row, value)) = by_nodes.or(by_numbers) {
-                return Err(equations.refusal(s.equations + row, value, q));
-            }
-        }
-        if layout.legs.is_some() {
-            // Rows of legs are as good as any of theirs.
-            let condition = not_finite(&self.boundary).map(|k| self.boundary[k]);
-            let refused = |value| Err(equations.refusal(layout.conditions(), value, q));
-            return condition.map_or(Ok(()), refused);
-        }
-        let width = 2 * layout.states + self.active.len();
-        let conditions = not_finite(&self.boundary).map(|k| (k / width, self.boundary[k]));
-        let closing = not_finite(&self.closing)
-            .map(|k| (layout.boundary + k / layout.values(), self.closing[k]));
-        match conditions.or(closing) {
-            Some((row, value)) => Err(equations.refusal(layout.conditions() + row, value, q)),
+        let check = |entries: &[f64], width: usize, first: usize| match not_finite(entries) {
+            Some(k) => Err(equations.refusal(first + k / width, entries[k], q)),
             None => Ok(()),
+        };
+        for ((s, blocks), numbers) in layout.segments.iter().zip(&self.blocks).zip(&self.numbers) {
+            check(blocks, (layout.degree + 1) * s.states, s.equations)?;
+            check(numbers, self.active.len(), s.equations)?;
         }
+        let width = match layout.legs {
+            // Rows of legs are as good as any of theirs.
+            Some(_) => self.boundary.len(),
+            None => 2 * layout.states + self.active.len(),
+        };
+        check(&self.boundary, width, layout.conditions())?;
+        check(&self.closing, layout.values(), layout.conditions() + layout.boundary)
     }
 }

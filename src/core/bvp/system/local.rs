@@ -6,6 +6,7 @@ use crate::core::bvp::Number;
 use crate::core::bvp::interval::weighted as summed;
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::failure::Failure;
+use crate::core::vector::refill;
 use num_dual::{Dual, Dual2};
 
 /// What a part of the equations depends on.
@@ -161,8 +162,7 @@ impl<T: Directional> Passes<T> {
     pub fn load(&mut self, layout: &Layout, dependence: Dependence, start: usize, at: Arguments) {
         let Arguments { x, v } = at;
         let unknowns = dependence.unknowns.iter().enumerate();
-        self.unknowns.clear();
-        self.unknowns.extend(unknowns.map(|(k, &z)| T::along(seeded(x[z], k, start), v[z])));
+        refill(&mut self.unknowns, unknowns.map(|(k, &z)| T::along(seeded(x[z], k, start), v[z])));
         self.take_numbers(layout, dependence.segment, at);
         self.seed(dependence.numbers, dependence.unknowns.len(), start);
     }
@@ -181,8 +181,7 @@ impl<T: Directional> Passes<T> {
     /// Makes numbers, of which some are directions from `first` on.
     fn seed(&mut self, numbers: &[usize], first: usize, start: usize) {
         let [x, v] = &self.real;
-        self.q.clear();
-        self.q.extend(x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));
+        refill(&mut self.q, x.iter().zip(v).map(|(x, v)| T::along(Chunk::from(*x), *v)));
         for (k, &number) in numbers.iter().enumerate() {
             self.q[number] = T::along(seeded(x[number], first + k, start), v[number]);
         }

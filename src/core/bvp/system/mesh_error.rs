@@ -15,7 +15,7 @@ use super::equations::{Discretised, Work};
 use super::local::{Arguments, Dependence, Gradient};
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
-use crate::core::vector::largest;
+use crate::core::vector::{largest, refill};
 
 /// Where the estimated error of a state, in units of the state's largest value, is largest.
 pub(super) struct LargestError {
@@ -169,8 +169,7 @@ impl Discretised {
         let last = ((interval + 2) * m).min(s.nodes - 1);
         let start = s.values + state * s.nodes;
         let mut positions = std::mem::take(&mut self.positions);
-        positions.clear();
-        positions.extend(start + first..=start + last);
+        refill(&mut positions, start + first..=start + last);
         positions
             .extend((start..start + s.nodes).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())));
         let dependence = Dependence { unknowns: &positions, segment: None, numbers: &[] };

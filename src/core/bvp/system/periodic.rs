@@ -12,14 +12,14 @@
 //! dense matrix, is complex for `μ = e^{iω}`.
 
 use super::BoundarySystem;
-use super::bordered::Bordered;
 use super::factorisation::form_of;
 use super::layout::Layout;
+use super::linearisation::Bordered;
 use crate::core::bvp::{Number, Return};
 use crate::core::failure::Failure;
-use crate::core::linear::{Chain, multipliers, undetermined};
+use crate::core::linear::{Chain, Factorisation, multipliers, undetermined};
 use crate::core::scalar_field::FieldIn;
-use crate::core::vector::{dot, largest};
+use crate::core::vector::{dot, largest, refill};
 use crate::core::zero::{Border, Spectrum};
 
 impl BoundarySystem {
@@ -67,16 +67,18 @@ impl BoundarySystem {
         if !self.equations.layout.closes() {
             return self.returning_multipliers();
         }
-        if !self.equations.layout.phase {
+        if !self.equations.layout.phase || self.linearisation.at.is_empty() {
             return self.multipliers();
         }
         let at = self.linearisation.at.clone();
-        let mesh_error = if at.is_empty() { 0.0 } else { self.error_estimate(&at) };
-        let least = UNDETERMINED.max(10.0 * mesh_error.min(1e-3));
+        let least = UNDETERMINED.max(10.0 * self.error_estimate(&at).min(1e-3));
         if let Some(found) = self.fast_multipliers(least)? {
             return Ok(found);
         }
-        let (mut motions, mut units) = (self.motions(), self.linearisation.units.clone());
+        // At a Hopf point, where the motion at the start vanishes, that of the orbits to come is the reference's.
+        let reference = self.equations.phase.row.iter().take(n).copied().collect();
+        let mut motions = [self.motion_at(0), reference];
+        let mut units = self.linearisation.units.clone();
         units.resize(n.max(units.len()), 1.0);
         for motion in &mut motions {
             motion.iter_mut().zip(&units).for_each(|(m, unit)| *m /= unit);
@@ -104,31 +106,20 @@ impl BoundarySystem {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let (s, m) = (&layout.segments[0], layout.degree);
         let at = |state: usize, node: usize| assembled.at[s.values + state * s.nodes + node];
-        if assembled.at.is_empty() {
-            return Ok(None);
-        }
-        let q: Vec<f64> = (0..layout.numbers()).map(|k| assembled.at[layout.number(k)]).collect();
-        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
         let size = |state: usize| {
             (0..s.nodes).fold(f64::MIN_POSITIVE, |most, k| most.max(at(state, k).abs()))
         };
         let sizes: Vec<f64> = (0..s.states).map(size).collect();
-        let motion_at = |interval: usize| {
-            let x: Vec<f64> = (0..s.states).map(|state| at(state, interval * m)).collect();
-            let mut motion = vec![0.0; s.states];
-            field.slope(0.0, &x, &q, &mut motion);
-            motion
-        };
         let speed = |motion: &[f64]| {
             motion.iter().zip(&sizes).map(|(f, size)| (f / size).powi(2)).sum::<f64>().sqrt()
         };
-        let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&motion_at(j))).collect();
+        let speeds: Vec<f64> = (0..s.intervals).map(|j| speed(&self.motion_at(j * m))).collect();
         let by_speed = |a: &usize, b: &usize| speeds[*a].total_cmp(&speeds[*b]);
         let fastest = (0..s.intervals).max_by(by_speed).unwrap_or(0);
         if speeds[0] >= SLOW * speeds[fastest] {
             return Ok(None);
         }
-        let (n, motion) = (s.states, motion_at(fastest));
+        let (n, motion) = (s.states, self.motion_at(fastest * m));
         let length = m * n * (m + 1) * n;
         let mut blocks = assembled.blocks[0].clone();
         blocks.rotate_left(fastest * length);
@@ -148,21 +139,18 @@ impl BoundarySystem {
         reduced.map(|(p, q)| multipliers(&p, &q, n - 1)).transpose()
     }
 
-    /// The motion at the start of the orbit assembled last, and that of the phase condition's reference: at a
-    /// Hopf point, where the former vanishes, that of the orbits to come.
-    fn motions(&self) -> [Vec<f64>; 2] {
+    /// The motion at a node of the orbit assembled last.
+    fn motion_at(&self, node: usize) -> Vec<f64> {
         let (layout, at) = (&self.equations.layout, &self.linearisation.at);
-        let n = layout.states;
-        let start: Vec<f64> = layout.ends[..n].iter().filter_map(|&z| at.get(z).copied()).collect();
-        let numbers = (0..layout.numbers()).filter_map(|k| at.get(layout.number(k)).copied());
-        let mut motion = vec![0.0; n];
-        if start.len() == n {
-            let q: Vec<f64> = numbers.collect();
-            let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
-            field.slope(0.0, &start, &q, &mut motion);
-        }
-        [motion, self.equations.phase.row.iter().take(n).copied().collect()]
+        let s = &layout.segments[0];
+        let x: Vec<f64> = (0..s.states).map(|i| at[s.values + i * s.nodes + node]).collect();
+        let q: Vec<f64> = (0..layout.numbers()).map(|k| at[layout.number(k)]).collect();
+        let field = f64::residual(&*self.equations.problem).on_segment(0, &q);
+        let mut motion = vec![0.0; s.states];
+        field.slope(0.0, &x, &q, &mut motion);
+        motion
     }
+
     /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns' size they
     /// are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros of `Q`, and nothing
     /// in it grows.
@@ -184,8 +172,7 @@ impl BoundarySystem {
                 let identity = |i: usize| if i / k == i % k { 1.0 } else { 0.0 };
                 let [p, q] = &mut self.pencil;
                 self.pencil_of = 0;
-                p.clear();
-                p.extend(self.returned.iter().enumerate().map(|(i, q)| identity(i) - mu * q));
+                refill(p, self.returned.iter().enumerate().map(|(i, q)| identity(i) - mu * q));
                 q.clone_from(&self.returned);
             }
             if best < MODERATE {
@@ -221,7 +208,7 @@ impl BoundarySystem {
             right.clear();
             right.resize(layout.dimension, 0.0);
             right[layout.conditions() + r.condition] = unit(r);
-            condensed.solve(layout, right);
+            condensed.solve(right);
             for (row, r) in layout.returns.iter().enumerate() {
                 returned[row * k + column] = right[layout.position(r.unknown)] / unit(r);
             }

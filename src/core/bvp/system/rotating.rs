@@ -1,11 +1,11 @@
 //! Linearisations of complex multipliers.
 
-use super::bordered::Bordered;
 use super::factorisation::{Factorisation, Left, form_of};
 use super::layout::Layout;
-use super::linearisation::Linearisation;
+use super::linearisation::{Bordered, Linearisation};
 use crate::core::failure::Failure;
 use crate::core::linear::{self, BorderedLu};
+use crate::core::vector::refill;
 use crate::core::zero::Border;
 use faer::c64;
 use std::sync::Arc;
@@ -15,7 +15,6 @@ use std::sync::Arc;
 /// A complex column `b` is two real ones, `b_r` and `b_i`, which the chains eliminate independently:
 /// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`. So is the row `c*`.
 pub(super) struct Rotating {
-    pub layout: Arc<Layout>,
     factors: Factorisation,
     omega: f64,
     lu: BorderedLu<c64>,
@@ -27,9 +26,12 @@ pub(super) struct Rotating {
 
 impl Rotating {
     pub fn new(layout: &Arc<Layout>) -> Self {
-        let (factors, layout) = (Factorisation::new(layout), layout.clone());
         let (lu, right, parts, left) = Default::default();
-        Rotating { layout, factors, omega: 0.0, lu, right, parts, left }
+        Rotating { factors: Factorisation::new(layout), omega: 0.0, lu, right, parts, left }
+    }
+
+    pub fn layout(&self) -> &Arc<Layout> {
+        &self.factors.layout
     }
 
     pub fn factor(
@@ -39,7 +41,7 @@ impl Rotating {
         border: Border,
     ) -> Result<(), Failure> {
         self.omega = omega;
-        let layout = &*self.layout;
+        let layout = &*self.layout().clone();
         let border = Border { width: 2, corner: &[0.0; 4], ..border };
         let of = Bordered { layout, assembled, form: form_of(layout), border };
         self.factors.condense(of)?;
@@ -74,26 +76,24 @@ impl Rotating {
 
     /// Solves with the matrix, or with its conjugate transposed, in place.
     fn solve_with(&mut self, right: &mut [f64], transposed: bool) {
-        let Rotating { layout, factors, lu, right: dense, parts, left, .. } = self;
+        let Rotating { factors, lu, right: dense, parts, left, .. } = self;
         let length = right.len() / 2;
         let (real, imaginary) = right.split_at_mut(length);
         let g = [real[length - 1], imaginary[length - 1]];
         for ((part, left), given) in parts.iter_mut().zip(&mut *left).zip([&*real, &*imaginary]) {
             // Room for the two real unknowns of the border.
-            part.clear();
-            part.extend_from_slice(&given[..length - 1]);
+            given[..length - 1].clone_into(part);
             part.extend([0.0, 0.0]);
             match transposed {
-                true => factors.forward_transposed(layout, part),
-                false => factors.forward(layout, part),
+                true => factors.forward_transposed(part),
+                false => factors.forward(part),
             }
             left.dense.clone_from(&factors.left().dense);
             left.joined.clone_from(&factors.left().joined);
         }
         let last = left[0].dense.len() - 2;
         let [a, b] = [&left[0].dense, &left[1].dense];
-        dense.clear();
-        dense.extend(a[..last].iter().zip(b).map(|(re, im)| c64::new(*re, *im)));
+        refill(dense, a[..last].iter().zip(b).map(|(re, im)| c64::new(*re, *im)));
         dense.push(c64::new(g[0] + a[last] + b[last + 1], g[1] + b[last] - a[last + 1]));
         match transposed {
             true => lu.solve_transposed(dense),
@@ -103,7 +103,7 @@ impl Rotating {
         for (k, (part, out)) in parts.iter_mut().zip([real, imaginary]).enumerate() {
             if transposed {
                 // The chains remember one elimination only.
-                factors.forward_transposed(layout, part);
+                factors.forward_transposed(part);
             }
             let own = |value: &c64| if k == 0 { value.re } else { value.im };
             factors.left().joined.clone_from(&left[k].joined);
@@ -111,8 +111,8 @@ impl Rotating {
             ends.iter_mut().zip(&*dense).for_each(|(end, value)| *end = own(value));
             ends[last + 1] = if k == 0 { -g.im } else { g.re };
             match transposed {
-                true => factors.back_transposed(layout, part),
-                false => factors.back(layout, part),
+                true => factors.back_transposed(part),
+                false => factors.back(part),
             }
             out[..length - 1].copy_from_slice(&part[..length - 1]);
             out[length - 1] = own(&g);
@@ -135,7 +135,7 @@ impl linear::Factorisation for Rotating {
 
     /// `i e^{iω} v` in the rows of the returns.
     fn frequency_derivative(&self, v: &[f64], out: &mut [f64]) {
-        let layout = &self.layout;
+        let layout = self.layout();
         let (length, first) = (v.len() / 2, layout.conditions());
         let (sine, cosine) = self.omega.sin_cos();
         out.fill(0.0);

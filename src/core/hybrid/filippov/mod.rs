@@ -4,7 +4,7 @@ mod modes;
 mod normal;
 
 pub use modes::Filippov;
-pub use normal::{convex_combination, held_by_field, normal_velocity};
+pub use normal::{convex_combination, held_by_field};
 
 use super::system::Scales;
 use crate::core::domain::OutOfDomain;

@@ -5,12 +5,13 @@ use super::{FilippovNames, FilippovSystem, Side};
 use crate::core::domain::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::flow::NEGATIVE;
+use crate::core::forward::forward;
+use crate::core::hybrid::leg::Moment;
 use crate::core::hybrid::scales::{guard_scale, time_scale};
 use crate::core::hybrid::system::{Guard, HybridSystem, Mode, Scales};
 use crate::core::hybrid::tangency::Tangency;
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
-use num_dual::Dual64;
 
 /// The hybrid system that a [`FilippovSystem`] makes.
 ///
@@ -52,18 +53,17 @@ impl<S> Filippov<S> {
     }
 }
 
-impl<S: FilippovSystem> Filippov<S> {
-    /// How fast sliding comes to be held better against leaving to a side.
-    fn gain(&self, side: Side, t: f64, x: &[f64], p: &[f64]) -> f64 {
-        let mut f = vec![0.0; x.len()];
-        self.0.sliding(t, x, p, &mut f);
-        let x: Vec<Dual64> = x.iter().zip(&f).map(|(x, f)| Dual64::new(*x, *f)).collect();
-        let p: Vec<Dual64> = p.iter().map(|p| Dual64::from(*p)).collect();
-        self.0.holds(side, Dual64::new(t, 1.0), &x, &p).eps
-    }
-}
-
 impl<S: FilippovSystem> HybridSystem for Filippov<S> {
+    forward! { |self| self.0;
+        fn parameters() -> Vec<String>;
+        fn defaults() -> Vec<f64>;
+        fn forcing() -> Forcing;
+        fn period<T>(p: &[T]) -> T;
+        fn scales(p: &[f64]) -> Scales;
+        fn monitors() -> Vec<String>;
+        fn measures() -> Vec<(String, Measure)>;
+    }
+
     fn modes(&self) -> Vec<Mode> {
         let FilippovNames { above, below, sliding, .. } = self.0.names();
         [above, below, sliding].map(|name| Mode::new(name, self.0.states())).into()
@@ -73,14 +73,6 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         let FilippovNames { above, below, surface, .. } = self.0.names();
         let exit = |name| Guard::new(name, [Self::SLIDING]);
         vec![Guard::new(surface, [Self::ABOVE, Self::BELOW]), exit(above), exit(below)]
-    }
-
-    fn parameters(&self) -> Vec<String> {
-        self.0.parameters()
-    }
-
-    fn defaults(&self) -> Vec<f64> {
-        self.0.defaults()
     }
 
     /// That of the side on which the state is. On the surface motion slides where it is held on both sides, and leaves to the
@@ -179,7 +171,9 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
             },
             Tangency::Decision { mode, .. } => {
                 // Sliding that begins at the end of where it is held goes on along it, or leaves at once.
-                match self.gain(Self::side(mode).other(), t, x, p) > 0.0 {
+                let exit = Self::mode(Self::side(mode).other()) + 1;
+                let sliding = Moment { system: self, mode: Self::SLIDING, t, x, p };
+                match sliding.rate(exit) > 0.0 {
                     true => Some("switching-sliding"),
                     false => Some("crossing-sliding"),
                 }
@@ -187,28 +181,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    fn forcing(&self) -> Forcing {
-        self.0.forcing()
-    }
-
-    fn period<T: Scalar>(&self, p: &[T]) -> T {
-        self.0.period(p)
-    }
-
-    fn scales(&self, p: &[f64]) -> Scales {
-        self.0.scales(p)
-    }
-
-    fn monitors(&self) -> Vec<String> {
-        self.0.monitors()
-    }
-
     fn monitor<T: Scalar>(&self, monitor: usize, _mode: usize, t: T, x: &[T], p: &[T]) -> T {
         self.0.monitor(monitor, t, x, p)
-    }
-
-    fn measures(&self) -> Vec<(String, Measure)> {
-        self.0.measures()
     }
 
     fn domain(&self, _mode: usize, x: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {

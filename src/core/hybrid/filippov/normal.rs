@@ -17,8 +17,9 @@ fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system.surface(Dual::new(t, T::one()), &x, &p).eps
 }
 
-/// How fast motion by the field of a side moves across the surface, upwards: `L_f h = h_t + h_x f`.
-pub fn normal_velocity<S: FilippovSystem + ?Sized, T: Scalar>(
+/// How fast the field of a side approaches the surface, by its normal velocity `L_f h = h_t + h_x f`: where it does not, it
+/// leaves.
+pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     side: Side,
     t: T,
@@ -27,18 +28,7 @@ pub fn normal_velocity<S: FilippovSystem + ?Sized, T: Scalar>(
 ) -> T {
     let mut f = vec![T::zero(); x.len()];
     system.field(side, t, x, p, &mut f);
-    lie_derivative(system, (t, x, p), &f)
-}
-
-/// How fast the field of a side approaches the surface: where it does not, it leaves.
-pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
-    system: &S,
-    side: Side,
-    t: T,
-    x: &[T],
-    p: &[T],
-) -> T {
-    let velocity = normal_velocity(system, side, t, x, p);
+    let velocity = lie_derivative(system, (t, x, p), &f);
     match side {
         Side::Above => -velocity,
         Side::Below => velocity,

@@ -6,6 +6,7 @@ use crate::core::hybrid::chatter::Series;
 use crate::core::hybrid::error::HybridError;
 use crate::core::hybrid::simulation::{HybridState, HybridStatistics};
 use crate::core::scalar::Scalar;
+use crate::core::vector::refill;
 use std::ops::ControlFlow;
 
 /// A member under way.
@@ -49,8 +50,7 @@ impl<T: Scalar> Slot<T> {
         (self.member, self.duration) = (number, duration);
         self.state.clone_from(&member.state);
         self.p.clone_from(&member.p);
-        self.real_p.clear();
-        self.real_p.extend(member.p.iter().map(T::real));
+        refill(&mut self.real_p, member.p.iter().map(T::real));
     }
 }
 

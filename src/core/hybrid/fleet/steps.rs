@@ -13,6 +13,7 @@ use crate::core::hybrid::scales::time_scale;
 use crate::core::hybrid::simulation::{HybridFlow, HybridState, HybridStatistics, Run, sum};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{FieldIn, FieldRef};
+use crate::core::vector::refill;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
@@ -206,8 +207,7 @@ where
     ) -> Outcome {
         let HybridFlow { system, settings, x, .. } = &mut self.worker;
         let Slot { lane_state, real_p, state, statistics, end, .. } = &mut self.slots[number];
-        x.clear();
-        x.extend(lane_state.state().iter().map(T::real));
+        refill(x, lane_state.state().iter().map(T::real));
         let leaves =
             || x.iter().any(|x| !x.is_finite()) || system.domain_of(mode, x, real_p).is_err();
         if lane_state.steps() > settings.flow.max_steps || leaves() {
@@ -218,8 +218,7 @@ where
         }
         statistics.flow = sum(statistics.flow, lane_state.statistics);
         state.time = *end;
-        state.x.clear();
-        state.x.extend_from_slice(lane_state.state());
+        lane_state.state().clone_into(&mut state.x);
         self.go(number, Next::Finish, observer)
     }
 

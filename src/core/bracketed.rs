@@ -1,0 +1,32 @@
+//! Zeros of functions of one number.
+
+/// When an iteration ends: after so many rounds, or where it moves by less.
+pub(crate) struct Until {
+    pub rounds: usize,
+    pub moved: f64,
+}
+
+/// The place between two others where a function vanishes that has the sign of `sign` at the first one: Newton's method from a
+/// guess with its value and rate, kept inside by bisection.
+#[inline]
+pub(crate) fn bracketed_zero(
+    [mut low, mut high]: [f64; 2],
+    sign: f64,
+    guess: f64,
+    until: Until,
+    of: impl Fn(f64) -> [f64; 2],
+) -> f64 {
+    let mut place = guess;
+    for _ in 0..until.rounds {
+        let [value, rate] = of(place);
+        *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
+        let newton = place - value / rate;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let moved = (next - place).abs();
+        place = next;
+        if moved < until.moved {
+            break;
+        }
+    }
+    place
+}
