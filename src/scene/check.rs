@@ -7,7 +7,6 @@ use super::statement::{Run, Scene, Start, Sweep};
 use crate::core::attractor::StroboscopicError;
 use crate::core::bifurcation::catalogue::of_curves;
 use crate::core::field::Forcing;
-use crate::core::hybrid::check_measures;
 use crate::core::measure::Measure;
 use crate::core::names::{UnknownName, position, shown};
 use std::collections::HashSet;
@@ -56,7 +55,7 @@ impl Scene {
             ));
         }
         if let Ok(motion) = self.problem.model().motion() {
-            check_measures(&*motion)?;
+            motion.check_measures()?;
         }
         for (index, run) in self.runs.iter().enumerate() {
             self.check_run(run, &self.runs[..index])?;

@@ -4,7 +4,7 @@ use super::error::StroboscopicError;
 use crate::core::flow::{Extrema, Step, UpCrossings};
 use crate::core::hybrid::{
     Event, GuardOf, HybridEquations, HybridObserver, HybridState, Mode, Passage, ScalarOf,
-    check_measures, virtual_point,
+    virtual_point,
 };
 use crate::core::measure::{Integral, Measure, larger};
 use crate::core::names::position;
@@ -102,7 +102,7 @@ impl<'a> Seen<'a> {
         system: &'a dyn HybridEquations,
         measures: &[String],
     ) -> Result<Self, StroboscopicError> {
-        check_measures(system)?;
+        system.check_measures()?;
         let mut known = system.measures();
         known.push((Measure::PENETRATION.into(), Measure::Penetration));
         let measure = |name: &String| {

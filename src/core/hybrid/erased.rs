@@ -11,6 +11,7 @@ use crate::core::field::Forcing;
 use crate::core::flow::Lanes;
 use crate::core::jet::Jet;
 use crate::core::measure::Measure;
+use crate::core::names::{UnknownName, distinct, position};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, RealFields, Wide};
 use crate::core::watch::Observable;
@@ -225,6 +226,19 @@ impl dyn HybridEquations + '_ {
             Observable::State(i) => x[i],
             Observable::Function(monitor) => self.monitor(monitor, mode, t, x, p),
         }
+    }
+
+    /// Refuses measures of scalars that the system does not have.
+    pub(crate) fn check_measures(&self) -> Result<(), UnknownName> {
+        let (modes, monitors) = (self.modes(), self.monitors());
+        let scalars = distinct(modes.iter().flat_map(|mode| &mode.states).chain(&monitors));
+        for (name, measure) in self.measures() {
+            let what = format!("state or monitor of the measure `{name}`");
+            for scalar in measure.scalars() {
+                position(&what, scalar, &scalars)?;
+            }
+        }
+        Ok(())
     }
 
     /// The scalar of a name in each of the system's modes: a state of the mode, or a monitor.

@@ -47,20 +47,22 @@ impl BoundarySystem {
             mesh.equidistributed(&equations.density(segment, &self.plain.nodes), mesh.intervals())
         };
         let meshes: Vec<Mesh> = equations.meshes.iter().enumerate().map(mesh_of).collect();
-        let mut transfer = equations.transfer(&meshes);
-        let mut reference = equations.phase.reference.clone();
+        let given = std::iter::once(&*x).chain(directions.iter().map(|d| &**d));
+        let mut vectors: Vec<Vec<f64>> = given.map(<[f64]>::to_vec).collect();
+        let refers = !equations.phase.reference.is_empty();
+        vectors.extend(refers.then(|| equations.phase.reference.clone()));
+        equations.remesh(&meshes, &mut vectors);
         let before = std::mem::replace(&mut self.equations.meshes, meshes);
-        if !reference.is_empty() {
-            transfer.apply(&self.equations.layout, &mut reference);
-            if let Err(cause) = self.set_reference(&reference) {
-                self.equations.meshes = before;
-                return Err(cause);
-            }
+        if refers
+            && let Some(reference) = vectors.pop()
+            && let Err(cause) = self.set_reference(&reference)
+        {
+            self.equations.meshes = before;
+            return Err(cause);
         }
         self.forget();
-        for vector in std::iter::once(x).chain(directions.iter_mut().map(|d| &mut **d)) {
-            transfer.apply(&self.equations.layout, vector);
-        }
+        let given = std::iter::once(x).chain(directions.iter_mut().map(|d| &mut **d));
+        given.zip(&vectors).for_each(|(vector, new)| vector.copy_from_slice(new));
         Ok(())
     }
 

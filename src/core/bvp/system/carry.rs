@@ -1,42 +1,11 @@
 //! Solutions on one mesh carried over to another.
 
 use super::equations::{Discretised, Work};
-use super::layout::{Layout, span};
+use super::layout::span;
 use crate::core::bvp::Mesh;
 use crate::core::failure::Failure;
 use crate::core::interpolation::lagrange;
-
-/// The weights by which values at new nodes are made of those at old ones.
-#[derive(Default)]
-pub(super) struct Transfer {
-    /// For each new node of all segments the first of `m + 1` old ones.
-    first: Vec<usize>,
-    /// Their weights.
-    weights: Vec<f64>,
-    before: Vec<f64>,
-}
-
-impl Transfer {
-    /// Takes the values with which a vector begins, ordered as `z`, to the new nodes; what follows them
-    /// stays.
-    pub fn apply(&mut self, layout: &Layout, vector: &mut [f64]) {
-        let mut node = 0;
-        for s in &layout.segments {
-            let nodes = node..node + s.nodes;
-            let weights = self.weights.chunks_exact(layout.degree + 1).skip(node);
-            for state in 0..s.states {
-                let start = s.values + state * s.nodes;
-                let values = &mut vector[start..start + s.nodes];
-                values.clone_into(&mut self.before);
-                let old = self.first[nodes.clone()].iter().zip(weights.clone());
-                for (value, (&first, weights)) in values.iter_mut().zip(old) {
-                    *value = self.before[first..].iter().zip(weights).map(|(x, w)| x * w).sum();
-                }
-            }
-            node = nodes.end;
-        }
-    }
-}
+use crate::core::vector::refill;
 
 impl Discretised {
     /// The states of a segment at a time in units of its duration, at the arguments of `work`.
@@ -79,19 +48,24 @@ impl Discretised {
         onto.sampled(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
     }
 
-    /// From the polynomials through the nodes of these meshes to the nodes of others with as many intervals.
-    pub fn transfer(&self, meshes: &[Mesh]) -> Transfer {
-        let (m, places) = (self.layout.degree, self.method.places());
-        let mut transfer = Transfer::default();
+    /// Takes vectors that begin with values at the nodes, ordered as `z`, to the nodes of other meshes with as many
+    /// intervals. What follows the values stays.
+    pub fn remesh(&self, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
+        let (m, places, before) = (self.layout.degree, self.method.places(), vectors.to_vec());
+        let mut weights = Vec::with_capacity(m + 1);
         for (segment, s) in self.layout.segments.iter().enumerate() {
             for node in 0..s.nodes {
                 let j = (node / m).min(s.intervals - 1);
                 let tau = span(meshes, segment, j).at(places[node - j * m]);
                 let (interval, place) = self.meshes[segment].locate(tau);
-                transfer.first.push(interval * m);
-                transfer.weights.extend((0..=m).map(|a| lagrange(places, a, place)));
+                refill(&mut weights, (0..=m).map(|a| lagrange(places, a, place)));
+                for (vector, before) in vectors.iter_mut().zip(&before) {
+                    for first in (0..s.states).map(|state| s.values + state * s.nodes) {
+                        let old = before[first + interval * m..].iter().zip(&weights);
+                        vector[first + node] = old.map(|(x, w)| x * w).sum();
+                    }
+                }
             }
         }
-        transfer
     }
 }

@@ -108,19 +108,25 @@ impl Seen {
     }
 }
 
+/// What monitors ask for on one segment.
+#[derive(Clone, Default)]
+struct OnSegment {
+    /// The scalars asked for.
+    watched: Vec<Observable>,
+    /// Their typical sizes.
+    scales: Vec<f64>,
+    /// What is seen of them.
+    seen: Vec<Seen>,
+    /// The pairs asked for where the first of them rises through zero.
+    rises: Vec<[Observable; 2]>,
+    /// For each pair the place with the largest value of the second, with this value.
+    risen: Vec<Option<Sighting>>,
+}
+
 /// All that monitors ask for.
 #[derive(Default)]
 pub(super) struct Extremes {
-    /// The scalars asked for, for each segment.
-    watched: Vec<Vec<Observable>>,
-    /// Their typical sizes.
-    scales: Vec<Vec<f64>>,
-    /// What is seen of them.
-    seen: Vec<Vec<Seen>>,
-    /// The pairs asked for where the first of them rises through zero, for each segment.
-    rises: Vec<Vec<[Observable; 2]>>,
-    /// That with the largest value of the second, with this value.
-    risen: Vec<Vec<Option<Sighting>>>,
+    segments: Vec<OnSegment>,
     /// The values at the nodes and the numbers for which they were found.
     at: Vec<f64>,
     /// Whether they were found with a larger error than the method's own.
@@ -130,43 +136,39 @@ pub(super) struct Extremes {
 impl Extremes {
     /// What these monitors ask for.
     pub fn of(monitors: &[Monitor], layout: &Layout) -> Self {
-        let mut watched = vec![Vec::new(); layout.segments.len()];
-        let others = |m: &&Monitor| matches!(m, Monitor::Rising(_) | Monitor::Integral(..));
-        let extreme = monitors.iter().filter(|m| !others(m));
-        for Watched { segment, observable } in extreme.flat_map(Monitor::watched) {
-            if !watched[segment].contains(&observable) {
-                watched[segment].push(observable);
-            }
-        }
-        let mut rises = vec![Vec::new(); layout.segments.len()];
+        let mut segments = vec![OnSegment::default(); layout.segments.len()];
         for monitor in monitors {
-            let Monitor::Rising(pairs) = monitor else { continue };
-            for (w, value) in pairs {
-                rises[w.segment].push([w.observable, *value]);
+            if let Monitor::Rising(pairs) = monitor {
+                for (w, value) in pairs {
+                    segments[w.segment].rises.push([w.observable, *value]);
+                    segments[w.segment].risen.push(None);
+                }
+            } else if !matches!(monitor, Monitor::Integral(..)) {
+                for Watched { segment, observable } in monitor.watched() {
+                    let OnSegment { watched, scales, seen, .. } = &mut segments[segment];
+                    if !watched.contains(&observable) {
+                        watched.push(observable);
+                        scales.push(1.0);
+                        seen.push(Seen::NOTHING);
+                    }
+                }
             }
         }
-        let seen = watched.iter().map(|w| vec![Seen::NOTHING; w.len()]).collect();
-        let risen = rises.iter().map(|r| vec![None; r.len()]).collect();
-        let scales = watched.iter().map(|w| vec![1.0; w.len()]).collect();
-        Extremes { watched, scales, seen, rises, risen, ..Extremes::default() }
+        Extremes { segments, ..Extremes::default() }
     }
 
     /// Where a scalar rises through zero on its segment, with the value of another one: the largest of these.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting> {
-        let pair = [through.observable, value];
-        let position = self.rises[through.segment].iter().position(|rise| *rise == pair)?;
-        self.risen[through.segment][position]
+        let OnSegment { rises, risen, .. } = &self.segments[through.segment];
+        let position = rises.iter().position(|rise| *rise == [through.observable, value])?;
+        risen[position]
     }
 
     /// What is seen of a scalar that was asked for.
-    pub fn seen(&self, watched: Watched) -> Seen {
-        let of_segment = self.watched[watched.segment].iter();
-        let known = of_segment.zip(&self.seen[watched.segment]);
-        known
-            .filter(|(o, _)| **o == watched.observable)
-            .map(|(_, seen)| *seen)
-            .next()
-            .unwrap_or(Seen::NOTHING)
+    pub fn seen(&self, of: Watched) -> Seen {
+        let OnSegment { watched, seen, .. } = &self.segments[of.segment];
+        let position = watched.iter().position(|observable| *observable == of.observable);
+        position.map_or(Seen::NOTHING, |k| seen[k])
     }
 
     /// Whether all is known at these values and numbers, perhaps only roughly.
@@ -177,15 +179,14 @@ impl Extremes {
     /// Begins to look at a solution with the numbers `q`, whose mesh causes this error.
     pub fn begin(&mut self, problem: &dyn Equations, q: &[f64], mesh_error: f64) {
         let depth = DEPTH.max(FALSE_DIPS * mesh_error);
-        let Extremes { watched, scales, seen, .. } = self;
-        for (segment, ((watched, scales), seen)) in watched.iter().zip(scales).zip(seen).enumerate()
-        {
-            for ((&observable, scale), seen) in watched.iter().zip(scales).zip(seen) {
-                *scale = problem.watch_scale(Watched { segment, observable }, q);
-                *seen = Seen { scale: *scale, depth: depth * *scale, ..Seen::NOTHING };
+        for (segment, on) in self.segments.iter_mut().enumerate() {
+            for (k, &observable) in on.watched.iter().enumerate() {
+                let scale = problem.watch_scale(Watched { segment, observable }, q);
+                on.scales[k] = scale;
+                on.seen[k] = Seen { scale, depth: depth * scale, ..Seen::NOTHING };
             }
+            on.risen.fill(None);
         }
-        self.risen.iter_mut().for_each(|risen| risen.fill(None));
         self.at.clear();
     }
 
@@ -200,7 +201,7 @@ impl Extremes {
         segment: usize,
         interval: usize,
     ) -> (MonitoredFunctions<'_>, impl FnMut(usize, f64, f64)) {
-        let (seen, risen) = (&mut self.seen[segment], &mut self.risen[segment]);
+        let OnSegment { watched, scales, seen, rises, risen } = &mut self.segments[segment];
         let visit = move |k: usize, place: f64, value: f64| {
             let (here, extrema) = (Sighting { interval, place, value }, seen.len());
             match seen.get_mut(k) {
@@ -211,13 +212,6 @@ impl Extremes {
                 }
             }
         };
-        (
-            MonitoredFunctions {
-                extrema: &self.watched[segment],
-                scales: &self.scales[segment],
-                rises: &self.rises[segment],
-            },
-            visit,
-        )
+        (MonitoredFunctions { extrema: watched, scales, rises }, visit)
     }
 }

@@ -13,7 +13,6 @@
 
 use super::layout::Layout;
 use super::linearisation::Bordered;
-use crate::core::bvp::Legs;
 use crate::core::failure::Failure;
 use crate::core::linear::Chain;
 
@@ -128,7 +127,7 @@ impl Joined {
     /// The border's rows by start and durations, and its corner.
     fn fill_border(&mut self, Bordered { layout, border, .. }: Bordered) {
         let (n, length) = (self.n, (2 * self.legs + 1) * self.n);
-        let forced = usize::from(layout.legs == Some(Legs { forced: true }));
+        let forced = usize::from(layout.forced());
         for r in 0..border.width {
             let extras = &border.rows[r * layout.dimension..][layout.values()..layout.dimension];
             let row = &mut self.rows[r * length..(r + 1) * length];
@@ -157,12 +156,12 @@ impl Joined {
         for i in 0..n {
             add(n + i, i, 1.0);
             // Without forcing, time begins at 0.
-            if i + 1 < n || layout.legs == Some(Legs { forced: true }) {
+            if i + 1 < n || layout.forced() {
                 add(n + i, n + i, -1.0);
             }
         }
         for c in 0..width {
-            if layout.legs == Some(Legs { forced: true }) {
+            if layout.forced() {
                 let cycle = border.columns[(c + 1) * layout.dimension - 1];
                 add(2 * n - 1, 2 * n + c, cycle);
             }
@@ -186,7 +185,7 @@ impl Joined {
             }
         }
         closing[..self.n].fill(0.0);
-        if layout.legs == Some(Legs { forced: true }) {
+        if layout.forced() {
             closing[self.n - 1] = from[layout.dimension - 1];
         }
         closing[self.n..].copy_from_slice(&from[layout.dimension..]);
@@ -219,7 +218,7 @@ impl Joined {
 
     /// The extras, and the border's unknowns `y`.
     pub fn unload(&self, layout: &Layout, y: &[f64], out: &mut [f64]) {
-        let forced = usize::from(layout.legs == Some(Legs { forced: true }));
+        let forced = usize::from(layout.forced());
         out[..forced].copy_from_slice(&self.nodes[self.n - 1..][..forced]);
         for leg in 0..self.legs {
             out[forced + leg] = self.nodes[(2 * leg + 2) * self.n - 1];
@@ -229,7 +228,7 @@ impl Joined {
 
     /// Takes the extras' part of a right side of the transposed system, and the border's.
     pub fn load_transposed(&mut self, layout: &Layout, right: &[f64], border: &mut [f64]) {
-        let forced = usize::from(layout.legs == Some(Legs { forced: true }));
+        let forced = usize::from(layout.forced());
         let (extras, rest) = right[layout.values()..].split_at(layout.extras);
         self.nodes.fill(0.0);
         self.nodes[self.n - 1..][..forced].copy_from_slice(&extras[..forced]);
@@ -275,7 +274,7 @@ impl Joined {
                 right[layout.joint(leg, i)] = self.equations(joined, leg)[m + i];
             }
         }
-        if layout.legs == Some(Legs { forced: true }) {
+        if layout.forced() {
             right[layout.dimension - 1] = dense[2 * n - 1];
         }
         right[layout.dimension..].copy_from_slice(&dense[2 * n..]);

@@ -8,8 +8,8 @@ use super::equations::{Discretised, Work, gather_ends};
 use super::layout::Layout;
 use super::linearisation::Linearisation;
 use super::local::{Arguments, Dependence, Directional, Passes, Weighted};
+use crate::core::bvp::Number;
 use crate::core::bvp::interval::weighted as summed;
-use crate::core::bvp::{Legs, Number};
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::failure::Failure;
 
@@ -50,6 +50,9 @@ impl Discretised {
                 let sum = values[event] * w[layout.joint(leg, event)];
                 Ok(*(sum - summed(&values[..event], &w[after..])).derivative())
             })?;
+        }
+        if !layout.forced() {
+            return Ok(());
         }
         let cycle = Dependence { unknowns: &[], segment: Some(0), numbers: &numbers.local };
         passes.add_gradient(layout, cycle, at, out, |passes| {
@@ -131,7 +134,7 @@ impl Linearisation {
                 out[layout.joint(leg, i)] = row[n + k];
             }
         }
-        if layout.legs == Some(Legs { forced: true }) {
+        if layout.forced() {
             out[layout.dimension - 1] = self.boundary[self.boundary.len() - self.active.len() + k];
         }
     }
@@ -151,7 +154,7 @@ impl Linearisation {
                 layout.place_numbers(leg, &row[s.states..], condition, out);
             }
         }
-        if layout.legs == Some(Legs { forced: true }) {
+        if layout.forced() {
             (layout.values() + 1..size).for_each(|z| out[z * size + size - 1] = -1.0);
         }
     }

@@ -166,6 +166,11 @@ impl Layout {
         }
     }
 
+    /// Whether segments are legs whose start in time is unknown.
+    pub fn forced(&self) -> bool {
+        self.legs == Some(Legs { forced: true })
+    }
+
     /// How many numbers besides the parameters a segment depends on.
     pub fn own(&self) -> usize {
         if self.legs.is_some() { 2 } else { self.extras }
@@ -217,7 +222,7 @@ impl Layout {
 
     /// Adds the derivatives of an equation by a leg's start and duration to a dense Jacobian, one column after the other.
     pub fn place_numbers(&self, leg: usize, slopes: &[f64], equation: usize, out: &mut [f64]) {
-        let forced = usize::from(self.legs == Some(Legs { forced: true }));
+        let forced = usize::from(self.forced());
         let first = self.values();
         for extra in 0..=forced + leg {
             let slope = if extra == forced + leg { slopes[1] } else { slopes[0] };
