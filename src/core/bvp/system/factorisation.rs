@@ -21,6 +21,7 @@ use crate::core::zero::Border;
 use std::sync::Arc;
 
 /// The factors of the Jacobian within a border, with everything that solving needs.
+#[derive(Default)]
 pub(super) struct Factorisation {
     pub layout: Arc<Layout>,
     chains: Vec<Chain>,
@@ -54,23 +55,12 @@ impl Factorisation {
     /// Chains for the segments of a layout.
     pub fn new(layout: &Arc<Layout>) -> Self {
         let chain = |s: &super::layout::Segment| Chain::new(s.intervals, layout.degree, s.states);
-        let (lu, matrix, units, columns) = Default::default();
-        let (rows, left, reduced, condensed) = Default::default();
-        let chains = layout.segments.iter().map(chain).collect();
-        let (joined, nodes) = (Joined::new(layout), vec![0.0; layout.values()]);
         Factorisation {
             layout: layout.clone(),
-            chains,
-            joined,
-            lu,
-            matrix,
-            units,
-            columns,
-            rows,
-            left,
-            reduced,
-            nodes,
-            condensed,
+            chains: layout.segments.iter().map(chain).collect(),
+            joined: Joined::new(layout),
+            nodes: vec![0.0; layout.values()],
+            ..Default::default()
         }
     }
 

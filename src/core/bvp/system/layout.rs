@@ -27,7 +27,7 @@ pub(super) struct Segment {
 /// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras. Equations:
 /// those of the intervals, segment by segment; boundary conditions; integral conditions; the phase
 /// condition.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Layout {
     /// The number `m` of nodes beyond the first in each interval.
     pub degree: usize,
