@@ -101,7 +101,8 @@ fn nested<T: Scalar>(formula: &str, x: T) -> T {
 #[test]
 fn functions_of_nested_numbers_have_all_mixed_derivatives() {
     type Number = HyperHyperDual64;
-    let functions: [(&str, fn(Number) -> Number); 27] = [
+    type Function = fn(Number) -> Number;
+    let functions: [(&str, Function); 27] = [
         ("sin(x)", |x| x.sin()),
         ("cos(x)", |x| x.cos()),
         ("sin(x)*cos(x)", |x| x.sin() * x.cos()),

@@ -10,6 +10,24 @@ use crate::core::newton::{scale_to_one, scaled_norm};
 use crate::core::vector::{difference, dot, generic};
 use nalgebra::{Complex, DMatrix};
 
+/// A matrix that is singular at the arclength `d` changes a generic vector, in a step of length `ℓ`, by `ℓ/d` times the vector's share
+/// of the null vector, which is larger than this: from the change follows how far away any such matrix is.
+const QUIET: f64 = 5e-3;
+
+/// The most lengths of a step that are looked ahead.
+const AHEAD: f64 = 12.0;
+
+/// How many branch points a step passes.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Crossings {
+    /// As far as a linear change of the matrix tells.
+    pub count: usize,
+    /// Whether the end of the step is a branch point itself, but for rounding.
+    pub singular: bool,
+    /// The arclength behind the step in which there is none.
+    pub quiet: f64,
+}
+
 /// The most vectors spent.
 const VECTORS: usize = 10;
 
@@ -24,9 +42,11 @@ const NEAR: f64 = 0.1;
 const SINGULAR: f64 = 1e8;
 
 impl Stepper<'_> {
-    /// How many branch points lie between two places, as far as a linear change of the matrix tells. The matrix factored
-    /// last is that of the second place, with this row. And whether that one is a branch point itself, but for rounding.
-    pub fn crossings(&mut self, from: &Place, row: &[f64]) -> (usize, bool) {
+    /// The branch points in a step from a place. The matrix factored last is that of its end, with this row.
+    pub fn crossings(&mut self, from: &Place, row: &[f64], step: f64) -> Crossings {
+        if from.quiet >= step {
+            return Crossings { quiet: from.quiet - step, ..Crossings::default() };
+        }
         let length = from.unknowns.len();
         // What has no weight counts as well.
         let counted = |w: &f64| if *w > 0.0 { *w } else { 1.0 };
@@ -36,11 +56,14 @@ impl Stepper<'_> {
         let mut h = DMatrix::<f64>::zeros(VECTORS + 1, VECTORS);
         let mut used = 0;
         for k in 0..VECTORS.min(length) {
-            let Ok(mut v) = self.carried_back(from, row, &basis[k]) else { return (0, false) };
+            let Ok(mut v) = self.carried_back(from, row, &basis[k]) else {
+                return Crossings::default();
+            };
             if k == 0 {
                 let size = scaled_norm(&difference(&v, &basis[0]), &self.weights);
                 if !(NEAR..=SINGULAR).contains(&size) {
-                    return (0, size > SINGULAR);
+                    let quiet = if size < NEAR { (QUIET / size).min(AHEAD) * step } else { 0.0 };
+                    return Crossings { count: 0, singular: size > SINGULAR, quiet };
                 }
             }
             used = k + 1;
@@ -62,7 +85,7 @@ impl Stepper<'_> {
         let square = h.view((0, 0), (used, used)).into_owned();
         let values = square.complex_eigenvalues();
         let passes = |l: &&Complex<f64>| l.re < 0.0 && l.im.abs() < 1e-6 * l.re.abs();
-        (values.iter().filter(passes).count(), false)
+        Crossings { count: values.iter().filter(passes).count(), ..Crossings::default() }
     }
 
     /// `M₁⁻¹ M₀ v`.

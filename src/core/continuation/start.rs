@@ -316,7 +316,7 @@ impl Stepper<'_> {
             let recorded = self.record(stability).or_else(|_| self.record(false));
             let (point, spectrum) = recorded?;
             let tests = self.tests(&unknowns, &tangent, 0.0, spectrum.as_ref(), &point)?;
-            Place { unknowns, tangent, tests, point, spectrum }
+            Place { unknowns, tangent, tests, point, spectrum, quiet: 0.0 }
         } else {
             let row = self.covector(&tangent);
             self.arrive(unknowns, &row, f64::INFINITY, stability)?

@@ -1,5 +1,6 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
+use super::arnoldi::Crossings;
 use super::event::{Event, MakeCondition, Tested};
 use super::metric::Metric;
 use super::{Point, Settings};
@@ -22,6 +23,8 @@ pub(super) struct Place {
     pub point: Point,
     /// All eigenvalues or multipliers, where they are known.
     pub spectrum: Option<Spectrum>,
+    /// The arclength from here on in which no branch point lies, where eigenvalues are not known.
+    pub quiet: f64,
 }
 
 /// A branch point that a curve leaves, along a tangent that is not that of the branch which leads to it.
@@ -178,7 +181,7 @@ impl Stepper<'_> {
         self.equations.allow(0.0);
         let (point, spectrum) = recorded?;
         let tests = self.tests(&unknowns, &tangent, determinant, spectrum.as_ref(), &point)?;
-        Ok(Place { unknowns, tangent, tests, point, spectrum })
+        Ok(Place { unknowns, tangent, tests, point, spectrum, quiet: 0.0 })
     }
 
     /// The tangent, of scaled length 1, from the matrix factored last with the closing equation last.
@@ -251,16 +254,18 @@ impl Stepper<'_> {
         if angle > self.settings.max_angle && length > 2.0 * self.settings.min_step {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
-        let place = self.recorded(unknowns, tangent, stability)?;
+        let mut place = self.recorded(unknowns, tangent, stability)?;
         let looked_for = self.branch_points().is_some() && self.held.is_empty();
-        let (crossings, singular) = match place.spectrum {
-            None if looked_for => self.crossings(from, row),
-            _ => (0, false),
+        let crossings = match place.spectrum {
+            None if looked_for => self.crossings(from, row, length),
+            _ => Crossings::default(),
         };
+        place.quiet = crossings.quiet;
         // The derivatives were taken elsewhere.
         self.equations.load(&place.unknowns);
         let next = self.next_length(length, report.contraction, angle, order);
-        Ok(Step { place, length, next, crossings, singular })
+        let Crossings { count, singular, .. } = crossings;
+        Ok(Step { place, length, next, crossings: count, singular })
     }
 
     /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the

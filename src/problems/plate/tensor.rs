@@ -128,6 +128,7 @@ fn add_scaled<T: Scalar>(out: &mut [T], values: &[T], factor: f64) {
 }
 
 /// `Σ aᵢ bᵢ`, in four partial sums: one alone would wait for each addition.
+#[inline]
 pub fn dot<T: Scalar>(a: &[T], b: &[f64]) -> T {
     let mut sums = [T::zero(); 4];
     let (whole, whole_b) = (a.chunks_exact(4), b.chunks_exact(4));
