@@ -4,7 +4,7 @@
 //! often as `M₁⁻¹ M₀` has negative eigenvalues. Those differ from 1, which the eigenvalues of two neighbouring
 //! discretised operators crowd around, so that a few of Arnoldi's vectors find them.
 
-use super::stepper::{Place, Stepper};
+use super::stepper::{Crossings, Place, Stepper};
 use crate::core::condition::Failure;
 use crate::core::newton::{scale_to_one, scaled_norm};
 use crate::core::vector::{difference, dot, generic};
@@ -16,17 +16,6 @@ const QUIET: f64 = 5e-3;
 
 /// The most lengths of a step that are looked ahead.
 const AHEAD: f64 = 12.0;
-
-/// How many branch points a step passes.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Crossings {
-    /// As far as a linear change of the matrix tells.
-    pub count: usize,
-    /// Whether the end of the step is a branch point itself, but for rounding.
-    pub singular: bool,
-    /// The arclength behind the step in which there is none.
-    pub quiet: f64,
-}
 
 /// The most vectors spent.
 const VECTORS: usize = 10;

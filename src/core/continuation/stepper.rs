@@ -1,6 +1,5 @@
 //! Steps along a curve: predict along the tangent, correct on the hyperplane across it, adapt.
 
-use super::arnoldi::Crossings;
 use super::event::{Event, MakeCondition, Tested};
 use super::metric::Metric;
 use super::{Point, Settings};
@@ -24,6 +23,17 @@ pub(super) struct Place {
     /// All eigenvalues or multipliers, where they are known.
     pub spectrum: Option<Spectrum>,
     /// The arclength from here on in which no branch point lies, where eigenvalues are not known.
+    pub quiet: f64,
+}
+
+/// How many branch points a step passes.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Crossings {
+    /// As far as a linear change of the matrix tells.
+    pub count: usize,
+    /// Whether the end of the step is a branch point itself, but for rounding.
+    pub singular: bool,
+    /// The arclength behind the step in which there is none.
     pub quiet: f64,
 }
 
