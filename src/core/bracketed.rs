@@ -1,8 +1,10 @@
 //! Zeros of functions of one number.
 
-/// When an iteration ends: after so many rounds, or where it moves by less.
-pub(crate) struct Until {
+/// The limits of an iteration.
+pub(crate) struct Limits {
+    /// It ends after so many rounds.
     pub rounds: usize,
+    /// It has converged where it moves by less.
     pub moved: f64,
 }
 
@@ -13,18 +15,18 @@ pub(crate) fn bracketed_zero(
     [mut low, mut high]: [f64; 2],
     sign: f64,
     guess: f64,
-    until: Until,
+    limits: Limits,
     of: impl Fn(f64) -> [f64; 2],
 ) -> f64 {
     let mut place = guess;
-    for _ in 0..until.rounds {
+    for _ in 0..limits.rounds {
         let [value, rate] = of(place);
         *(if value * sign > 0.0 { &mut low } else { &mut high }) = place;
         let newton = place - value / rate;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         let moved = (next - place).abs();
         place = next;
-        if moved < until.moved {
+        if moved < limits.moved {
             break;
         }
     }

@@ -18,7 +18,7 @@ mod linearise;
 
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
-use crate::core::bracketed::{Until, bracketed_zero};
+use crate::core::bracketed::{Limits, bracketed_zero};
 use crate::core::failure::Failure;
 use crate::core::interpolation::lagrange;
 use crate::core::scalar::Scalar;
@@ -138,8 +138,8 @@ impl Collocation {
 
 /// The place in an interval where a function vanishes that has a sign at the first of two places.
 fn zero(places: [f64; 2], sign: f64, of: impl Fn(f64) -> [f64; 2]) -> f64 {
-    let until = Until { rounds: ROUNDS, moved: 1e-14 };
-    bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), until, of)
+    let limits = Limits { rounds: ROUNDS, moved: 1e-14 };
+    bracketed_zero(places, sign, 0.5 * (places[0] + places[1]), limits, of)
 }
 
 /// The method's part of [`Method`](super::Method), where everything is explained.

@@ -1,18 +1,16 @@
 //! Boundary-value problems behind one object-safe face.
 //!
-//! Users write a [`BoundaryProblem`] generically. Discretisations see it through
+//! Users write a [`BoundaryProblem`](super::BoundaryProblem) generically. Discretisations see it through
 //! [`Equations`], one scalar at a time, so that they are compiled once and not for every problem. [`Number`]
 //! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
 
-use super::problem::BoundaryProblem;
 use super::terms::{Ends, Legs, Monitor, Return, Watched};
 use super::trajectory::Trajectory;
 use crate::core::chunk::{Chunk, Narrow};
 use crate::core::condition::Failure;
-use crate::core::domain::OutOfDomain;
 use crate::core::scalar::Scalar;
-use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
-use crate::core::watch::{Observable, WatchIn, Watchable};
+use crate::core::scalar_field::{FieldRef, Fields};
+use crate::core::watch::{WatchIn, Watchable};
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 use std::any::Any;
 use std::sync::Arc;
@@ -74,8 +72,39 @@ pub trait WatchNumber: Scalar {
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
-/// Declares [`Equations`]: methods that are those of a [`BoundaryProblem`], and the scalars in which residuals, watched
-/// scalars and functions of the ends are evaluated; and the traits by which generic code selects a scalar.
+/// Hands the methods of [`Equations`] that are those of a [`BoundaryProblem`](super::BoundaryProblem) to a macro, with what follows its name.
+macro_rules! methods {
+    ($macro:ident; $($rest:tt)*) => {
+        $macro! {
+            fn segments() -> Vec<Vec<String>>;
+            fn parameters() -> Vec<String>;
+            fn extras() -> Vec<String>;
+            fn integrals() -> usize;
+            fn moves() -> bool;
+            fn phase() -> bool;
+            fn returns() -> Vec<Return>;
+            fn grazings() -> Vec<usize>;
+            fn grazing_scale(monitor: usize, p: &[f64]) -> f64;
+            fn watch_scale(watched: Watched, q: &[f64]) -> f64;
+            fn extra_scale(p: &[f64]) -> f64;
+            fn monitors() -> Vec<(String, Monitor)>;
+            fn itinerary() -> String;
+            fn with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
+            fn doubled() -> Option<Arc<dyn Equations>>;
+            fn born_at_grazing(known: &[Trajectory], q: &[f64], which: usize) -> Result<Option<Birth>, Failure>;
+            fn with_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+            fn without_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
+            fn is_of_event(monitor: usize) -> bool;
+            fn check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
+            $($rest)*
+        }
+    };
+}
+
+pub(super) use methods;
+
+/// Declares [`Equations`]: its methods, and the scalars in which residuals, watched scalars and functions of the ends are
+/// evaluated; and the traits by which generic code selects a scalar.
 macro_rules! equations {
     (
         $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
@@ -84,22 +113,16 @@ macro_rules! equations {
         ends: $($end:ty)*;
         further: { $($further:tt)* }
     ) => {
-        /// A boundary-value problem in the scalars that discretisations need. Every [`BoundaryProblem`] is one; its
-        /// documentation says what each method means.
+        /// A boundary-value problem in the scalars that discretisations need. Every
+        /// [`BoundaryProblem`](super::BoundaryProblem) is one; its documentation says what each method means.
         pub trait Equations:
             $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
         {
             $(
-                #[doc = concat!("[`BoundaryProblem::", stringify!($name), "`].")]
+                #[doc = concat!("[`BoundaryProblem::", stringify!($name), "`](super::BoundaryProblem::", stringify!($name), ").")]
                 fn $name(&self, $($argument: $type),*) -> $result;
             )*
             $($further)*
-        }
-
-        impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
-            $(fn $name(&self, $($argument: $type),*) -> $result {
-                self.0.$name($($argument),*)
-            })*
         }
 
         $(impl Number for $number {
@@ -115,27 +138,7 @@ macro_rules! equations {
     };
 }
 
-equations! {
-    fn segments() -> Vec<Vec<String>>;
-    fn parameters() -> Vec<String>;
-    fn extras() -> Vec<String>;
-    fn integrals() -> usize;
-    fn moves() -> bool;
-    fn phase() -> bool;
-    fn returns() -> Vec<Return>;
-    fn grazings() -> Vec<usize>;
-    fn grazing_scale(monitor: usize, p: &[f64]) -> f64;
-    fn watch_scale(watched: Watched, q: &[f64]) -> f64;
-    fn extra_scale(p: &[f64]) -> f64;
-    fn monitors() -> Vec<(String, Monitor)>;
-    fn itinerary() -> String;
-    fn with_itinerary(words: &str) -> Result<Arc<dyn Equations>, Failure>;
-    fn doubled() -> Option<Arc<dyn Equations>>;
-    fn born_at_grazing(known: &[Trajectory], q: &[f64], which: usize) -> Result<Option<Birth>, Failure>;
-    fn with_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
-    fn without_touched(known: &[Trajectory], q: &[f64]) -> Result<Option<Birth>, Failure>;
-    fn is_of_event(monitor: usize) -> bool;
-    fn check_ends(ends: Ends<f64>, q: &[f64]) -> Result<(), Failure>;
+methods! { equations;
     residual: f64 Dual64 HyperDual64 HyperHyperDual64 Narrow Chunk Dual<Chunk> Dual2<Chunk>;
     watches: f64 Dual64 Dual2_64 Chunk;
     ends: f64 Chunk;
@@ -176,7 +179,7 @@ equations! {
     }
 }
 
-/// What can be discretised: a [`BoundaryProblem`], or equations that are behind their face already.
+/// Statements that can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations that are behind their face already.
 pub trait IntoEquations {
     /// The equations behind their object-safe face.
     fn into_equations(self) -> Arc<dyn Equations>;
@@ -185,70 +188,6 @@ pub trait IntoEquations {
 impl IntoEquations for Arc<dyn Equations> {
     fn into_equations(self) -> Arc<dyn Equations> {
         self
-    }
-}
-
-impl<P: BoundaryProblem + 'static> IntoEquations for P {
-    fn into_equations(self) -> Arc<dyn Equations> {
-        Arc::new(Stated(self))
-    }
-}
-
-/// A problem as its user has stated it.
-struct Stated<P>(P);
-
-impl<P: BoundaryProblem> Domains for Stated<P> {
-    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
-        self.0.domain(index, x, q)
-    }
-
-    fn scales_of(&self, index: usize, q: &[f64]) -> Vec<f64> {
-        self.0.scales(index, q)
-    }
-
-    fn states_of(&self, index: usize) -> Vec<String> {
-        self.0.segments().swap_remove(index)
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> Fields<T> for Stated<P> {
-    #[inline]
-    fn field_of(&self, index: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
-        self.0.field(index, t, x, q, f);
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
-    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
-        let (fields, wide, start) = (self, Some(self as &dyn Fields<Wide<T>>), T::zero());
-        FieldRef { fields, wide, real: self, index: segment, start, numbers: q.len() }
-    }
-
-    fn duration_in(&self, segment: usize, q: &[T]) -> T {
-        self.0.duration(segment, q)
-    }
-
-    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
-        self.0.boundary(ends, q, b);
-    }
-
-    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
-        self.0.integrand(segment, t, x, q, g);
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
-    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
-        match observable {
-            Observable::State(i) => x[i],
-            Observable::Function(k) => self.0.watch(k, segment, t, x, q),
-        }
-    }
-}
-
-impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
-    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
-        self.0.of_ends(function, ends, q)
     }
 }
 

@@ -13,6 +13,7 @@ mod mesh;
 mod method;
 mod problem;
 mod shooting;
+mod stated;
 mod system;
 mod terms;
 mod trajectory;

@@ -13,7 +13,7 @@ pub trait Observer {
     /// A branch begins; its names are known, its points are not.
     fn begin(&mut self, _branch: &Branch) {}
 
-    /// A point was reached, the start first. `Break` ends the trace; what there is of the branch is kept.
+    /// A point was reached, the start first. `Break` ends the trace; the points traced so far are kept.
     fn point(&mut self, _point: &Point) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }

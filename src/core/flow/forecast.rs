@@ -2,7 +2,7 @@
 
 use super::lanes::Lanes;
 use super::roots::{Sign, ZERO};
-use crate::core::bracketed::{Until, bracketed_zero};
+use crate::core::bracketed::{Limits, bracketed_zero};
 use num_dual::Dual;
 
 /// Rounds for the root of a cubic, to begin with.
@@ -73,8 +73,8 @@ impl EventForecast {
         // a + slope θ + square θ² + cube θ³
         let (square, cube) =
             (3.0 * (b - a) - 2.0 * slope - slope_b, 2.0 * (a - b) + slope + slope_b);
-        let until = Until { rounds: ROUNDS, moved: NEAR };
-        Some(bracketed_zero([0.0, 1.0], 1.0, a / (a - b), until, |theta| {
+        let limits = Limits { rounds: ROUNDS, moved: NEAR };
+        Some(bracketed_zero([0.0, 1.0], 1.0, a / (a - b), limits, |theta| {
             let value = a + theta * (slope + theta * (square + theta * cube));
             [value, slope + theta * (2.0 * square + 3.0 * theta * cube)]
         }))

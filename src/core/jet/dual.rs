@@ -1,9 +1,10 @@
 //! Jets as numbers of `num_dual`, which is what equations are written against.
 
 use super::number::Jet;
+use super::powers::{by_quotient, by_squares};
+use super::series;
 use super::space::MOST_ORDER;
 use super::taylor;
-use super::{elementary, series};
 use crate::core::number::number_of_reals;
 use num_dual::DualNum;
 use num_traits::Signed;
@@ -71,7 +72,7 @@ impl<const C: usize> DualNum for Jet<C> {
     }
 
     fn powi(&self, n: i32) -> Self {
-        elementary::by_squares(self, n)
+        by_squares(self, n, DualNum::recip)
     }
 
     fn powf(&self, n: f64) -> Self {
@@ -88,7 +89,7 @@ impl<const C: usize> DualNum for Jet<C> {
     }
 
     fn atan2(&self, other: Self) -> Self {
-        elementary::by_quotient(self, &other)
+        by_quotient(self, &other, [DualNum::recip, DualNum::atan])
     }
 
     fn sph_j0(&self) -> Self {

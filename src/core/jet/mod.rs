@@ -16,16 +16,12 @@
 //! the library's compiled text, and one for all would make each small jet 8 kB.
 
 mod dual;
-#[cfg_attr(
-    not(feature = "scene"),
-    allow(dead_code, reason = "only formulas in text call all of them")
-)]
-pub(crate) mod elementary;
 mod number;
 mod polynomial;
-mod series;
+pub(crate) mod powers;
+pub(crate) mod series;
 mod space;
-mod taylor;
+pub(crate) mod taylor;
 
 pub use number::Jet;
 pub use polynomial::{Monomials, Polynomial};

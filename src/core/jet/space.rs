@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// The highest order of a jet. Flows by the method of order 8 are exact for times without a real part up to
 /// it.
-pub(super) const MOST_ORDER: usize = 8;
+pub(crate) const MOST_ORDER: usize = 8;
 
 /// The largest number of coefficients of a jet.
 const MOST_COEFFICIENTS: usize = 1024;

@@ -1,9 +1,9 @@
 //! Taylor coefficients `f⁽ᵏ⁾(a)/k!` of elementary functions at a real number, by recurrence.
 
-use super::space::MOST_ORDER;
+pub(crate) use super::space::MOST_ORDER;
 
 /// Coefficients up to the highest order.
-pub(super) type Series = [f64; MOST_ORDER + 1];
+pub(crate) type Series = [f64; MOST_ORDER + 1];
 
 /// The series whose first coefficient is known, and whose coefficient `k + 1` follows from those up to `k`.
 fn continued(first: f64, next: impl Fn(usize, &Series) -> f64) -> Series {
@@ -31,7 +31,7 @@ pub(super) fn power(value: f64, a: f64, r: f64) -> Series {
 }
 
 /// `aʳ` for any `a`: at zero by binomial coefficients, since derivatives up to the order `r` exist there.
-pub(super) fn real_power(a: f64, r: f64) -> Series {
+pub(crate) fn real_power(a: f64, r: f64) -> Series {
     if a != 0.0 {
         return power(a.powf(r), a, r);
     }
@@ -67,7 +67,7 @@ fn cycle<const P: usize>(values: [f64; P]) -> Series {
 }
 
 /// `sin a`, whose derivatives are those of a rotation, and `cos a`.
-pub(super) fn sin_cos(a: f64) -> [Series; 2] {
+pub(crate) fn sin_cos(a: f64) -> [Series; 2] {
     let (sin, cos) = a.sin_cos();
     [cycle([sin, cos, -sin, -cos]), cycle([cos, -sin, -cos, sin])]
 }

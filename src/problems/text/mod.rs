@@ -20,6 +20,7 @@ mod basis;
 mod boundary;
 mod calls;
 mod duration;
+mod elementary;
 mod events;
 mod filippov;
 mod hybrid;

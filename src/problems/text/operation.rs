@@ -1,6 +1,6 @@
 //! The operations of formulas: what they are called, and what they do to numbers.
 
-use crate::core::jet::elementary;
+use super::elementary;
 use crate::core::scalar::Scalar;
 
 /// Declares the operations, with the names of those that are called as functions and their values.

@@ -1,7 +1,7 @@
 //! Formulas as tapes: steps over registers, evaluated in any scalar without allocation.
 
+use super::elementary;
 use super::operation::Operation;
-use crate::core::jet::elementary;
 use crate::core::scalar::Scalar;
 
 /// The instruction of a step. `a`, `b` and `c` are registers, `n` is a number.

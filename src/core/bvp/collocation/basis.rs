@@ -1,6 +1,6 @@
 //! Gauss–Legendre points, Lobatto nodes and the Lagrange polynomials through them.
 
-use crate::core::bracketed::{Until, bracketed_zero};
+use crate::core::bracketed::{Limits, bracketed_zero};
 use crate::core::interpolation::lagrange;
 use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
@@ -145,8 +145,8 @@ fn roots_inside(coefficients: &[f64]) -> ([f64; MOST], usize) {
         let ends = [horner(coefficients, left), horner(coefficients, right)];
         if (ends[0] < 0.0) != (ends[1] < 0.0) {
             let sign = if ends[0] < 0.0 { -1.0 } else { 1.0 };
-            let until = Until { rounds: ROUNDS, moved: 1e-15 };
-            roots[count] = bracketed_zero([left, right], sign, 0.5 * (left + right), until, |y| {
+            let limits = Limits { rounds: ROUNDS, moved: 1e-15 };
+            roots[count] = bracketed_zero([left, right], sign, 0.5 * (left + right), limits, |y| {
                 [horner(coefficients, y), horner(slope, y)]
             });
             count += 1;

@@ -1,0 +1,88 @@
+//! Boundary-value problems, as users state them, behind the face of their equations.
+
+use super::erased::{Birth, EndFunctions, Equations, IntoEquations, Residual, Watches, methods};
+use super::problem::BoundaryProblem;
+use super::terms::{Ends, Monitor, Return, Watched};
+use super::trajectory::Trajectory;
+use crate::core::domain::OutOfDomain;
+use crate::core::failure::Failure;
+use crate::core::scalar::Scalar;
+use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
+use crate::core::watch::Observable;
+use std::sync::Arc;
+
+impl<P: BoundaryProblem + 'static> IntoEquations for P {
+    fn into_equations(self) -> Arc<dyn Equations> {
+        Arc::new(Stated(self))
+    }
+}
+
+/// A problem as its user has stated it.
+struct Stated<P>(P);
+
+impl<P: BoundaryProblem> Domains for Stated<P> {
+    fn domain_of(&self, index: usize, x: &[f64], q: &[f64]) -> Result<(), OutOfDomain> {
+        self.0.domain(index, x, q)
+    }
+
+    fn scales_of(&self, index: usize, q: &[f64]) -> Vec<f64> {
+        self.0.scales(index, q)
+    }
+
+    fn states_of(&self, index: usize) -> Vec<String> {
+        self.0.segments().swap_remove(index)
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Fields<T> for Stated<P> {
+    #[inline]
+    fn field_of(&self, index: usize, t: T, x: &[T], q: &[T], f: &mut [T]) {
+        self.0.field(index, t, x, q, f);
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Residual<T> for Stated<P> {
+    fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
+        let (fields, wide, start) = (self, Some(self as &dyn Fields<Wide<T>>), T::zero());
+        FieldRef { fields, wide, real: self, index: segment, start, numbers: q.len() }
+    }
+
+    fn duration_in(&self, segment: usize, q: &[T]) -> T {
+        self.0.duration(segment, q)
+    }
+
+    fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]) {
+        self.0.boundary(ends, q, b);
+    }
+
+    fn integrand_in(&self, segment: usize, t: T, x: &[T], q: &[T], g: &mut [T]) {
+        self.0.integrand(segment, t, x, q, g);
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> Watches<T> for Stated<P> {
+    fn watch_in(&self, Watched { segment, observable }: Watched, t: T, x: &[T], q: &[T]) -> T {
+        match observable {
+            Observable::State(i) => x[i],
+            Observable::Function(k) => self.0.watch(k, segment, t, x, q),
+        }
+    }
+}
+
+impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
+    fn of_ends_in(&self, function: usize, ends: Ends<T>, q: &[T]) -> T {
+        self.0.of_ends(function, ends, q)
+    }
+}
+
+macro_rules! forward_all {
+    ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
+        impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
+            $(fn $name(&self, $($argument: $type),*) -> $result {
+                self.0.$name($($argument),*)
+            })*
+        }
+    };
+}
+
+methods! { forward_all; }

@@ -1,0 +1,29 @@
+//! Powers and angles of numbers of any kind, from products and functions of one number.
+
+use crate::core::scalar::Scalar;
+
+/// `aⁿ` by repeated squares, so that nothing is divided by.
+#[inline(never)]
+pub(crate) fn by_squares<T: Scalar>(a: &T, n: i32, recip: fn(&T) -> T) -> T {
+    let (mut rest, mut square, mut power) = (n.unsigned_abs(), *a, T::one());
+    while rest > 0 {
+        if rest % 2 == 1 {
+            power *= square;
+        }
+        rest /= 2;
+        if rest > 0 {
+            square *= square;
+        }
+    }
+    if n < 0 { recip(&power) } else { power }
+}
+
+/// The angle of `(x, y)` by the quotient that is at most 1 in size.
+#[inline(never)]
+pub(crate) fn by_quotient<T: Scalar>(y: &T, x: &T, [recip, atan]: [fn(&T) -> T; 2]) -> T {
+    let near = match y.real().abs() <= x.real().abs() {
+        true => atan(&(*y * recip(x))),
+        false => -atan(&(*x * recip(y))),
+    };
+    near - near.real() + y.real().atan2(x.real())
+}

@@ -1,0 +1,64 @@
+//! Elementary functions of numbers of any depth, by their Taylor series where numbers are nested.
+//!
+//! `x = x₀ + h` with a real number `x₀`, and `h` has a vanishing power `h^{N+1}` where `N` is the number of derivatives, so that
+//! `f(x) = Σ_{k ≤ N} f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call some thirty functions in some forty scalars: one composition is compiled
+//! for each scalar, in place of a chain rule for each function and each layer.
+
+use crate::core::jet::powers::{by_quotient, by_squares};
+use crate::core::jet::series;
+use crate::core::jet::taylor::{self, MOST_ORDER, Series};
+use crate::core::scalar::Scalar;
+
+/// Whether functions of this scalar are compositions: the chain rule is faster for one derivative, which numbers in lanes have at
+/// most, and jets compose by themselves, to the order that they have.
+const fn composes<T: Scalar>() -> bool {
+    T::NDERIV > 1 && T::NDERIV < MOST_ORDER
+}
+
+/// `Σ_k f_k hᵏ` by Horner's rule.
+#[inline(never)]
+fn composed<T: Scalar>(x: &T, f: &Series) -> T {
+    let h = *x - x.real();
+    let mut sum = h * f[T::NDERIV] + f[T::NDERIV - 1];
+    for f in f[..T::NDERIV - 1].iter().rev() {
+        sum = sum * h + *f;
+    }
+    sum
+}
+
+macro_rules! functions {
+    ($($function:ident)*) => {$(
+        #[inline]
+        pub(super) fn $function<T: Scalar>(a: &T) -> T {
+            if composes::<T>() { composed(a, &series::$function(a.real())) } else { a.$function() }
+        }
+    )*};
+}
+
+functions! {
+    recip sqrt cbrt exp exp2 exp_m1 ln log2 log10 ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
+}
+
+#[inline]
+pub(super) fn sin_cos<T: Scalar>(a: &T) -> (T, T) {
+    if !composes::<T>() {
+        return a.sin_cos();
+    }
+    let [sin, cos] = taylor::sin_cos(a.real());
+    (composed(a, &sin), composed(a, &cos))
+}
+
+#[inline]
+pub(super) fn powi<T: Scalar>(a: &T, n: i32) -> T {
+    if composes::<T>() { by_squares(a, n, recip) } else { a.powi(n) }
+}
+
+#[inline]
+pub(super) fn powf<T: Scalar>(a: &T, n: f64) -> T {
+    if composes::<T>() { composed(a, &taylor::real_power(a.real(), n)) } else { a.powf(n) }
+}
+
+#[inline]
+pub(super) fn atan2<T: Scalar>(y: &T, x: &T) -> T {
+    if composes::<T>() { by_quotient(y, x, [recip, atan]) } else { y.atan2(*x) }
+}
