@@ -1,6 +1,5 @@
 //! Solutions from which branches start, and periodic ones as closed curves, which are the same from any of their points.
 
-use super::failure::Failure;
 use super::kind::Kind;
 
 /// A solution from which a branch is to start, as it was saved: not always of the same discretisation,
@@ -74,14 +73,6 @@ impl Start {
 
 /// Periodic solutions as closed curves: their phase, how often they repeat themselves, their amplitude.
 pub trait Cycles {
-    /// The unknowns, on the present mesh, of solutions that are the same as a saved one but for the point that they begin
-    /// at: in the phase of the solution accepted last, or one for each period of the forcing that it lasts, at times near those
-    /// of the solution `near`.
-    ///
-    /// # Errors
-    /// [`Failure`] if the saved solution is not one of this problem.
-    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure>;
-
     /// Whether a solution goes through everything twice, so that it has half the period.
     fn repeats(&mut self, x: &[f64]) -> bool;
 
@@ -91,7 +82,4 @@ pub trait Cycles {
 
     /// The period, if it is free: not one that a forcing prescribes.
     fn free_period(&mut self, x: &[f64]) -> Option<f64>;
-
-    /// The estimated relative error of a solution that its mesh causes.
-    fn mesh_error(&mut self, x: &[f64]) -> f64;
 }

@@ -323,6 +323,21 @@ pub trait Discretised {
         Vec::new()
     }
 
+    /// The estimated relative error of a solution that its mesh causes; 0 without one.
+    fn mesh_error(&mut self, _x: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// The unknowns, on the present mesh, of a saved solution. Of a periodic solution, which may begin anywhere, those in the phase
+    /// of the solution accepted last, or one for each period of the forcing that it lasts, at times near those of the
+    /// solution `near`.
+    ///
+    /// # Errors
+    /// [`Failure`] if the saved solution is not one of this problem.
+    fn images(&mut self, _solution: &Solution, _near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+        Ok(Vec::new())
+    }
+
     /// Prepares the start of a branch from a saved solution. The system may change its mesh, and with it the number
     /// of its unknowns. `None` if the solution is that of the present mesh as it is.
     ///

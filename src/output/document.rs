@@ -15,7 +15,7 @@ pub struct Document {
     pub format: String,
     /// The title, in words.
     pub title: String,
-    /// The origin of the branches, by unique name: the scene, its terms, the number of its modes.
+    /// The settings that the branches were computed with, by unique name: the scene, its terms, the number of its modes.
     #[serde(default)]
     pub settings: Vec<(String, String)>,
     /// The settings that were chosen for an accuracy.

@@ -14,7 +14,7 @@ pub trait SceneObserver: Observer {
     /// The run of this name begins; whether its branch is shown.
     fn run(&mut self, _run: &str, _shown: bool) {}
 
-    /// The work that the run of this name is about to do, and its largest time.
+    /// The work that the run of this name is about to do, and the longest time that it may take.
     fn work(&mut self, _run: &str, _what: &str, _longest: Duration) {}
 
     /// The run of this name, which would have gone on from a grazing, is left out.

@@ -95,7 +95,7 @@ impl<P: Clone, S> Configured<P, S>
 where
     Self: Model + 'static,
 {
-    /// The problem with each of some settings.
+    /// The problems with each of some settings.
     pub fn on(&self, settings: Vec<S>) -> Vec<Box<dyn Model>> {
         settings.into_iter().map(|settings| self.with(settings)).collect()
     }

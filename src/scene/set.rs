@@ -289,7 +289,7 @@ impl Scene {
         Err(UnknownName::new("parameter or setting", name, known).into())
     }
 
-    /// The origin of the branches, for a document: every parameter and setting by name.
+    /// Every parameter and setting by name, to be saved with the branches.
     pub(super) fn record(&self) -> Vec<(String, String)> {
         let mut record: Vec<(String, String)> =
             self.problem.settings().into_iter().map(|(k, v)| (k.into(), v)).collect();

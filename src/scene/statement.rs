@@ -55,7 +55,7 @@ pub struct Scene<P = Problem> {
 pub struct Run {
     /// The branch's name.
     pub name: String,
-    /// The differences from the scene, as `--set` would: parameters and settings by name.
+    /// The differences from the scene, as `--set` gives them: parameters and settings by name.
     #[serde(default, skip_serializing_if = "is_default")]
     pub set: Vec<(String, String)>,
     /// Where it starts.
@@ -212,7 +212,7 @@ pub enum Way {
 pub struct Sweep {
     /// Its name.
     pub name: String,
-    /// The differences from the scene, as `--set` would: parameters by name.
+    /// The differences from the scene, as `--set` gives them: parameters by name.
     #[serde(default)]
     pub set: Vec<(String, String)>,
     /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the

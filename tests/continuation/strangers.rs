@@ -326,7 +326,7 @@ fn unconverged_points_are_no_starts() {
     let fold = branch.special.iter_mut().find(|s| s.kind == Kind::LP).unwrap();
     (fold.converged, fold.error) = (false, 0.5);
     let label = fold.label;
-    assert_eq!(branch.of_kind(Kind::LP).filter(|fold| fold.converged).count(), 1);
+    assert_eq!(branch.converged_points(Kind::LP).count(), 1);
     let again = Continuation::of(&mut system).restart(&branch, label).along("mu", -1.0..=1.0);
     assert!(matches!(again.trace(), Err(TraceError::NotConverged { kind: Kind::LP, .. })));
     let anyway = Continuation::of(&mut system).restart_anyway(&branch, label);

@@ -9,7 +9,7 @@ use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Interval, IntoEquations, Mesh,
     MonitoredFunctions, Span,
 };
-use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::continuation::{Continuation, End, Kind, Settings};
 use tangency::core::linear::Factors;
 use tangency::core::scalar::Scalar;
 use tangency::core::watch::Observable;
@@ -222,31 +222,39 @@ fn adaptation_carries_directions() {
     }
 }
 
-/// Far too few intervals: the monitor says so, and the fold's error covers the truth.
+/// Far too few intervals: the branch ends before the fold and says why. Told to go on, the monitor still says so, and the fold's
+/// error covers the truth.
 #[test]
 fn a_coarse_mesh_says_so() {
     let mut system = collocated(Bratu, 2, 2);
-    let trace = |system: &mut Collocated, refinement: f64| {
+    let limit = Settings::default().max_mesh_error;
+    let told_to = Settings { refinement: 0.0, max_mesh_error: 1.0, ..Settings::default() };
+    let trace = |system: &mut Collocated, settings: Settings| {
         Continuation::of(system)
-            .settings(Settings { refinement, ..Settings::default() })
+            .settings(settings)
             .at("lambda", 0.5)
             .along("lambda", 0.0..=10.0)
             .bound("max_u", 0.0..=5.0)
             .trace()
             .unwrap()
     };
-    let branch = trace(&mut system, 0.0);
+    let branch = trace(&mut system, Settings::default());
+    assert!(branch.of_kind(Kind::LP).next().is_none());
+    let End::MeshTooCoarse { error, .. } = branch.ends[1] else { panic!("{:?}", branch.ends) };
+    let end = branch.special.last().unwrap();
+    assert!(error > limit && end.kind == Kind::MX && end.error > limit * end.parameters[0]);
+    let branch = trace(&mut system, told_to.clone());
     let fold = branch.of_kind(Kind::LP).next().unwrap();
     let rough = (fold.parameters[0] - FOLD).abs();
     assert!(rough > 1e-3 && fold.monitors[1] > 1e-2);
     for refinement in [0.1, 1e-3, 1e-6, 1e-9] {
-        let branch = trace(&mut system, refinement);
+        let branch = trace(&mut system, Settings { refinement, ..told_to.clone() });
         let fold = branch.of_kind(Kind::LP).next().unwrap();
         assert!(fold.converged && (fold.parameters[0] - FOLD).abs() <= fold.error);
     }
     // The branch can be bounded where the mesh no longer resolves it.
     let branch = Continuation::of(&mut system)
-        .settings(Settings { refinement: 0.0, ..Settings::default() })
+        .settings(told_to)
         .at("lambda", 0.5)
         .along("lambda", 0.0..=10.0)
         .bound("mesh_error", 0.0..=0.05)

@@ -1,6 +1,7 @@
 //! Promises of boundary-value problems and smooth periodic orbits.
 
 pub mod boundary;
+mod boundary_curves;
 mod boundary_values;
 mod collocation;
 mod curves;

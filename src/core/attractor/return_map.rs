@@ -137,9 +137,9 @@ where
     GuardOf<'a>: Watchable<T>,
 {
     let begins = member.state.time;
-    returned(flow, member, &mut Until { seen, event, inner: (), came: false }, longest)?;
+    let came = returned(flow, member, &mut Until { seen, event, inner: (), came: false }, longest);
     member.state.time = begins;
-    Ok(())
+    came
 }
 
 /// Follows a motion to the event for no longer than a time, in units of its scale.

@@ -33,7 +33,7 @@ pub(super) struct GrazingBifurcation {
 }
 
 impl GrazingBifurcation {
-    /// The point of this kind, one of those above.
+    /// The point of a kind: a fold (`GD`, `GL`) or a period doubling (`GF`, `GP`) of the singular orbits.
     pub fn of(kind: Kind) -> Self {
         let fold = match [Kind::GF, Kind::GP].contains(&kind) {
             true => Fold::antiperiodic(),

@@ -5,7 +5,7 @@ use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise};
 use crate::core::zero::{Border, Form};
 
-/// The right and left null vectors of a matrix `J` near a point where `m` of its eigenvalues vanish, from a bordered matrix
+/// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a bordered matrix
 /// of size `N` that is regular there:
 ///
 /// ```text
@@ -25,7 +25,7 @@ pub(super) struct NullVectors {
     pub left: Vec<Vec<f64>>,
     /// The multipliers `gᵢ`.
     pub g: Vec<f64>,
-    /// The linearisation: `F_z`, or that of antiperiodic boundary conditions.
+    /// The linearisation whose null vectors are meant.
     pub form: Form,
     pub factors: Factors,
     /// The columns of `B`.
@@ -63,7 +63,7 @@ impl NullVectors {
         NullVectors { form, parameter, ..NullVectors::default() }
     }
 
-    /// Chooses borders near the null vectors at a point where `m` eigenvalues vanish.
+    /// Chooses borders near the null vectors at a point where the rank falls by `m`.
     pub fn start(&mut self, at: &mut At, m: usize) -> Result<(), Failure> {
         let (n, length) = (at.system.names().dimension(), at.x.len());
         let of_p = usize::from(self.parameter.is_some());
@@ -81,8 +81,9 @@ impl NullVectors {
         self.border_rows = vec![0.0; parts * n * width];
         self.corner = vec![0.0; width * width];
         self.work = vec![0.0; parts * (n + width)];
+        self.linearise(at)?;
         for _ in 0..3 {
-            self.update(at)?;
+            self.solve(at)?;
             self.adapt();
         }
         Ok(())
@@ -95,12 +96,24 @@ impl NullVectors {
 
     /// Computes the null vectors at a point.
     pub fn update(&mut self, at: &mut At) -> Result<(), Failure> {
-        let (n, width, parts) = (at.system.names().dimension(), self.rows.len(), self.parts());
-        let (of_p, length) = (width - self.borders.len(), parts * n);
+        self.linearise(at)?;
+        self.solve(at)
+    }
+
+    /// Evaluates `F_z` and, where a parameter is released, `F_p`.
+    fn linearise(&mut self, at: &mut At) -> Result<(), Failure> {
         at.system.assemble(at.x)?;
-        if of_p > 0 {
+        if self.parameter.is_some() {
+            let n = at.system.names().dimension();
             at.system.derivative(at.x, &[&self.direction], &mut self.columns[..n])?;
         }
+        Ok(())
+    }
+
+    /// Solves for the null vectors within the present borders.
+    fn solve(&mut self, at: &mut At) -> Result<(), Failure> {
+        let (n, width, parts) = (at.system.names().dimension(), self.rows.len(), self.parts());
+        let (of_p, length) = (width - self.borders.len(), parts * n);
         for (k, border) in self.borders.iter().enumerate() {
             self.columns[(of_p + k) * length..][..length].copy_from_slice(border);
         }

@@ -212,6 +212,11 @@ impl Branch {
         self.special.iter().filter(move |point| point.kind == kind)
     }
 
+    /// The special points of one kind that have converged, in the order of the branch.
+    pub fn converged_points(&self, kind: Kind) -> impl Iterator<Item = &SpecialPoint> {
+        self.of_kind(kind).filter(|point| point.converged)
+    }
+
     /// The special point with a label.
     pub fn labelled(&self, label: usize) -> Option<&SpecialPoint> {
         self.special.iter().find(|point| point.label == label)

@@ -100,7 +100,8 @@ impl Stepper<'_> {
                     place = self.arrive(place.unknowns, &row, f64::INFINITY, true).ok()?;
                 }
                 let next = end - length;
-                return Some(Step { place, length, next, crossings: 0, singular: false });
+                let crossings = self.crossings(from, &row, length, &mut place);
+                return Some(Step { place, length, next, crossings });
             }
             // The three that enclose the smallest.
             let [a, b, c] = at;

@@ -52,9 +52,7 @@ impl Stepper<'_> {
     /// A place that a curve passes again if it is closed.
     pub fn reference(&mut self, place: Place) -> Reference {
         let saved = self.solution_at(&place);
-        let x = [&saved.state[..], &saved.parameters].concat();
-        let cycles = self.equations.system().cycles();
-        let mesh_error = cycles.map_or(0.0, |cycles| cycles.mesh_error(&x));
+        let mesh_error = self.mesh_error(&place.unknowns);
         Reference { place, saved: Some(saved).filter(|saved| !saved.mesh.is_empty()), mesh_error }
     }
 
@@ -70,10 +68,9 @@ impl Stepper<'_> {
         if !self.may_pass(&reference.place, saved, from, step) {
             return None;
         }
+        let error = MESHES * (reference.mesh_error + self.mesh_error(&from.unknowns));
         let x = self.equations.load(&from.unknowns).to_vec();
-        let cycles = self.equations.system().cycles()?;
-        let error = MESHES * (reference.mesh_error + cycles.mesh_error(&x));
-        let images = cycles.images(saved, &x).ok()?;
+        let images = self.equations.system().discretised()?.images(saved, &x).ok()?;
         let n = self.equations.dimension();
         images.into_iter().find_map(|z| {
             let unknowns = [&z[..], &reference.place.unknowns[n..]].concat();

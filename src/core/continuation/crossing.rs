@@ -32,13 +32,15 @@ impl Stepper<'_> {
         let directions = branches_at(self.equations.at(), parameter, multiplicity)?;
         let mut tangents: Vec<Vec<f64>> =
             directions.iter().map(|direction| self.equations.unload(direction)).collect();
-        tangents.iter_mut().for_each(|tangent| self.rescale(tangent));
+        for tangent in &mut tangents {
+            self.rescale(tangent);
+        }
         Ok(tangents)
     }
 
-    /// Scales a direction to length 1.
-    pub fn rescale(&self, direction: &mut [f64]) {
-        scale_to_one(direction, &self.weights);
+    /// Scales a direction to length 1; the length that it had.
+    pub fn rescale(&self, direction: &mut [f64]) -> f64 {
+        scale_to_one(direction, &self.weights)
     }
 
     /// Refuses a first step that lies on the branch one comes from: the step from the branch point is resolved into

@@ -20,8 +20,8 @@ impl Stepper<'_> {
             let continued = self.equations.released()[0];
             special.error = (special.parameters[continued] - value).abs();
         }
-        // Near a homoclinic orbit the parameter depends on the mesh as much as the solution does.
-        if let End::LongPeriod { .. } = end {
+        // On such a mesh the parameter depends on it as much as the solution does, and near a homoclinic orbit on any.
+        if let End::LongPeriod { .. } | End::MeshTooCoarse { .. } = end {
             special.error += self.mesh_share(&place.unknowns);
         }
         special
@@ -29,10 +29,14 @@ impl Stepper<'_> {
 
     /// The relative error of the mesh, in units of the continued parameter.
     pub fn mesh_share(&mut self, unknowns: &[f64]) -> f64 {
-        let parameter = unknowns[self.equations.parameters_at()];
+        self.mesh_error(unknowns) * unknowns[self.equations.parameters_at()].abs()
+    }
+
+    /// The estimated relative error of a solution that its mesh causes.
+    pub fn mesh_error(&mut self, unknowns: &[f64]) -> f64 {
         self.equations.load(unknowns);
         let At { system, x, .. } = self.equations.at();
-        system.cycles().map_or(0.0, |cycles| cycles.mesh_error(x)) * parameter.abs()
+        system.discretised().map_or(0.0, |discretised| discretised.mesh_error(x))
     }
 
     /// A point of the branch with everything that a branch can start from.

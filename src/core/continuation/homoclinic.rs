@@ -1,7 +1,8 @@
-//! Where branches of cycles end though Newton's iteration still succeeds: near homoclinic orbits.
+//! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and near homoclinic orbits.
 
 use super::End;
 use super::stepper::{Place, Stepper};
+use crate::core::condition::At;
 
 /// A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the solution for some steps, and
 /// then follows.
@@ -30,16 +31,15 @@ pub(super) struct CycleLimits {
 impl CycleLimits {
     /// The end of the branch at a place that was accepted, after the place before it.
     pub fn reached(&mut self, stepper: &mut Stepper, place: &Place, before: &Place) -> Option<End> {
-        let x = stepper.equations.load(&place.unknowns).to_vec();
-        let cycles = stepper.equations.system().cycles()?;
-        let (error, period) = (cycles.mesh_error(&x), cycles.free_period(&x));
+        let error = stepper.mesh_error(&place.unknowns);
         let (limit, growth) = (stepper.settings.max_mesh_error, stepper.settings.max_period_growth);
         self.coarse = if error > limit { self.coarse + 1 } else { 0 };
         if self.coarse >= MOST_COARSE {
             return Some(End::MeshTooCoarse { error, limit });
         }
         // A forcing's period grows as it is told to.
-        let period = period?;
+        let At { system, x, .. } = stepper.equations.at();
+        let period = system.cycles()?.free_period(x)?;
         let [shortest, last] = self.periods.unwrap_or([period; 2]);
         let first = stepper.equations.parameters_at();
         let parameters = place.unknowns[first..].iter().zip(&before.unknowns[first..]);

@@ -60,6 +60,15 @@ pub(super) struct Walk {
     end: Option<End>,
 }
 
+impl Walk {
+    /// Takes back a step that was refused: the next one is of this length, and is forecast anew.
+    fn try_again(&mut self, length: f64) -> Option<End> {
+        self.length = length;
+        self.place.quiet = 0.0;
+        None
+    }
+}
+
 /// A step that ends on a special point is made shorter by this factor.
 const BESIDE: f64 = 0.93;
 
@@ -196,8 +205,7 @@ impl Tracer<'_> {
             }
         };
         if self.stepper.ends_on_special_point(&walk.place, &step) {
-            walk.length = BESIDE * step.length;
-            return None;
+            return walk.try_again(BESIDE * step.length);
         }
         if points == 0
             && let Some(index) = self.leaves(&walk.start, |i| step.place.tests[i].unwrap_or(0.0))
@@ -216,8 +224,7 @@ impl Tracer<'_> {
             return Some(End::Interrupted);
         }
         let Some(mut found) = found else {
-            walk.length = 0.5 * step.length;
-            return None;
+            return walk.try_again(0.5 * step.length);
         };
         walk.length = step.next.clamp(min_step, max_step);
         let ending = self.ending(&mut found, walk, &step);

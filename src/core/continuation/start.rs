@@ -181,10 +181,10 @@ impl Stepper<'_> {
             Start::Point { .. } => return Ok([None, None]),
             Start::BranchPoint { .. } => {}
         }
-        let crossing = self.tangents_at_crossing(unknowns, origin.multiplicity.max(1));
-        let mut tangents = match crossing {
+        let found = self.tangents_at_crossing(unknowns, origin.multiplicity.max(1));
+        let mut tangents = match found {
             Err(_) if known.is_some() && origin.switch.is_none() => return Ok([known, None]),
-            crossing => crossing?,
+            found => found?,
         };
         let Some(along) = along else { return Ok([tangents.pop(), None]) };
         let row = self.covector(along);
@@ -195,10 +195,10 @@ impl Stepper<'_> {
             })
             .unwrap_or_default();
         let parent = Some(tangents.remove(parent));
-        let Some(crossing) = origin.switch else { return Ok([parent, None]) };
+        let Some(branch) = origin.switch else { return Ok([parent, None]) };
         let count = tangents.len();
-        match tangents.into_iter().nth(crossing) {
-            None => Err(Failure::no_branch(crossing, count)),
+        match tangents.into_iter().nth(branch) {
+            None => Err(Failure::no_branch(branch, count)),
             tangent => Ok([tangent, parent]),
         }
     }

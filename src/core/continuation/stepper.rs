@@ -26,14 +26,14 @@ pub(super) struct Place {
     pub quiet: f64,
 }
 
-/// How many branch points a step passes.
+/// The branch points in a step.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Crossings {
-    /// As far as a linear change of the matrix tells.
+    /// Their number, as far as a linear change of the matrix tells.
     pub count: usize,
     /// Whether the end of the step is a branch point itself, but for rounding.
     pub singular: bool,
-    /// The arclength behind the step in which there is none.
+    /// The arclength beyond the step in which there is none.
     pub quiet: f64,
 }
 
@@ -101,10 +101,8 @@ pub(super) struct Step {
     pub length: f64,
     /// The length proposed for the next step.
     pub next: f64,
-    /// How many branch points the step passes, where eigenvalues do not tell.
-    pub crossings: usize,
-    /// Whether it ends on a branch point, but for rounding.
-    pub singular: bool,
+    /// The branch points passed, where eigenvalues do not tell.
+    pub crossings: Crossings,
 }
 
 impl Stepper<'_> {
@@ -265,17 +263,11 @@ impl Stepper<'_> {
             return Err(NewtonError::Turned { angle, largest: self.settings.max_angle });
         }
         let mut place = self.recorded(unknowns, tangent, stability)?;
-        let looked_for = self.branch_points().is_some() && self.held.is_empty();
-        let crossings = match place.spectrum {
-            None if looked_for => self.crossings(from, row, length),
-            _ => Crossings::default(),
-        };
-        place.quiet = crossings.quiet;
+        let crossings = self.crossings(from, row, length, &mut place);
         // The derivatives were taken elsewhere.
         self.equations.load(&place.unknowns);
         let next = self.next_length(length, report.contraction, angle, order);
-        let Crossings { count, singular, .. } = crossings;
-        Ok(Step { place, length, next, crossings: count, singular })
+        Ok(Step { place, length, next, crossings })
     }
 
     /// Aims at half the largest angle and at a contraction of 0.1; contraction grows like the
@@ -298,7 +290,8 @@ impl Stepper<'_> {
         self.metric.grow(self.equations.names(), &place.unknowns[..n], p);
         self.weights = self.metric.weights(self.equations.names());
         self.equations.adapt();
-        self.rescale(&mut place.tangent);
+        // Where scales have grown, the same way is shorter.
+        place.quiet *= self.rescale(&mut place.tangent);
     }
 
     /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is switched off, and

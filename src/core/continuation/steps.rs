@@ -125,7 +125,7 @@ impl<'a> Steps<'a> {
         behind.join(start, ahead, self.tracer.branch)
     }
 
-    /// Traces all of it under the eyes of an observer.
+    /// Traces the whole branch, and shows an observer what is found.
     pub fn run(mut self, observer: &mut dyn Observer) -> Branch {
         observer.begin(self.branch());
         while let Some(item) = self.next() {

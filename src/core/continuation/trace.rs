@@ -308,7 +308,7 @@ impl<'a> Continuation<'a> {
         Ok(self.steps()?.run(&mut ()))
     }
 
-    /// Begins to trace the curve, point by point, or under the eyes of an observer ([`Steps::run`]).
+    /// Begins to trace the curve, point by point, or at once with an observer ([`Steps::run`]).
     ///
     /// # Errors
     /// As [`trace`](Continuation::trace).

@@ -27,9 +27,10 @@ impl Stepper<'_> {
     ) -> Option<isize> {
         let branch_points = found.iter().filter(|it| it.special.kind == Kind::BP).count();
         let flips = self.branch_points().is_some_and(|i| turns(from.tests[i], step.place.tests[i]));
-        let odd = !step.crossings.is_multiple_of(2);
-        if step.crossings > branch_points.max(1) || step.crossings > 0 && odd != flips {
-            return Some(step.crossings as isize);
+        let crossings = step.crossings.count;
+        let odd = !crossings.is_multiple_of(2);
+        if crossings > branch_points.max(1) || crossings > 0 && odd != flips {
+            return Some(crossings as isize);
         }
         let (before, after) = (from.point.unstable?, step.place.point.unstable?);
         let change = after as isize - before as isize;
@@ -56,7 +57,7 @@ impl Stepper<'_> {
         let dynamics = self.equations.system().dynamics();
         let count = |place: &Place| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
         let more = matches!((count(from), count(&step.place)), (Some(a), Some(b)) if b > a);
-        step.length > LEAST_UNEXPLAINED && (step.singular || more)
+        step.length > LEAST_UNEXPLAINED && (step.crossings.singular || more)
     }
 }
 

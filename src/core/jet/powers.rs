@@ -5,15 +5,20 @@ use crate::core::scalar::Scalar;
 /// `aⁿ` by repeated squares, so that nothing is divided by.
 #[inline(never)]
 pub(crate) fn by_squares<T: Scalar>(a: &T, n: i32, recip: fn(&T) -> T) -> T {
-    let (mut rest, mut square, mut power) = (n.unsigned_abs(), *a, T::one());
+    if n == 0 {
+        return T::one();
+    }
+    let (bits, mut square) = (n.unsigned_abs(), *a);
+    for _ in 0..bits.trailing_zeros() {
+        square *= square;
+    }
+    let (mut rest, mut power) = (bits >> bits.trailing_zeros() >> 1, square);
     while rest > 0 {
+        square *= square;
         if rest % 2 == 1 {
             power *= square;
         }
         rest /= 2;
-        if rest > 0 {
-            square *= square;
-        }
     }
     if n < 0 { recip(&power) } else { power }
 }

@@ -197,17 +197,19 @@ fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
 /// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c` vanish,
 /// and keeps the multipliers there. Whole lanes are updated: what lies left of the column meets zeros.
 fn update(below: &mut [f64], top: &[f64], c: usize, zeroed: &mut [f64]) {
-    let start = (c + 1) / LANES * LANES;
-    for (lane, (zeroed, top)) in zeroed[start..].iter_mut().zip(&top[start..]).enumerate() {
-        *zeroed = if start + lane > c { *top } else { 0.0 };
-    }
+    let start = (c + 1) / LANES;
+    zeroed.copy_from_slice(top);
+    zeroed[..=c].fill(0.0);
+    let zeroed = &zeroed.as_chunks::<LANES>().0[start..];
     let inverse = 1.0 / top[c];
-    let mut rest = below;
-    while let Some((row, next)) = rest.split_at_mut_checked(top.len()) {
+    for row in below.chunks_exact_mut(top.len()) {
         let multiplier = row[c] * inverse;
-        subtract(&mut row[start..], multiplier, &zeroed[start..]);
+        for (target, entries) in row.as_chunks_mut::<LANES>().0[start..].iter_mut().zip(zeroed) {
+            for lane in 0..LANES {
+                target[lane] -= multiplier * entries[lane];
+            }
+        }
         row[c] = multiplier;
-        rest = next;
     }
 }
 

@@ -303,7 +303,7 @@ pub(in crate::core) fn solved(
     Ok(x)
 }
 
-/// An entry of the identity.
+/// The entry `(i, j)` of the identity matrix.
 pub(in crate::core) fn unit(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { 0.0 }
 }

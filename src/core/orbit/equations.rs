@@ -373,7 +373,8 @@ impl HybridOrbit {
         let Some(guard) = self.legs()[leg].exit else { return Ok(()) };
         let (approach, meant) = (-at.rate(guard), self.mode_after(leg));
         let next = system.next_mode(guard, mode, t, x, p);
-        if next == meant || approach <= SURE * at.usual_rate(guard) {
+        let sure = approach > SURE * at.usual_rate(guard);
+        if next == meant || !sure {
             return Ok(());
         }
         let (event, mode) = (&self.guards[guard].name, &self.modes[mode].name);

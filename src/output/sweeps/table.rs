@@ -58,7 +58,7 @@ pub struct Row {
 pub struct SweepTable {
     /// The sweep's name.
     pub name: String,
-    /// The parameter that varies.
+    /// The parameters that vary.
     pub axes: Vec<String>,
     /// The names of events.
     pub events: Vec<String>,

@@ -168,9 +168,11 @@ impl System for Ritz {
     }
 
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure> {
-        self.assembled_at.clear();
-        self.assemble_at(x)?;
-        self.assembled_at.extend_from_slice(x);
+        if self.assembled_at != x {
+            self.assembled_at.clear();
+            self.assemble_at(x)?;
+            self.assembled_at.extend_from_slice(x);
+        }
         Ok(())
     }
 

@@ -19,7 +19,7 @@ macro_rules! operations {
         pub(super) const FUNCTIONS: &[(&str, Operation)] = &[$($(($name, Operation::$operation),)*)*];
 
         impl Operation {
-            /// The name in formulas, or here.
+            /// The name in formulas; of what has none there, one for messages.
             pub fn name(self) -> &'static str {
                 let function = FUNCTIONS.iter().find(|(_, operation)| *operation == self);
                 match (self, function) {

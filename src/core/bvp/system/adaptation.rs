@@ -58,6 +58,7 @@ impl BoundarySystem {
             && let Err(cause) = self.set_reference(&reference)
         {
             self.equations.meshes = before;
+            self.forget();
             return Err(cause);
         }
         self.forget();

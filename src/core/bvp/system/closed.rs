@@ -22,32 +22,6 @@ const ALIKE: f64 = 0.9;
 const STILL: f64 = 1e-9;
 
 impl Cycles for BoundarySystem {
-    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
-        let meshes = super::start::meshes_of(&solution.mesh)?;
-        let degree = self.degree_of(solution, &meshes)?;
-        if degree != self.equations.layout.degree {
-            return Ok(Vec::new());
-        }
-        let mut from = self.on(meshes)?;
-        let x = [&solution.state[..], &solution.parameters[..]].concat();
-        if self.equations.layout.phase && self.equations.layout.closes() {
-            let shift = self.best_phase(&mut from, &x)?;
-            return Ok(vec![self.shifted(&mut from, &x, shift)?]);
-        }
-        let segments = self.equations.layout.segments.len();
-        let mut images = Vec::new();
-        for turn in 0..segments {
-            if let Some(extras) = self.rotated(&x, turn, near) {
-                images.push(self.taken_over(&mut from, &x, &extras, (turn, 0.0))?);
-            }
-        }
-        if images.is_empty() {
-            let periods = if segments == 1 { self.meshes()[0].end().round() as usize } else { 1 };
-            return (0..periods).map(|k| self.shifted(&mut from, &x, k as f64)).collect();
-        }
-        Ok(images)
-    }
-
     fn repeats(&mut self, x: &[f64]) -> bool {
         let segments = self.equations.layout.segments.len();
         let single = segments == 1;
@@ -129,13 +103,40 @@ impl Cycles for BoundarySystem {
         layout.spread(&q, &mut numbers);
         Some(self.equations.duration(&numbers, |_| true))
     }
-
-    fn mesh_error(&mut self, x: &[f64]) -> f64 {
-        self.error_estimate(x)
-    }
 }
 
 impl BoundarySystem {
+    /// A saved solution on the present mesh, in each of the phases in which it may be met.
+    pub(super) fn images_of(
+        &mut self,
+        solution: &Solution,
+        near: &[f64],
+    ) -> Result<Vec<Vec<f64>>, Failure> {
+        let meshes = super::start::meshes_of(&solution.mesh)?;
+        let degree = self.degree_of(solution, &meshes)?;
+        if degree != self.equations.layout.degree {
+            return Ok(Vec::new());
+        }
+        let mut from = self.on(meshes)?;
+        let x = [&solution.state[..], &solution.parameters[..]].concat();
+        if self.equations.layout.phase && self.equations.layout.closes() {
+            let shift = self.best_phase(&mut from, &x)?;
+            return Ok(vec![self.shifted(&mut from, &x, shift)?]);
+        }
+        let segments = self.equations.layout.segments.len();
+        let mut images = Vec::new();
+        for turn in 0..segments {
+            if let Some(extras) = self.rotated(&x, turn, near) {
+                images.push(self.taken_over(&mut from, &x, &extras, (turn, 0.0))?);
+            }
+        }
+        if images.is_empty() {
+            let periods = if segments == 1 { self.meshes()[0].end().round() as usize } else { 1 };
+            return (0..periods).map(|k| self.shifted(&mut from, &x, k as f64)).collect();
+        }
+        Ok(images)
+    }
+
     /// The extras of a solution that begins with a later segment instead, near those of another one in time.
     fn rotated(&self, x: &[f64], segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let Layout { dimension, .. } = *self.equations.layout;

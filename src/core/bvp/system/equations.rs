@@ -2,6 +2,7 @@
 
 use super::extremes::Extremes;
 use super::layout::{Layout, span};
+use super::mesh_error::Estimated;
 use crate::core::bvp::interval::placed;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
@@ -22,6 +23,7 @@ pub(super) struct Discretised {
     pub phase: Phase,
     pub monitors: Vec<Monitor>,
     pub extremes: Extremes,
+    pub estimated: Estimated,
     /// Whether a solution is only approached, so that the equations may err.
     pub rough: bool,
     /// The weights of the values at the nodes in the `m`-th derivative.
@@ -103,6 +105,7 @@ impl Discretised {
         Ok(Discretised {
             phase: Phase::default(),
             extremes: Extremes::of(&monitors, &layout),
+            estimated: Estimated::default(),
             rough: false,
             monitors,
             highest: highest_derivative(method.places()),

@@ -47,6 +47,7 @@ impl BoundarySystem {
     pub(super) fn forget(&mut self) {
         self.linearisation.at.clear();
         self.evaluated.clear();
+        self.equations.estimated.at.clear();
     }
 
     /// Prepares a gradient by the unknowns and the released parameters.
@@ -277,6 +278,14 @@ impl zero::Discretised for BoundarySystem {
 
     fn mesh(&self) -> Vec<f64> {
         self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
+    }
+
+    fn mesh_error(&mut self, x: &[f64]) -> f64 {
+        self.error_estimate(x)
+    }
+
+    fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+        self.images_of(solution, near)
     }
 
     fn resume_from(&mut self, solution: &Solution) -> Result<Option<Adopted>, Failure> {

@@ -371,7 +371,7 @@ impl linear::Factorisation for Factorisation {
         self.back_transposed(right);
     }
 
-    /// Up to one that depends on the numbers of unknowns only.
+    /// The sign of the determinant, up to a factor that depends on the numbers of unknowns only.
     fn determinant_sign(&self) -> f64 {
         let chains: f64 = self.chains.iter().map(Chain::determinant_sign).product();
         chains * self.joined.determinant_sign() * self.lu.determinant_sign()

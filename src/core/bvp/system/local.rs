@@ -57,7 +57,7 @@ pub(super) struct Gradient<'a> {
 }
 
 impl Gradient<'_> {
-    /// Adds that of a function of some unknowns, and of the numbers of a segment or of all.
+    /// Adds the gradient of a function of some unknowns, and of the numbers of a segment or of all.
     pub fn add(
         &mut self,
         layout: &Layout,
@@ -71,16 +71,16 @@ impl Gradient<'_> {
     }
 }
 
-/// A number with a chunk of derivatives, and with one along a direction.
+/// A number with a chunk of derivatives, and with derivatives along a direction, up to some order.
 pub(super) trait Directional: Number {
     /// A value that is seeded, and its component of the direction.
     fn along(seeded: Chunk, component: f64) -> Self;
 
-    /// The derivative along the direction.
+    /// The derivative of the highest order along the direction: of order 0 the value itself.
     fn derivative(&self) -> &Chunk;
 }
 
-/// Values are their own derivatives of order 0, along whatever direction.
+/// Without derivatives along a direction: order 0.
 impl Directional for Chunk {
     #[inline]
     fn along(seeded: Chunk, _: f64) -> Self {

@@ -18,11 +18,20 @@ use crate::core::scalar::Scalar;
 use crate::core::vector::{largest, refill};
 
 /// Where the estimated error of a state, in units of the state's largest value, is largest.
+#[derive(Clone, Copy)]
 pub(super) struct LargestError {
     segment: usize,
     state: usize,
     interval: usize,
     pub error: f64,
+}
+
+/// The error estimated last, for those who ask again.
+#[derive(Default)]
+pub(super) struct Estimated {
+    /// The values at the nodes and the numbers for which it was; empty if for none.
+    pub at: Vec<f64>,
+    largest: Option<LargestError>,
 }
 
 /// Values of a state that are smaller than this, compared with the largest value of any, may be rounding.
@@ -48,8 +57,17 @@ impl Discretised {
     }
 
     /// The largest estimated error of a solution with the numbers of all segments; `None` if the method has none, or all states vanish.
-    pub fn largest_error(&self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
+    pub fn largest_error(&mut self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
+        let at = nodes.iter().chain(numbers);
+        if !self.estimated.at.iter().eq(at.clone()) {
+            self.estimated.largest = self.estimate_error(nodes, numbers);
+            refill(&mut self.estimated.at, at.copied());
+        }
+        self.estimated.largest
+    }
+
+    fn estimate_error(&self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
         let (most, whole) = (largest(nodes), self.duration(numbers, |_| true));
         let mut largest: Option<LargestError> = None;
         for (segment, s) in self.layout.segments.iter().enumerate() {
