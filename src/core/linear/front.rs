@@ -1,6 +1,7 @@
 //! Fronts: small dense matrices of which the leading columns are eliminated.
 
 use crate::core::failure::{Failure, SINGULAR, unusable};
+use wide::f64x4;
 
 /// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
 const LANES: usize = 4;
@@ -33,8 +34,6 @@ pub(super) struct Fronts {
     pub(super) scales: Vec<f64>,
     /// By row: the inverse of the largest entry after columns are scaled.
     row_scales: Vec<f64>,
-    /// Room for a row.
-    top: Vec<f64>,
 }
 
 /// The pivots of an elimination so far, each relative to the largest entry of its row.
@@ -82,7 +81,6 @@ impl Fronts {
             exchanges: vec![0; count * eliminated],
             scales: vec![0.0; stride],
             row_scales: vec![0.0; pivotal],
-            top: vec![0.0; stride],
         }
     }
 
@@ -125,7 +123,7 @@ impl Fronts {
             let (above, below) = a.split_at_mut((c + 1) * w);
             let top = &above[c * w..];
             pivots.record(top[c], relative * self.scales[c])?;
-            update(below, top, c, &mut self.top);
+            update(below, top, c);
         }
         Ok(())
     }
@@ -196,17 +194,18 @@ fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
 
 /// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c` vanish,
 /// and keeps the multipliers there. Whole lanes are updated: what lies left of the column meets zeros.
-fn update(below: &mut [f64], top: &[f64], c: usize, zeroed: &mut [f64]) {
-    let start = (c + 1) / LANES;
-    zeroed.copy_from_slice(top);
-    zeroed[..=c].fill(0.0);
-    let zeroed = &zeroed.as_chunks::<LANES>().0[start..];
-    let inverse = 1.0 / top[c];
+fn update(below: &mut [f64], top: &[f64], c: usize) {
+    let (start, inverse) = ((c + 1) / LANES, 1.0 / top[c]);
+    let lanes = top.as_chunks::<LANES>().0;
+    let mut first = lanes.get(start).copied().unwrap_or_default();
+    first[..c + 1 - start * LANES].fill(0.0);
+    let (first, rest) = (f64x4::from(first), lanes.get(start + 1..).unwrap_or_default());
     for row in below.chunks_exact_mut(top.len()) {
         let multiplier = row[c] * inverse;
-        for (target, entries) in row.as_chunks_mut::<LANES>().0[start..].iter_mut().zip(zeroed) {
-            for lane in 0..LANES {
-                target[lane] -= multiplier * entries[lane];
+        if let Some((head, tail)) = row.as_chunks_mut::<LANES>().0[start..].split_first_mut() {
+            *head = (f64x4::from(*head) - first * multiplier).to_array();
+            for (target, entries) in tail.iter_mut().zip(rest) {
+                *target = (f64x4::from(*target) - f64x4::from(*entries) * multiplier).to_array();
             }
         }
         row[c] = multiplier;

@@ -73,10 +73,12 @@ impl Basis {
 pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T]) {
     let n = x.len();
     for (i, x) in x.iter_mut().enumerate() {
-        *x = nodes[i] * coefficients[0];
-        for (j, coefficient) in coefficients.iter().enumerate().skip(1) {
-            *x += nodes[j * n + i] * *coefficient;
+        let (mut k, mut sum) = (i, nodes[i] * coefficients[0]);
+        for coefficient in &coefficients[1..] {
+            k += n;
+            sum += nodes[k] * *coefficient;
         }
+        *x = sum;
     }
 }
 

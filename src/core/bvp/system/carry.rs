@@ -5,7 +5,6 @@ use super::layout::span;
 use crate::core::bvp::Mesh;
 use crate::core::failure::Failure;
 use crate::core::interpolation::lagrange;
-use crate::core::vector::refill;
 
 impl Discretised {
     /// The states of a segment at a time in units of its duration, at the arguments of `work`.
@@ -52,17 +51,25 @@ impl Discretised {
     /// intervals. What follows the values stays.
     pub fn remesh(&self, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
         let (m, places, before) = (self.layout.degree, self.method.places(), vectors.to_vec());
-        let mut weights = Vec::with_capacity(m + 1);
+        // The first of `m + 1` old nodes for each new one, and their weights.
+        let (mut firsts, mut weights) = (Vec::new(), Vec::new());
         for (segment, s) in self.layout.segments.iter().enumerate() {
+            firsts.clear();
+            weights.clear();
             for node in 0..s.nodes {
                 let j = (node / m).min(s.intervals - 1);
                 let tau = span(meshes, segment, j).at(places[node - j * m]);
                 let (interval, place) = self.meshes[segment].locate(tau);
-                refill(&mut weights, (0..=m).map(|a| lagrange(places, a, place)));
-                for (vector, before) in vectors.iter_mut().zip(&before) {
-                    for first in (0..s.states).map(|state| s.values + state * s.nodes) {
-                        let old = before[first + interval * m..].iter().zip(&weights);
-                        vector[first + node] = old.map(|(x, w)| x * w).sum();
+                firsts.push(interval * m);
+                weights.extend((0..=m).map(|a| lagrange(places, a, place)));
+            }
+            let values = s.values..s.values + s.states * s.nodes;
+            for (vector, before) in vectors.iter_mut().zip(&before) {
+                let of_states = vector[values.clone()].chunks_exact_mut(s.nodes);
+                for (new, old) in of_states.zip(before[values.clone()].chunks_exact(s.nodes)) {
+                    let nodes = firsts.iter().zip(weights.chunks_exact(m + 1));
+                    for (new, (&first, weights)) in new.iter_mut().zip(nodes) {
+                        *new = old[first..].iter().zip(weights).map(|(x, w)| x * w).sum();
                     }
                 }
             }
