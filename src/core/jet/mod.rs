@@ -24,5 +24,6 @@ mod space;
 pub(crate) mod taylor;
 
 pub use number::Jet;
-pub use polynomial::{Monomials, Polynomial};
+pub(crate) use polynomial::Monomials;
+pub use polynomial::Polynomial;
 pub use space::{JetError, Space};

@@ -15,5 +15,6 @@ mod work;
 
 pub use execute::{Found, Make, Visit, execute};
 pub use part::{Division, Part};
-pub use plan::{Axis, MOST_RUNS, Order, Plan, PlanError, Quantity};
+pub(crate) use plan::MOST_RUNS;
+pub use plan::{Axis, Order, Plan, PlanError, Quantity};
 pub use work::Work;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
 /// The most runs of one sweep: all that is found is kept in memory and written again and again.
-pub const MOST_RUNS: usize = 4_000_000;
+pub(crate) const MOST_RUNS: usize = 4_000_000;
 /// The longest transient, and the most periods over which an exponent is averaged.
 const MOST_PERIODS: usize = 1_000_000_000;
 /// The most periods that are recorded of one run.
