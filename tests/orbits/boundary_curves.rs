@@ -1,8 +1,9 @@
-//! Promise: branches of boundary-value problems without a period end for the same reasons as others: where they close, and
-//! where their mesh is too coarse.
+//! Promise: branches of boundary-value problems without a period end for the same reasons as others, where they close and
+//! where their mesh is too coarse, and their branch points are found though no eigenvalues are known.
 
 use crate::common::close;
 use crate::orbits::boundary::strings;
+use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Shooting,
 };
@@ -117,4 +118,93 @@ fn layers_end_branches_on_coarse_meshes() {
             _ => panic!("{intervals}: {:?}", branch.ends),
         }
     }
+}
+
+/// `u'' + a sin u = 0`, `v'' + s a sin v = 0`, all zero at both ends: branch points on `u = v = 0` at `a = (kπ)²` and `(kπ)²/s`.
+struct Pendulums(f64);
+
+impl BoundaryProblem for Pendulums {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "u_t", "v", "v_t"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["a"])
+    }
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[0] * x[0].sin();
+        f[2] = x[3];
+        f[3] = -q[0] * x[2].sin() * self.0;
+    }
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b.copy_from_slice(&[ends.start[0], ends.end[0], ends.start[2], ends.end[2]]);
+    }
+}
+
+/// `u'' + a (u − u³) = 0` on a ring: pairs of sines and cosines branch off `u = 0` at `a = (2πk)²`.
+struct OnRing;
+
+impl BoundaryProblem for OnRing {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["a"])
+    }
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[0] * (x[0] - x[0].powi(3));
+    }
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0] - ends.end[0];
+        b[1] = ends.start[1] - ends.end[1];
+    }
+}
+
+/// Branch points of a trivial branch up to a bound: each with its multiplicity and within its error, none else.
+fn branch_points_are(
+    problem: impl BoundaryProblem + 'static,
+    bound: f64,
+    expected: &[(f64, usize)],
+) {
+    let mut system =
+        BoundarySystem::new(problem, Collocation::new(4).unwrap(), vec![Mesh::uniform(20)])
+            .unwrap();
+    let z = system.sampled(&[], |_, _, x| x.fill(0.0));
+    for max_step in [0.02, 0.1, 0.5] {
+        let branch = Continuation::of(&mut system)
+            .from(&z)
+            .at("a", 1.0)
+            .along("a", 1.0..=bound)
+            .settings(Settings { max_step, ..Settings::default() })
+            .trace()
+            .unwrap();
+        let found: Vec<_> = branch.special.iter().filter(|it| it.kind != Kind::EP).collect();
+        assert_eq!(found.len(), expected.len(), "{max_step}: {found:?}");
+        for (point, (a, multiplicity)) in found.into_iter().zip(expected) {
+            let miss = (point.parameters[0] - a).abs();
+            assert!(point.kind == Kind::BP && point.converged, "{max_step}: {point:?}");
+            assert_eq!(point.multiplicity, *multiplicity, "{max_step}: {a}");
+            assert!(miss <= point.error && point.error < 1e-7 * a, "{max_step}: {a} {miss:e}");
+        }
+    }
+}
+
+/// Points at which the determinant keeps its sign, or changes it twice in a step, are found and counted by singular matrices:
+/// also those with odd null vectors, of which generic vectors have a small share.
+#[test]
+fn even_branch_points_of_boundary_values_are_found() {
+    let squares = |unit: f64, most: usize| (1..=most).map(move |k| (unit * k as f64).powi(2));
+    let double: Vec<(f64, usize)> = squares(PI, 4).map(|a| (a, 2)).collect();
+    branch_points_are(Pendulums(1.0), 200.0, &double);
+    let split: Vec<(f64, usize)> = squares(PI, 4).flat_map(|a| [(a / 1.02, 1), (a, 1)]).collect();
+    branch_points_are(Pendulums(1.02), 200.0, &split);
+    let ring: Vec<(f64, usize)> = squares(TAU, 3).map(|a| (a, 2)).collect();
+    branch_points_are(OnRing, 500.0, &ring);
 }

@@ -1,37 +1,151 @@
-//! How many branch points a step passes, where no eigenvalues are known.
+//! Where the matrix of a curve is singular, where no eigenvalues are known.
 //!
 //! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If it changes linearly, it is singular in between as
 //! often as `M₁⁻¹ M₀` has negative eigenvalues. Those differ from 1, which the eigenvalues of two neighbouring
-//! discretised operators crowd around, so that a few of Arnoldi's vectors find them.
+//! discretised operators crowd around, so that a few of Arnoldi's vectors find them. With the derivative `M'` along the
+//! tangent, `M + d M'` is singular at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the nearest ones
+//! dominate.
 
 use super::stepper::{Crossings, Place, Stepper};
 use crate::core::condition::Failure;
-use crate::core::newton::{scale_to_one, scaled_norm};
+use crate::core::extended::{Closing, Extended};
+use crate::core::newton::{Newton, scale_to_one, scaled_norm};
 use crate::core::vector::{difference, dot, generic};
+use crate::core::zero::Refinement;
 use nalgebra::{Complex, DMatrix};
 
 /// If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a vector at least `ℓ/d` times its share
-/// of the null vector long: from the length follows how far away any singular matrix is. Of `N` components of a random unit
-/// vector 4 in 100 are smaller than this over `√N`. Of what is missed then the determinant still shows odd numbers.
-const SHARE: f64 = 0.05;
+/// of the null vector long: from the length follows how far away any singular matrix is. A solution of a problem with generic
+/// right sides has a larger share than this of all null vectors but those that oscillate fast. (A generic vector itself has
+/// not, if it has many components.)
+const SHARE: f64 = 0.02;
 
 /// The most lengths of a step that are looked ahead.
 const AHEAD: f64 = 12.0;
 
-/// The most vectors spent.
+/// The most vectors spent on counting.
 const VECTORS: usize = 10;
 
 /// Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that is still missing, whose distance from 1 is
 /// more than 1, would make it larger.
 const SPENT: f64 = 1e-2;
 
-/// Matrices that differ by less than this, applied to a generic vector, have no singular one between them.
-const NEAR: f64 = 0.1;
-
 /// A matrix that makes generic vectors larger than this, compared with a neighbouring one, is singular but for rounding.
 const SINGULAR: f64 = 1e8;
 
-impl Stepper<'_> {
+/// The number of vectors that distances are looked for from: one vector shows one of several equal ones.
+const BLOCK: usize = 6;
+
+/// The matrix of a curve's equations that was factored last, and the weights of the scaled norm.
+struct Factored<'p, 'a> {
+    equations: &'p mut Extended<'a>,
+    weights: &'p [f64],
+}
+
+impl Factored<'_, '_> {
+    /// `M⁻¹` times a generic vector, of scaled length 1.
+    fn solution_of_generic(&mut self, seed: usize) -> Vec<f64> {
+        let mut solution = generic(self.equations.length(), seed);
+        self.equations.solve(&mut solution);
+        scale_to_one(&mut solution, self.weights);
+        solution
+    }
+
+    /// The part of a vector that is orthogonal to others of scaled length 1, as a vector of that length; the overlaps with them,
+    /// and the length that it had.
+    fn orthogonal(&self, v: &mut [f64], others: &[Vec<f64>]) -> (Vec<f64>, f64) {
+        let mut overlaps = vec![0.0; others.len()];
+        for _ in 0..2 {
+            for (overlap, other) in overlaps.iter_mut().zip(others) {
+                let terms = other.iter().zip(&*v).zip(self.weights);
+                let part: f64 = terms.map(|((a, b), w)| a * b * w).sum();
+                *overlap += part;
+                v.iter_mut().zip(other).for_each(|(v, o)| *v -= part * o);
+            }
+        }
+        (overlaps, scale_to_one(v, self.weights))
+    }
+
+    /// The eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), of so many vectors at most: none where
+    /// the operator has no meaning.
+    fn ritz_values(
+        &mut self,
+        starts: Vec<Vec<f64>>,
+        most: usize,
+        operator: impl Fn(&mut Self, &[f64]) -> Result<Vec<f64>, Failure>,
+    ) -> Vec<Complex<f64>> {
+        let (mut basis, mut h) = (Vec::new(), DMatrix::<f64>::zeros(most, most));
+        for mut start in starts {
+            let (_, size) = self.orthogonal(&mut start, &basis);
+            if size > SPENT {
+                basis.push(start);
+            }
+        }
+        let mut used = 0;
+        while used < basis.len().min(most) {
+            let Ok(mut v) = operator(self, &basis[used]) else { return Vec::new() };
+            let (overlaps, size) = self.orthogonal(&mut v, &basis);
+            for (j, overlap) in overlaps.into_iter().enumerate().take(most) {
+                h[(j, used)] = overlap;
+            }
+            if size > SPENT && basis.len() < most {
+                h[(basis.len(), used)] = size;
+                basis.push(v);
+            }
+            used += 1;
+        }
+        h.view((0, 0), (used, used)).into_owned().complex_eigenvalues().iter().copied().collect()
+    }
+
+    /// `M⁻¹ M₀ v` with the matrix `M₀` of another point and this row.
+    fn carried_back(&mut self, from: &[f64], row: &[f64], v: &[f64]) -> Result<Vec<f64>, Failure> {
+        let direction = self.equations.direction_of(v);
+        self.solved(from, &[&direction], dot(row, v))
+    }
+
+    /// `M⁻¹ M' v` with the derivative of the matrix along the tangent, where it was factored.
+    fn changed(
+        &mut self,
+        unknowns: &[f64],
+        tangent: &[f64],
+        v: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
+        let [along, direction] = [tangent, v].map(|v| self.equations.direction_of(v));
+        self.solved(unknowns, &[&along, &direction], 0.0)
+    }
+
+    /// `M⁻¹ (F_x[…], last)` with a derivative at a point.
+    fn solved(
+        &mut self,
+        unknowns: &[f64],
+        directions: &[&[f64]],
+        last: f64,
+    ) -> Result<Vec<f64>, Failure> {
+        let n = self.equations.dimension();
+        let x = self.equations.load(unknowns).to_vec();
+        let mut out = vec![0.0; unknowns.len()];
+        self.equations.system().derivative(&x, directions, &mut out[..n])?;
+        out[unknowns.len() - 1] = last;
+        self.equations.solve(&mut out);
+        Ok(out)
+    }
+
+    /// The distances along the curve from a point, with this tangent, to the nearest singular matrices, the nearest first.
+    fn distances(mut self, unknowns: &[f64], tangent: &[f64]) -> Result<Vec<f64>, Failure> {
+        let row: Vec<f64> = tangent.iter().zip(self.weights).map(|(t, w)| t * w).collect();
+        self.equations.assemble(unknowns)?;
+        self.equations.factor(Some(&row))?;
+        let starts = (0..BLOCK).map(|k| self.solution_of_generic(5 + 10 * k)).collect();
+        let operator = |own: &mut Self, v: &[f64]| own.changed(unknowns, tangent, v);
+        let values = self.ritz_values(starts, 3 * BLOCK, operator);
+        let real = values.iter().filter(|l| l.re != 0.0 && l.im.abs() <= 1e-3 * l.re.abs());
+        let mut distances: Vec<f64> = real.map(|l| -1.0 / l.re).collect();
+        distances.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        Ok(distances)
+    }
+}
+
+impl<'a> Stepper<'a> {
     /// The branch points in a step to a place, if they are looked for and eigenvalues do not tell. The matrix factored last is
     /// that of the place, with this row.
     pub fn crossings(&mut self, from: &Place, row: &[f64], step: f64, to: &mut Place) -> Crossings {
@@ -48,54 +162,62 @@ impl Stepper<'_> {
         if from.quiet >= step {
             return Crossings { quiet: from.quiet - step, ..Crossings::default() };
         }
-        let length = from.unknowns.len();
-        let share = SHARE / (length as f64).sqrt();
-        let mut basis: Vec<Vec<f64>> = vec![generic(length, 5)];
-        scale_to_one(&mut basis[0], &self.weights);
-        let mut h = DMatrix::<f64>::zeros(VECTORS + 1, VECTORS);
-        let mut used = 0;
-        for k in 0..VECTORS.min(length) {
-            let Ok(mut v) = self.carried_back(from, row, &basis[k]) else {
-                return Crossings::default();
-            };
-            if k == 0 {
-                let size = scaled_norm(&difference(&v, &basis[0]), &self.weights);
-                if !(NEAR..=SINGULAR).contains(&size) {
-                    let quiet = if size < NEAR { (share / size).min(AHEAD) * step } else { 0.0 };
-                    return Crossings { count: 0, singular: size > SINGULAR, quiet };
-                }
-            }
-            used = k + 1;
-            for _ in 0..2 {
-                for (j, other) in basis.iter().enumerate() {
-                    let terms = other.iter().zip(&v).zip(&self.weights);
-                    let overlap: f64 = terms.map(|((a, b), w)| a * b * w).sum();
-                    h[(j, k)] += overlap;
-                    v.iter_mut().zip(other).for_each(|(v, o)| *v -= overlap * o);
-                }
-            }
-            let size = scale_to_one(&mut v, &self.weights);
-            h[(k + 1, k)] = size;
-            if size.is_nan() || size <= SPENT {
-                break;
-            }
-            basis.push(v);
+        let mut factored = self.factored();
+        let start = factored.solution_of_generic(5);
+        let carried = factored.carried_back(&from.unknowns, row, &start);
+        let Ok(moved) = carried else { return Crossings::default() };
+        let size = scaled_norm(&difference(&moved, &start), factored.weights);
+        if !(SHARE..=SINGULAR).contains(&size) {
+            let quiet = if size < SHARE { (SHARE / size).min(AHEAD) * step } else { 0.0 };
+            return Crossings { count: 0, singular: size > SINGULAR, quiet };
         }
-        let square = h.view((0, 0), (used, used)).into_owned();
-        let values = square.complex_eigenvalues();
+        let operator = |own: &mut Factored, v: &[f64]| own.carried_back(&from.unknowns, row, v);
+        let values = factored.ritz_values(vec![start], VECTORS, operator);
         let passes = |l: &&Complex<f64>| l.re < 0.0 && l.im.abs() < 1e-6 * l.re.abs();
         Crossings { count: values.iter().filter(passes).count(), ..Crossings::default() }
     }
 
-    /// `M₁⁻¹ M₀ v`.
-    fn carried_back(&mut self, from: &Place, row: &[f64], v: &[f64]) -> Result<Vec<f64>, Failure> {
-        let n = self.equations.dimension();
-        let direction = self.equations.direction_of(v);
-        let x = self.equations.load(&from.unknowns).to_vec();
-        let mut out = vec![0.0; v.len()];
-        self.equations.system().derivative(&x, &[&direction], &mut out[..n])?;
-        out[v.len() - 1] = dot(row, v);
-        self.equations.solve(&mut out);
-        Ok(out)
+    fn factored(&mut self) -> Factored<'_, 'a> {
+        Factored { equations: &mut self.equations, weights: &self.weights }
+    }
+
+    /// The distances along the curve from a place to the nearest branch points, the nearest first; `None` if they are not
+    /// known.
+    pub fn distances(&mut self, place: &Place) -> Option<Vec<f64>> {
+        self.factored().distances(&place.unknowns, &place.tangent).ok()
+    }
+
+    /// By how much the next branch points, so many of them at one point, lie elsewhere on a finer discretisation, as seen from
+    /// a place: 0 for equations that are exact as they stand, or if the error of the discretisation is not asked for.
+    pub fn shift_on_finer(&mut self, place: &Place, count: usize) -> Option<f64> {
+        let mean = |distances: Vec<f64>| {
+            (distances.len() >= count)
+                .then(|| distances[..count].iter().sum::<f64>() / count as f64)
+        };
+        let here = mean(self.distances(place)?)?;
+        let x = self.equations.load(&place.unknowns).to_vec();
+        let discretised = self.equations.system().discretised();
+        let Some(discretised) = discretised.filter(|_| self.settings.refinement > 0.0) else {
+            return Some(0.0);
+        };
+        let Refinement { mut system, x } = discretised.refined(&x)?;
+        let weights = self.metric.weights(system.names());
+        let mut equations = Extended::new(&mut *system, &x, self.equations.released().to_vec());
+        let base = equations.unload(&x);
+        let (mut unknowns, parameter) = (base.clone(), equations.parameters_at());
+        let mut row = vec![0.0; base.len()];
+        row[parameter] = place.tangent[self.equations.parameters_at()].signum();
+        let closing = Closing { row: &row, base: &base, length: 0.0 };
+        let tolerances = self.settings.until(self.settings.tolerance);
+        let newton = &mut Newton::default();
+        newton.solve(&mut equations, &mut unknowns, Some(closing), &weights, tolerances).ok()?;
+        equations.assemble(&unknowns).ok()?;
+        equations.factor(Some(&row)).ok()?;
+        let mut tangent = vec![0.0; base.len()];
+        equations.tangent(&mut tangent);
+        scale_to_one(&mut tangent, &weights);
+        let factored = Factored { equations: &mut equations, weights: &weights };
+        let there = mean(factored.distances(&unknowns, &tangent).ok()?)?;
+        Some((there - here).abs())
     }
 }

@@ -93,14 +93,9 @@ impl Stepper<'_> {
     ///
     /// The equations of the branch are singular there; beside it they are not.
     fn passing(&mut self, from: &Place, step: &Step, change: isize) -> Option<Located> {
-        let count = change.unsigned_abs();
         let places = self.samples(from, step)?;
         let abscissae: Vec<f64> = SAMPLES.iter().map(|s| (0.5 + s) * step.length).collect();
-        let dynamics = self.equations.system().dynamics();
-        let growth: Vec<Vec<f64>> = places
-            .iter()
-            .map(|place| nearest(place.spectrum.as_deref().unwrap_or_default(), count, dynamics))
-            .collect();
+        let (count, growth) = self.vanishing(&places, step.length, change.unsigned_abs())?;
         let mean: Vec<f64> =
             growth.iter().map(|all| all.iter().sum::<f64>() / count as f64).collect();
         let along = root(&abscissae, &mean, step.length)?;
@@ -111,9 +106,9 @@ impl Stepper<'_> {
             root(&abscissae, &values, step.length)
         });
         let spread = each.fold(0.0, |most: f64, zero| most.max((zero - along).abs()));
-        let real = places
-            .iter()
-            .all(|place| is_real(place.spectrum.as_deref().unwrap_or_default(), count, dynamics));
+        let dynamics = self.equations.system().dynamics();
+        let mut spectra = places.iter().filter_map(|place| place.spectrum.as_deref());
+        let real = spectra.all(|spectrum| is_real(spectrum, count, dynamics));
         let multiple = count > 1 && real && spread <= TOGETHER * step.length;
         let unknowns: Vec<f64> = (0..from.unknowns.len())
             .map(|i| {
@@ -124,13 +119,46 @@ impl Stepper<'_> {
         let parameter = self.equations.parameters_at();
         let slope = (step.place.unknowns[parameter] - from.unknowns[parameter]).abs() / step.length;
         let place = 4.0 * slope * (along - rougher).abs() + self.parameter_error();
-        let error = place + self.mesh_share(&unknowns);
+        let share = match places[0].spectrum {
+            Some(_) => self.mesh_share(&unknowns),
+            None => slope * self.shift_on_finer(&places[0], count)?,
+        };
+        let error = place + share;
         let kind = if multiple { Kind::BP } else { Kind::ND };
         let (sides, multiplicity) = ([from, &step.place], if multiple { count } else { 1 });
         let special = self.record_unclassified(kind, &unknowns, sides, count)?;
         let bracket = sides.map(|place| place.unknowns[parameter]);
         let special = SpecialPoint { error, bracket, multiplicity, converged: multiple, ..special };
         Some(Located { event: None, along, special })
+    }
+
+    /// Numbers that vanish with the eigenvalues that pass in a step, at places in it, in order, and how many: growth rates, or
+    /// where no eigenvalues are known the distances to singular matrices, those that lie in the step.
+    fn vanishing(
+        &mut self,
+        places: &[Place],
+        length: f64,
+        change: usize,
+    ) -> Option<(usize, Vec<Vec<f64>>)> {
+        let dynamics = self.equations.system().dynamics();
+        if places[0].spectrum.is_some() {
+            let rates = places.iter().map(|place| {
+                nearest(place.spectrum.as_deref().unwrap_or_default(), change, dynamics)
+            });
+            return Some((change, rates.collect()));
+        }
+        let distances: Option<Vec<Vec<f64>>> =
+            places.iter().map(|place| self.distances(place)).collect();
+        let mut distances = distances?;
+        let count = distances[0].iter().filter(|d| (0.0..=length).contains(*d)).count();
+        for at in &mut distances {
+            if at.len() < count {
+                return None;
+            }
+            at.truncate(count);
+            at.sort_by(f64::total_cmp);
+        }
+        (count > 0).then_some((count, distances))
     }
 
     /// Corrected points of the branch in a step.
@@ -157,10 +185,12 @@ impl Stepper<'_> {
     ) -> Option<SpecialPoint> {
         self.equations.assemble(unknowns).ok()?;
         let (mut point, spectrum) = self.record(true).ok()?;
-        let spectrum = spectrum?;
         let dynamics = self.equations.system().dynamics();
-        let others = without_critical(&spectrum, count, |l| rate(l, dynamics).abs());
-        point.unstable = Some(Stability::of(dynamics, &others).unstable);
+        if let Some(spectrum) = &spectrum {
+            let others = without_critical(spectrum, count, |l| rate(l, dynamics).abs());
+            point.unstable = Some(Stability::of(dynamics, &others).unstable);
+        }
+        let spectrum = spectrum.unwrap_or_default();
         let event = match kind {
             Kind::BP => format!("branch point: {count} eigenvalues vanish"),
             _ => format!("{count} eigenvalues pass, and no event explains it"),
