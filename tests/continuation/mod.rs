@@ -9,6 +9,7 @@ mod flow;
 mod flow_failures;
 mod gradients;
 mod linear;
+mod multiple_branch_points;
 mod newton;
 mod order_conditions;
 mod prediction;

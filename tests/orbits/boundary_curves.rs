@@ -2,7 +2,7 @@
 //! where their mesh is too coarse, and their branch points are found though no eigenvalues are known.
 
 use crate::common::close;
-use crate::orbits::boundary::strings;
+use crate::orbits::boundary::{collocated, strings};
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Shooting,
@@ -168,14 +168,7 @@ impl BoundaryProblem for OnRing {
 }
 
 /// Branch points of a trivial branch up to a bound: each with its multiplicity and within its error, none else.
-fn branch_points_are(
-    problem: impl BoundaryProblem + 'static,
-    bound: f64,
-    expected: &[(f64, usize)],
-) {
-    let mut system =
-        BoundarySystem::new(problem, Collocation::new(4).unwrap(), vec![Mesh::uniform(20)])
-            .unwrap();
+fn branch_points_are(mut system: BoundarySystem, bound: f64, expected: &[(f64, usize)]) {
     let z = system.sampled(&[], |_, _, x| x.fill(0.0));
     for max_step in [0.02, 0.1, 0.5] {
         let branch = Continuation::of(&mut system)
@@ -196,15 +189,69 @@ fn branch_points_are(
     }
 }
 
+/// By shooting over two segments; by collocation with `collocated`.
+fn shot(problem: impl BoundaryProblem + 'static) -> BoundarySystem {
+    BoundarySystem::new(problem, Shooting::default(), vec![Mesh::uniform(2)]).unwrap()
+}
+
 /// Points at which the determinant keeps its sign, or changes it twice in a step, are found and counted by singular matrices:
 /// also those with odd null vectors, of which generic vectors have a small share.
 #[test]
 fn even_branch_points_of_boundary_values_are_found() {
     let squares = |unit: f64, most: usize| (1..=most).map(move |k| (unit * k as f64).powi(2));
     let double: Vec<(f64, usize)> = squares(PI, 4).map(|a| (a, 2)).collect();
-    branch_points_are(Pendulums(1.0), 200.0, &double);
     let split: Vec<(f64, usize)> = squares(PI, 4).flat_map(|a| [(a / 1.02, 1), (a, 1)]).collect();
-    branch_points_are(Pendulums(1.02), 200.0, &split);
+    for (ratio, expected) in [(1.0, double), (1.02, split)] {
+        branch_points_are(collocated(Pendulums(ratio), 4, 20), 200.0, &expected);
+        branch_points_are(shot(Pendulums(ratio)), 200.0, &expected);
+    }
     let ring: Vec<(f64, usize)> = squares(TAU, 3).map(|a| (a, 2)).collect();
-    branch_points_are(OnRing, 500.0, &ring);
+    branch_points_are(collocated(OnRing, 4, 20), 500.0, &ring);
+}
+
+/// `u'' + a (u + u²) = 0` twice, all zero at both ends: three branches leave `u = v = 0` at `a = π²`, along `u`, `v` and both.
+struct Transcritical;
+
+impl BoundaryProblem for Transcritical {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "u_t", "v", "v_t"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["a"])
+    }
+    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1];
+        f[1] = -q[0] * (x[0] + x[0] * x[0]);
+        f[2] = x[3];
+        f[3] = -q[0] * (x[2] + x[2] * x[2]);
+    }
+    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b.copy_from_slice(&[ends.start[0], ends.end[0], ends.start[2], ends.end[2]]);
+    }
+}
+
+/// Every branch through a point of even multiplicity can be left along.
+#[test]
+fn branches_leave_even_points_of_boundary_values() {
+    let mut system = collocated(Transcritical, 4, 20);
+    let z = system.sampled(&[], |_, _, x| x.fill(0.0));
+    let trace = Continuation::of(&mut system).from(&z).at("a", 1.0).along("a", 1.0..=30.0);
+    let trivial = trace.trace().unwrap();
+    let point = trivial.of_kind(Kind::BP).next().unwrap();
+    close(point.parameters[0], PI * PI, point.error);
+    assert_eq!(point.multiplicity, 2);
+    let mut moved: Vec<[bool; 2]> = (0..3)
+        .map(|k| {
+            let leaving = Continuation::of(&mut system).restart(&trivial, point.label).switch_to(k);
+            let branch = leaving.along("a", 5.0..=30.0).trace().unwrap();
+            // u and v in the middle, at the upper bound.
+            let end = &branch.special.last().unwrap().state;
+            [end[40].abs() > 0.1, end[2 * 81 + 40].abs() > 0.1]
+        })
+        .collect();
+    moved.sort();
+    assert_eq!(moved, [[false, true], [true, false], [true, true]]);
 }

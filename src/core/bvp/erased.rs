@@ -4,6 +4,7 @@
 //! [`Equations`], one scalar at a time, so that they are compiled once and not for every problem. [`Number`]
 //! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
 
+use super::derivatives::Derivatives;
 use super::terms::{Ends, Legs, Monitor, Return, Watched};
 use super::trajectory::Trajectory;
 use crate::core::chunk::{Chunk, Narrow};
@@ -61,7 +62,7 @@ pub trait EndFunctions<T> {
 }
 
 /// A scalar in which the residual of any problem can be evaluated.
-pub trait Number: Scalar {
+pub trait Number: Scalar + Derivatives {
     /// The residual of a problem in this scalar.
     fn residual(problem: &dyn Equations) -> &dyn Residual<Self>;
 }

@@ -6,6 +6,7 @@
 //! like any other.
 
 mod collocation;
+mod derivatives;
 mod erased;
 mod error;
 mod interval;

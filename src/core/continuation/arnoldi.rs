@@ -12,7 +12,7 @@ use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, scale_to_one, scaled_norm};
 use crate::core::vector::{difference, dot, generic};
 use crate::core::zero::Refinement;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, Schur};
 
 /// If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a vector at least `ℓ/d` times its share
 /// of the null vector long: from the length follows how far away any singular matrix is. A solution of a problem with generic
@@ -20,8 +20,8 @@ use nalgebra::{Complex, DMatrix};
 /// not, if it has many components.)
 const SHARE: f64 = 0.02;
 
-/// The most lengths of a step that are looked ahead.
-const AHEAD: f64 = 12.0;
+/// The most lengths of a step that are looked ahead: farther away matrices have changed in another way.
+const AHEAD: f64 = 4.0;
 
 /// The most vectors spent on counting.
 const VECTORS: usize = 10;
@@ -35,6 +35,9 @@ const SINGULAR: f64 = 1e8;
 
 /// The number of vectors that distances are looked for from: one vector shows one of several equal ones.
 const BLOCK: usize = 6;
+
+/// The most iterations for the eigenvalues of a small matrix.
+const ITERATIONS: usize = 1000;
 
 /// The matrix of a curve's equations that was factored last, and the weights of the scaled norm.
 struct Factored<'p, 'a> {
@@ -85,6 +88,9 @@ impl Factored<'_, '_> {
         while used < basis.len().min(most) {
             let Ok(mut v) = operator(self, &basis[used]) else { return Vec::new() };
             let (overlaps, size) = self.orthogonal(&mut v, &basis);
+            if !overlaps.iter().chain([&size]).all(|number| number.is_finite()) {
+                return Vec::new();
+            }
             for (j, overlap) in overlaps.into_iter().enumerate().take(most) {
                 h[(j, used)] = overlap;
             }
@@ -94,7 +100,9 @@ impl Factored<'_, '_> {
             }
             used += 1;
         }
-        h.view((0, 0), (used, used)).into_owned().complex_eigenvalues().iter().copied().collect()
+        let square = h.view((0, 0), (used, used)).into_owned();
+        let schur = Schur::try_new(square, f64::EPSILON, ITERATIONS);
+        schur.map_or_else(Vec::new, |schur| schur.complex_eigenvalues().iter().copied().collect())
     }
 
     /// `M⁻¹ M₀ v` with the matrix `M₀` of another point and this row.

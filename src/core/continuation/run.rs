@@ -258,7 +258,12 @@ impl Tracer<'_> {
             if step.length > LEAST_UNEXPLAINED {
                 return None;
             }
-            found.extend(self.stepper.unclassified(from, step, changed));
+            let unclassified = self.stepper.unclassified(from, step, changed);
+            if unclassified.as_ref().is_some_and(|it| it.special.converged) {
+                // Newton's iteration was at the same point, and did not converge.
+                found.retain(|it| it.special.kind != Kind::BP || it.special.converged);
+            }
+            found.extend(unclassified);
             found.sort_by(|a, b| a.along.total_cmp(&b.along));
         }
         Some(found)

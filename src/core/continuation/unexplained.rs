@@ -10,6 +10,7 @@ use crate::core::extended::Closing;
 use crate::core::interpolation::lagrange;
 use crate::core::motion::{Critical, Stability, neutral, without_critical};
 use crate::core::zero::Dynamics;
+use std::ops::RangeInclusive;
 
 /// Steps in which the number of unstable eigenvalues changes without a reason are halved down to this length, in scaled
 /// arclength.
@@ -29,7 +30,9 @@ impl Stepper<'_> {
         let flips = self.branch_points().is_some_and(|i| turns(from.tests[i], step.place.tests[i]));
         let crossings = step.crossings.count;
         let odd = !crossings.is_multiple_of(2);
-        if crossings > branch_points.max(1) || crossings > 0 && odd != flips {
+        // At a point of higher multiplicity Newton's iteration does not converge.
+        let unsure = found.iter().any(|it| it.special.kind == Kind::BP && !it.special.converged);
+        if crossings > branch_points.max(1) || crossings > 0 && (odd != flips || unsure) {
             return Some(crossings as isize);
         }
         let (before, after) = (from.point.unstable?, step.place.point.unstable?);
@@ -61,8 +64,12 @@ impl Stepper<'_> {
     }
 }
 
-/// How far from the middle of a step, in units of it, eigenvalues are looked at.
-const SAMPLES: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+/// Where in a step, in units of it, eigenvalues are looked at: not at its ends and middle, where symmetric problems may be
+/// singular.
+const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
+
+/// Zeros in a step, in units of it, which may begin or end with one.
+const ENDS: RangeInclusive<f64> = -1e-6..=1.0 + 1e-6;
 
 /// Zeros of eigenvalues this near to each other, in units of the step, are one.
 const TOGETHER: f64 = 1e-3;
@@ -94,7 +101,7 @@ impl Stepper<'_> {
     /// The equations of the branch are singular there; beside it they are not.
     fn passing(&mut self, from: &Place, step: &Step, change: isize) -> Option<Located> {
         let places = self.samples(from, step)?;
-        let abscissae: Vec<f64> = SAMPLES.iter().map(|s| (0.5 + s) * step.length).collect();
+        let abscissae: Vec<f64> = SAMPLES.iter().map(|s| s * step.length).collect();
         let (count, growth) = self.vanishing(&places, step.length, change.unsigned_abs())?;
         let mean: Vec<f64> =
             growth.iter().map(|all| all.iter().sum::<f64>() / count as f64).collect();
@@ -118,7 +125,7 @@ impl Stepper<'_> {
             .collect();
         let parameter = self.equations.parameters_at();
         let slope = (step.place.unknowns[parameter] - from.unknowns[parameter]).abs() / step.length;
-        let place = 4.0 * slope * (along - rougher).abs() + self.parameter_error();
+        let place = slope * (4.0 * (along - rougher).abs() + spread) + self.parameter_error();
         let share = match places[0].spectrum {
             Some(_) => self.mesh_share(&unknowns),
             None => slope * self.shift_on_finer(&places[0], count)?,
@@ -150,7 +157,8 @@ impl Stepper<'_> {
         let distances: Option<Vec<Vec<f64>>> =
             places.iter().map(|place| self.distances(place)).collect();
         let mut distances = distances?;
-        let count = distances[0].iter().filter(|d| (0.0..=length).contains(*d)).count();
+        let inside = |d: &&f64| ENDS.contains(&(SAMPLES[0] + *d / length));
+        let count = distances[0].iter().filter(inside).count();
         for at in &mut distances {
             if at.len() < count {
                 return None;
@@ -165,13 +173,14 @@ impl Stepper<'_> {
     fn samples(&mut self, from: &Place, step: &Step) -> Option<Vec<Place>> {
         let row = self.covector(&from.tangent);
         let mut places = Vec::new();
-        for share in SAMPLES.map(|s| s + 0.5) {
+        for share in SAMPLES {
             let ends = from.unknowns.iter().zip(&step.place.unknowns);
             let mut unknowns: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
             let length = share * step.length;
             let closing = Closing { row: &row, base: &from.unknowns, length };
             self.correct(&mut unknowns, closing).ok()?;
-            places.push(self.arrive(unknowns, &row, f64::INFINITY, true).ok()?);
+            let stability = self.wants_stability();
+            places.push(self.arrive(unknowns, &row, f64::INFINITY, stability).ok()?);
         }
         Some(places)
     }
@@ -184,7 +193,7 @@ impl Stepper<'_> {
         count: usize,
     ) -> Option<SpecialPoint> {
         self.equations.assemble(unknowns).ok()?;
-        let (mut point, spectrum) = self.record(true).ok()?;
+        let (mut point, spectrum) = self.record(self.wants_stability()).ok()?;
         let dynamics = self.equations.system().dynamics();
         if let Some(spectrum) = &spectrum {
             let others = without_critical(spectrum, count, |l| rate(l, dynamics).abs());
@@ -245,5 +254,5 @@ fn root(abscissae: &[f64], values: &[f64], length: f64) -> Option<f64> {
         }
         (a, fa, b) = (b, fb, line(a, fa, b, fb));
     }
-    (0.0..=length).contains(&b).then_some(b)
+    ENDS.contains(&(b / length)).then_some(b)
 }

@@ -89,9 +89,8 @@ impl<T: Scalar> Flow<T> {
     /// Controls steps in which all states are small, against the absolute tolerance as a part of the relative
     /// one, by the size of numbers as well, at ten times the tolerances. Near an equilibrium at zero real
     /// parts say nothing about how derivatives move: the size of derivatives does.
-    pub(in crate::core) fn measured_at_rest_by(mut self, size: Size<T>) -> Self {
+    pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
-        self
     }
 
     /// Flows `x` from the time `t0` for a duration `length`, which may be negative and may carry derivatives.

@@ -1,6 +1,7 @@
 //! Flows with derivatives in a number of directions that the compiler knows.
 
 use super::extremum_search::ExtremumSearch;
+use crate::core::bvp::derivatives::Derivatives;
 use crate::core::bvp::{Block, Interval, Number};
 use crate::core::chunk::{DualChunk, seeded};
 use crate::core::failure::Failure;
@@ -18,14 +19,10 @@ pub(super) struct Variation<const N: usize> {
 
 impl<const N: usize> Default for Variation<N> {
     fn default() -> Self {
-        let (flow, x, q, end): (Flow<_>, _, _, _) = Default::default();
-        Variation { flow: flow.measured_at_rest_by(largest), x, q, end }
+        let (mut flow, x, q, end): (Flow<_>, _, _, _) = Default::default();
+        flow.measure_at_rest_by(Derivatives::largest_derivative);
+        Variation { flow, x, q, end }
     }
-}
-
-/// The largest derivative.
-fn largest<const N: usize>(x: &DualChunk<f64, N>) -> f64 {
-    x.eps.iter().fold(0.0, |largest, part| part.abs().max(largest))
 }
 
 impl<const N: usize> Variation<N>

@@ -1,0 +1,54 @@
+//! The sizes of the derivatives that numbers carry.
+
+use crate::core::chunk::DualChunk;
+use crate::core::scalar::Scalar;
+use num_dual::{Dual, Dual2, HyperDual64, HyperHyperDual64};
+
+/// A number that tells the sizes of its parts.
+pub trait Derivatives {
+    /// The largest derivative; 0 for a real number.
+    fn largest_derivative(&self) -> f64;
+
+    /// The largest of all parts.
+    fn largest_part(&self) -> f64;
+}
+
+fn largest(parts: impl IntoIterator<Item = f64>) -> f64 {
+    parts.into_iter().fold(0.0, |largest, part| part.abs().max(largest))
+}
+
+impl Derivatives for f64 {
+    fn largest_derivative(&self) -> f64 {
+        0.0
+    }
+
+    fn largest_part(&self) -> f64 {
+        self.abs()
+    }
+}
+
+/// Numbers whose parts are the real part `re` and others.
+macro_rules! parts {
+    ($([$($generics:tt)*] $number:ty: $own:ident => $others:expr;)*) => {$(
+        impl<$($generics)*> Derivatives for $number {
+            fn largest_derivative(&self) -> f64 {
+                let $own = self;
+                largest($others.map(|part| part.largest_part())).max(self.re.largest_derivative())
+            }
+
+            fn largest_part(&self) -> f64 {
+                self.largest_derivative().max(self.re.largest_part())
+            }
+        }
+    )*};
+}
+
+parts! {
+    [T: Scalar + Derivatives] Dual<T>: own => [&own.eps];
+    [T: Scalar + Derivatives] Dual2<T>: own => [&own.v1, &own.v2];
+    [T: Scalar + Derivatives, const W: usize] DualChunk<T, W>: own => own.eps;
+    [] HyperDual64: own => [own.eps1, own.eps2, own.eps1eps2];
+    [] HyperHyperDual64: own => [
+        own.eps1, own.eps2, own.eps3, own.eps1eps2, own.eps1eps3, own.eps2eps3, own.eps1eps2eps3
+    ];
+}

@@ -1,0 +1,71 @@
+//! Promise: branch points of any multiplicity are found and counted, with eigenvalues and without.
+
+use tangency::core::continuation::{Continuation, Kind, Settings};
+use tangency::core::dense::Dense;
+use tangency::core::scalar::Scalar;
+use tangency::core::zero::{Names, ZeroProblem};
+
+/// `(a − cₖ) xₖ − xₖ³ = 0`: branch points on `x = 0` at all `a = cₖ`.
+struct Pitchforks(Vec<f64>);
+
+impl ZeroProblem for Pitchforks {
+    fn names(&self) -> Names {
+        Names::new([("x", self.0.len())], ["a"])
+    }
+    fn residual<T: Scalar>(&self, x: &[T], p: &[T], r: &mut [T]) {
+        for (k, c) in self.0.iter().enumerate() {
+            r[k] = (p[0] - *c) * x[k] - x[k].powi(3);
+        }
+    }
+}
+
+/// One row for each point, also where a step begins or ends on it, and none for Newton's failure at it.
+#[test]
+fn multiplicities_are_counted() {
+    let cases: [(&[f64], &[(f64, usize)]); 4] = [
+        (&[1.0, 1.0], &[(1.0, 2)]),
+        (&[1.0, 1.0, 1.0], &[(1.0, 3)]),
+        (&[0.0, 0.0], &[(0.0, 2)]),
+        (&[1.0, 1.01], &[(1.0, 1), (1.01, 1)]),
+    ];
+    for (values, expected) in cases {
+        for max_step in [0.02, 0.1, 0.5] {
+            for stability in [true, false] {
+                let mut system = Dense::new(Pitchforks(values.to_vec()));
+                let branch = Continuation::of(&mut system)
+                    .from(&vec![0.0; values.len()])
+                    .at("a", -1.0)
+                    .along("a", -1.0..=4.0)
+                    .settings(Settings { max_step, stability, ..Settings::default() })
+                    .trace()
+                    .unwrap();
+                let found: Vec<_> =
+                    branch.special.iter().filter(|it| it.kind != Kind::EP).collect();
+                assert_eq!(found.len(), expected.len(), "{values:?} {max_step}: {found:?}");
+                for (point, (a, multiplicity)) in found.into_iter().zip(expected) {
+                    let miss = (point.parameters[0] - a).abs();
+                    assert!(point.kind == Kind::BP && point.converged, "{values:?}: {point:?}");
+                    assert!(miss <= point.error && point.error < 1e-9, "{values:?}: {miss:e}");
+                    assert_eq!(point.multiplicity, *multiplicity, "{values:?} {max_step}");
+                }
+            }
+        }
+    }
+}
+
+/// Points too near to each other to be told apart are one, with an error that covers all of them.
+#[test]
+fn errors_cover_all_points_that_are_reported_as_one() {
+    let mut system = Dense::new(Pitchforks(vec![3.0, 3.0 + 1e-7]));
+    let branch = Continuation::of(&mut system)
+        .from(&[0.0; 2])
+        .at("a", -1.0)
+        .along("a", -1.0..=4.0)
+        .trace()
+        .unwrap();
+    let point = branch.of_kind(Kind::BP).next().unwrap();
+    assert_eq!(point.multiplicity, 2);
+    for a in [3.0, 3.0 + 1e-7] {
+        assert!((point.parameters[0] - a).abs() <= point.error, "{point:?}");
+    }
+}
