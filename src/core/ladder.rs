@@ -56,7 +56,7 @@ pub fn error_of_last(values: &[f64]) -> f64 {
 /// The estimated error of the first of such values: four thirds of the largest distance of any of them
 /// from the last one, and that one's error. (The first distance, and the last change, may be small by
 /// accident.)
-pub(crate) fn error_of_first(values: &[f64]) -> f64 {
+pub fn error_of_first(values: &[f64]) -> f64 {
     let last = values.last().copied().unwrap_or(f64::NAN);
     let far = values.iter().map(|value| (value - last).abs()).fold(0.0, f64::max);
     4.0 / 3.0 * far + error_of_last(values)

@@ -22,16 +22,16 @@ impl ZeroProblem for Pitchforks {
 /// One row for each point, also where a step begins or ends on it, and none for Newton's failure at it.
 #[test]
 fn multiplicities_are_counted() {
-    let cases: [(&[f64], &[(f64, usize)]); 4] = [
-        (&[1.0, 1.0], &[(1.0, 2)]),
-        (&[1.0, 1.0, 1.0], &[(1.0, 3)]),
-        (&[0.0, 0.0], &[(0.0, 2)]),
-        (&[1.0, 1.01], &[(1.0, 1), (1.01, 1)]),
+    let cases = [
+        (vec![1.0, 1.0], vec![(1.0, 2)]),
+        (vec![1.0, 1.0, 1.0], vec![(1.0, 3)]),
+        (vec![0.0, 0.0], vec![(0.0, 2)]),
+        (vec![1.0, 1.01], vec![(1.0, 1), (1.01, 1)]),
     ];
     for (values, expected) in cases {
         for max_step in [0.02, 0.1, 0.5] {
             for stability in [true, false] {
-                let mut system = Dense::new(Pitchforks(values.to_vec()));
+                let mut system = Dense::new(Pitchforks(values.clone()));
                 let branch = Continuation::of(&mut system)
                     .from(&vec![0.0; values.len()])
                     .at("a", -1.0)
@@ -42,7 +42,7 @@ fn multiplicities_are_counted() {
                 let found: Vec<_> =
                     branch.special.iter().filter(|it| it.kind != Kind::EP).collect();
                 assert_eq!(found.len(), expected.len(), "{values:?} {max_step}: {found:?}");
-                for (point, (a, multiplicity)) in found.into_iter().zip(expected) {
+                for (point, (a, multiplicity)) in found.into_iter().zip(&expected) {
                     let miss = (point.parameters[0] - a).abs();
                     assert!(point.kind == Kind::BP && point.converged, "{values:?}: {point:?}");
                     assert!(miss <= point.error && point.error < 1e-9, "{values:?}: {miss:e}");

@@ -44,7 +44,7 @@ pub struct LocalMap {
 }
 
 /// The coordinate that tells the time in periods of the forcing.
-pub(crate) const PHASE: &str = "phase";
+pub const PHASE: &str = "phase";
 
 impl LocalMap {
     /// The local map of a system at a grazing point, with deviations of the parameters named.

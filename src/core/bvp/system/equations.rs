@@ -2,7 +2,6 @@
 
 use super::extremes::Extremes;
 use super::layout::{Layout, span};
-use super::mesh_error::Estimated;
 use crate::core::bvp::interval::placed;
 use crate::core::bvp::method::MethodWork;
 use crate::core::bvp::{
@@ -40,6 +39,23 @@ pub(super) struct Phase {
     pub reference: Vec<f64>,
     /// `w_k ẋ_k`, node by node.
     pub row: Vec<f64>,
+}
+
+/// Where the estimated error of a state, in units of the state's largest value, is largest.
+#[derive(Clone, Copy)]
+pub(super) struct LargestError {
+    pub segment: usize,
+    pub state: usize,
+    pub interval: usize,
+    pub error: f64,
+}
+
+/// The error estimated last, for those who ask again.
+#[derive(Default)]
+pub(super) struct Estimated {
+    /// The values at the nodes and the numbers for which it was; empty if for none.
+    pub at: Vec<f64>,
+    pub largest: Option<LargestError>,
 }
 
 /// Arguments and residual in one scalar type, kept so that nothing is allocated twice.

@@ -11,28 +11,11 @@
 //! term of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`: in a layer that is missed the neighbouring
 //! polynomials may be alike, and as wrong. Where the mesh resolves the solution, it is negligible.
 
-use super::equations::{Discretised, Work};
+use super::equations::{Discretised, LargestError, Work};
 use super::local::{Arguments, Dependence, Gradient};
 use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::vector::{largest, refill};
-
-/// Where the estimated error of a state, in units of the state's largest value, is largest.
-#[derive(Clone, Copy)]
-pub(super) struct LargestError {
-    segment: usize,
-    state: usize,
-    interval: usize,
-    pub error: f64,
-}
-
-/// The error estimated last, for those who ask again.
-#[derive(Default)]
-pub(super) struct Estimated {
-    /// The values at the nodes and the numbers for which it was; empty if for none.
-    pub at: Vec<f64>,
-    largest: Option<LargestError>,
-}
 
 /// Values of a state that are smaller than this, compared with the largest value of any, may be rounding.
 const SMALL: f64 = 1e-9;
