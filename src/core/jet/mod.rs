@@ -24,6 +24,5 @@ mod space;
 pub(crate) mod taylor;
 
 pub use number::Jet;
-pub(crate) use polynomial::Monomials;
-pub use polynomial::Polynomial;
+pub use polynomial::{Monomials, Polynomial};
 pub use space::{JetError, Space};

@@ -68,7 +68,7 @@ impl Polynomial {
     }
 
     /// The value of the terms up to an order, where the monomials have these values.
-    pub(crate) fn sum_to<T: Scalar>(&self, order: usize, monomials: &Monomials<T>) -> T {
+    pub fn sum_to<T: Scalar>(&self, order: usize, monomials: &Monomials<T>) -> T {
         let end = self.space.of_degree(order.min(self.space.order())).end;
         let terms = self.coefficients[..end].iter().zip(&monomials.values);
         terms.fold(T::zero(), |sum, (c, value)| sum + *value * *c)
@@ -77,7 +77,7 @@ impl Polynomial {
 
 /// The values of all monomials of a space, shared by the polynomials that are evaluated at one place.
 #[derive(Clone, Debug)]
-pub(crate) struct Monomials<T> {
+pub struct Monomials<T> {
     values: Vec<T>,
 }
 
@@ -88,6 +88,13 @@ impl<T> Default for Monomials<T> {
 }
 
 impl<T: Scalar> Monomials<T> {
+    /// The values at a place.
+    pub fn at(space: &Space, x: &[T]) -> Self {
+        let mut monomials = Monomials::default();
+        monomials.update(space, x);
+        monomials
+    }
+
     /// Moves to a place with as many components as the space has variables.
     pub fn update(&mut self, space: &Space, x: &[T]) {
         self.values.clear();
