@@ -20,8 +20,8 @@ use nalgebra::{Complex, DMatrix, Schur};
 /// not, if it has many components.)
 const SHARE: f64 = 0.02;
 
-/// The most lengths of a step that are looked ahead: farther away matrices have changed in another way.
-const AHEAD: f64 = 4.0;
+/// The most lengths of a step that are looked ahead: farther away matrices may have changed in another way.
+const AHEAD: f64 = 12.0;
 
 /// The most vectors spent on counting.
 const VECTORS: usize = 10;
