@@ -2,9 +2,9 @@
 
 /// The limits of an iteration.
 pub(crate) struct Limits {
-    /// It ends after so many rounds.
+    /// The most rounds.
     pub rounds: usize,
-    /// It has converged where it moves by less.
+    /// The move below which it has converged.
     pub moved: f64,
 }
 

@@ -14,7 +14,7 @@ pub trait Derivatives {
 }
 
 fn largest(parts: impl IntoIterator<Item = f64>) -> f64 {
-    parts.into_iter().fold(0.0, |largest, part| part.abs().max(largest))
+    parts.into_iter().fold(0.0, f64::max)
 }
 
 impl Derivatives for f64 {
@@ -27,7 +27,7 @@ impl Derivatives for f64 {
     }
 }
 
-/// Numbers whose parts are the real part `re` and others.
+/// Implements [`Derivatives`] for numbers that consist of a real part `re` and others.
 macro_rules! parts {
     ($([$($generics:tt)*] $number:ty: $own:ident => $others:expr;)*) => {$(
         impl<$($generics)*> Derivatives for $number {

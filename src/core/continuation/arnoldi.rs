@@ -69,8 +69,8 @@ impl Factored<'_, '_> {
         (overlaps, scale_to_one(v, self.weights))
     }
 
-    /// The eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), of so many vectors at most: none where
-    /// the operator has no meaning.
+    /// The eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), whose dimension is at most `most`; none
+    /// where the operator has no meaning.
     fn ritz_values(
         &mut self,
         starts: Vec<Vec<f64>>,
@@ -195,8 +195,8 @@ impl<'a> Stepper<'a> {
         self.factored().distances(&place.unknowns, &place.tangent).ok()
     }
 
-    /// By how much the next branch points, so many of them at one point, lie elsewhere on a finer discretisation, as seen from
-    /// a place: 0 for equations that are exact as they stand, or if the error of the discretisation is not asked for.
+    /// The distance between the nearest branch point of this multiplicity and the same one on a finer discretisation, as seen
+    /// from a place: 0 for equations that are exact as they stand, or if the error of the discretisation is not asked for.
     pub fn shift_on_finer(&mut self, place: &Place, count: usize) -> Option<f64> {
         let mean = |distances: Vec<f64>| {
             (distances.len() >= count)
