@@ -43,6 +43,23 @@ pub(crate) fn generic(length: usize, seed: usize) -> Vec<f64> {
     (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
 }
 
+/// Makes a vector orthogonal to others of length 1, by Gram and Schmidt, twice; its overlaps with them.
+pub(crate) fn orthogonalise(
+    v: &mut [f64],
+    others: &[Vec<f64>],
+    product: impl Fn(&[f64], &[f64]) -> f64,
+) -> Vec<f64> {
+    let mut overlaps = vec![0.0; others.len()];
+    for _ in 0..2 {
+        for (overlap, other) in overlaps.iter_mut().zip(others) {
+            let part = product(other, v);
+            *overlap += part;
+            v.iter_mut().zip(other).for_each(|(v, o)| *v -= part * o);
+        }
+    }
+    overlaps
+}
+
 /// Replaces the elements of a vector, in the room that it has.
 #[inline]
 pub(crate) fn refill<T>(vector: &mut Vec<T>, elements: impl IntoIterator<Item = T>) {

@@ -2,7 +2,7 @@
 //! where their mesh is too coarse, and their branch points are found though no eigenvalues are known.
 
 use crate::common::close;
-use crate::orbits::boundary::{collocated, strings};
+use crate::orbits::boundary::{Layer, collocated, strings};
 use std::f64::consts::{PI, TAU};
 use tangency::core::bvp::{
     BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh, Method, Shooting,
@@ -63,37 +63,14 @@ fn closed_curves_of_boundary_values_close() {
     }
 }
 
-/// `ε u'' + u' = 0`, `u(0) = 0`, `u(1) = 1`, as `(u, v) = (u, u')`: a layer at the left end, with `v(0) = 1 / ε (1 − e^{−1/ε})`.
-struct Layer;
-
-impl BoundaryProblem for Layer {
-    fn segments(&self) -> Vec<Vec<String>> {
-        vec![strings(&["u", "v"])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        strings(&["epsilon"])
-    }
-    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = -x[1] / q[0];
-    }
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        b[0] = ends.start[0];
-        b[1] = ends.end[0] - 1.0;
-    }
-}
-
 /// A layer that becomes too thin for the mesh ends the branch before its numbers lie, and a mesh with more intervals
 /// follows it.
 #[test]
 fn layers_end_branches_on_coarse_meshes() {
     for intervals in [2, 30] {
-        let meshes = vec![Mesh::uniform(intervals)];
-        let mut system = BoundarySystem::new(Layer, Collocation::new(4).unwrap(), meshes).unwrap();
-        let slope = |epsilon: f64| 1.0 / (epsilon * -(-1.0 / epsilon).exp_m1());
+        let mut system = collocated(Layer, 4, intervals);
+        // v(0) = 1/(1 − e^{−1/ε}).
+        let slope = |epsilon: f64| -1.0 / (-1.0 / epsilon).exp_m1();
         let z = system.sampled(&[], |_, tau, x| {
             x[1] = slope(1.0) * (-tau).exp();
             x[0] = slope(1.0) - x[1];
@@ -120,10 +97,14 @@ fn layers_end_branches_on_coarse_meshes() {
     }
 }
 
-/// `u'' + a sin u = 0`, `v'' + s a sin v = 0`, all zero at both ends: branch points on `u = v = 0` at `a = (kπ)²` and `(kπ)²/s`.
-struct Pendulums(f64);
+/// `u'' + a g(u) = 0`, `v'' + s a g(v) = 0` with `g(u) = u + c u² − u³`, all zero at both ends: branch points on `u = v = 0` at
+/// `a = (kπ)²` and `(kπ)²/s`.
+struct Copies {
+    s: f64,
+    c: f64,
+}
 
-impl BoundaryProblem for Pendulums {
+impl BoundaryProblem for Copies {
     fn segments(&self) -> Vec<Vec<String>> {
         vec![strings(&["u", "u_t", "v", "v_t"])]
     }
@@ -131,10 +112,11 @@ impl BoundaryProblem for Pendulums {
         strings(&["a"])
     }
     fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        let g = |u: T| u + u * u * self.c - u.powi(3);
         f[0] = x[1];
-        f[1] = -q[0] * x[0].sin();
+        f[1] = -q[0] * g(x[0]);
         f[2] = x[3];
-        f[3] = -q[0] * x[2].sin() * self.0;
+        f[3] = -q[0] * g(x[2]) * self.s;
     }
     fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
         T::one()
@@ -189,7 +171,7 @@ fn branch_points_are(mut system: BoundarySystem, bound: f64, expected: &[(f64, u
     }
 }
 
-/// By shooting over two segments; by collocation with `collocated`.
+/// A system by shooting over two segments.
 fn shot(problem: impl BoundaryProblem + 'static) -> BoundarySystem {
     BoundarySystem::new(problem, Shooting::default(), vec![Mesh::uniform(2)]).unwrap()
 }
@@ -201,42 +183,18 @@ fn even_branch_points_of_boundary_values_are_found() {
     let squares = |unit: f64, most: usize| (1..=most).map(move |k| (unit * k as f64).powi(2));
     let double: Vec<(f64, usize)> = squares(PI, 4).map(|a| (a, 2)).collect();
     let split: Vec<(f64, usize)> = squares(PI, 4).flat_map(|a| [(a / 1.02, 1), (a, 1)]).collect();
-    for (ratio, expected) in [(1.0, double), (1.02, split)] {
-        branch_points_are(collocated(Pendulums(ratio), 4, 20), 200.0, &expected);
-        branch_points_are(shot(Pendulums(ratio)), 200.0, &expected);
+    for (s, expected) in [(1.0, double), (1.02, split)] {
+        branch_points_are(collocated(Copies { s, c: 0.0 }, 4, 20), 200.0, &expected);
+        branch_points_are(shot(Copies { s, c: 0.0 }), 200.0, &expected);
     }
     let ring: Vec<(f64, usize)> = squares(TAU, 3).map(|a| (a, 2)).collect();
     branch_points_are(collocated(OnRing, 4, 20), 500.0, &ring);
 }
 
-/// `u'' + a (u + u²) = 0` twice, all zero at both ends: three branches leave `u = v = 0` at `a = π²`, along `u`, `v` and both.
-struct Transcritical;
-
-impl BoundaryProblem for Transcritical {
-    fn segments(&self) -> Vec<Vec<String>> {
-        vec![strings(&["u", "u_t", "v", "v_t"])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        strings(&["a"])
-    }
-    fn field<T: Scalar>(&self, _segment: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
-        f[0] = x[1];
-        f[1] = -q[0] * (x[0] + x[0] * x[0]);
-        f[2] = x[3];
-        f[3] = -q[0] * (x[2] + x[2] * x[2]);
-    }
-    fn duration<T: Scalar>(&self, _segment: usize, _q: &[T]) -> T {
-        T::one()
-    }
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        b.copy_from_slice(&[ends.start[0], ends.end[0], ends.start[2], ends.end[2]]);
-    }
-}
-
-/// Every branch through a point of even multiplicity can be left along.
+/// Three branches leave `u = v = 0` at `a = π²`, along `u`, `v` and both: each can be followed.
 #[test]
 fn branches_leave_even_points_of_boundary_values() {
-    let mut system = collocated(Transcritical, 4, 20);
+    let mut system = collocated(Copies { s: 1.0, c: 1.0 }, 4, 20);
     let z = system.sampled(&[], |_, _, x| x.fill(0.0));
     let trace = Continuation::of(&mut system).from(&z).at("a", 1.0).along("a", 1.0..=30.0);
     let trivial = trace.trace().unwrap();

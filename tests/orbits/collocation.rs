@@ -2,7 +2,7 @@
 //! is too coarse says so.
 
 use crate::common::{close, ellipse, falls_with_order, solved};
-use crate::orbits::boundary::{FOLD, Glued, VanDerPol, collocated, strings};
+use crate::orbits::boundary::{FOLD, Glued, Layer, VanDerPol, collocated, strings};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tangency::core::bvp::{
@@ -62,7 +62,7 @@ fn estimated(m: usize, intervals: usize) -> [f64; 3] {
     let mut system = collocated(Bratu, m, intervals);
     let z = system.sampled(&[], |_, _, _| {});
     let x = solved(&mut system, &z, &[2.0]).unwrap();
-    let estimate = system.error_estimate(&x);
+    let estimate = system.mesh_error(&x);
     let errors = errors(&mut system, &x, |t| bratu(2.0, t));
     let relative = errors[2] / bratu(2.0, 0.5);
     assert!(estimate > relative && estimate < 100.0 * relative, "{estimate:e} {relative:e}");
@@ -123,30 +123,6 @@ fn polynomials_are_exact() {
     }
 }
 
-/// `ε u'' + u' = 0`, `u(0) = 0`, `u(1) = 1`: a layer of width `ε` at the left end.
-#[derive(Clone)]
-struct Layer;
-
-impl BoundaryProblem for Layer {
-    fn segments(&self) -> Vec<Vec<String>> {
-        vec![strings(&["u", "v"])]
-    }
-    fn parameters(&self) -> Vec<String> {
-        strings(&["epsilon"])
-    }
-    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
-        f[0] = x[1] / q[0];
-        f[1] = -x[1] / q[0];
-    }
-    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
-        T::one()
-    }
-    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
-        b[0] = ends.start[0];
-        b[1] = ends.end[0] - 1.0;
-    }
-}
-
 /// A uniform mesh misses the layer and says so; an adapted one of as many intervals resolves it.
 #[test]
 fn adaptation_resolves_a_layer() {
@@ -157,13 +133,13 @@ fn adaptation_resolves_a_layer() {
     let mut x = solved(&mut system, &z, &[epsilon]).unwrap();
     let n = x.len() - 1;
     let coarse = errors(&mut system, &x, exact)[2];
-    let estimate = system.error_estimate(&x);
+    let estimate = system.mesh_error(&x);
     assert!(coarse > 0.1 && estimate > 0.1);
     for _ in 0..8 {
         system.adapt(&mut x, &mut []).unwrap();
         x = solved(&mut system, &x[..n], &[epsilon]).unwrap();
     }
-    let (fine, estimate) = (errors(&mut system, &x, exact)[2], system.error_estimate(&x));
+    let (fine, estimate) = (errors(&mut system, &x, exact)[2], system.mesh_error(&x));
     assert!(fine < 1e-5 && estimate < 1e-4 && estimate > 0.5 * fine, "{fine:e} {estimate:e}");
     assert_eq!(system.meshes()[0].intervals(), 20);
 }
@@ -182,7 +158,7 @@ fn a_tolerance_chooses_the_mesh() {
             let n = x.len() - 1;
             x = solved(&mut system, &x[..n], &[epsilon]).unwrap();
         }
-        let (error, estimate) = (errors(&mut system, &x, exact)[2], system.error_estimate(&x));
+        let (error, estimate) = (errors(&mut system, &x, exact)[2], system.mesh_error(&x));
         assert!(error < tolerance && estimate < 1.2 * tolerance && estimate > 0.05 * tolerance);
     }
     let mut system = collocated(Layer, 2, 10);

@@ -2,7 +2,7 @@
 
 use crate::core::condition::{At, Failure};
 use crate::core::linear::Factors;
-use crate::core::vector::{dot, generic, normalise};
+use crate::core::vector::{dot, generic, normalise, orthogonalise};
 use crate::core::zero::{Border, Form};
 
 /// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a bordered matrix
@@ -43,17 +43,12 @@ pub(super) struct NullVectors {
     work: Vec<f64>,
 }
 
-/// Makes vectors orthonormal (Gram and Schmidt, twice).
+/// Makes vectors orthonormal.
 fn orthonormal(vectors: &mut [Vec<f64>]) {
-    for _ in 0..2 {
-        for k in 0..vectors.len() {
-            let (before, rest) = vectors.split_at_mut(k);
-            for other in before.iter() {
-                let overlap = dot(other, &rest[0]);
-                rest[0].iter_mut().zip(other).for_each(|(v, o)| *v -= overlap * o);
-            }
-            normalise(&mut rest[0]);
-        }
+    for k in 0..vectors.len() {
+        let (before, rest) = vectors.split_at_mut(k);
+        orthogonalise(&mut rest[0], before, dot);
+        normalise(&mut rest[0]);
     }
 }
 

@@ -6,6 +6,7 @@ use super::terms::{Ends, Monitor, Return, Watched};
 use super::trajectory::Trajectory;
 use crate::core::domain::OutOfDomain;
 use crate::core::failure::Failure;
+use crate::core::forward::forward;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};
 use crate::core::watch::Observable;
@@ -78,9 +79,7 @@ impl<P: BoundaryProblem, T: Scalar> EndFunctions<T> for Stated<P> {
 macro_rules! forward_all {
     ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         impl<P: BoundaryProblem + 'static> Equations for Stated<P> {
-            $(fn $name(&self, $($argument: $type),*) -> $result {
-                self.0.$name($($argument),*)
-            })*
+            forward! { |self| self.0; $(fn $name($($argument: $type),*) -> $result;)* }
         }
     };
 }

@@ -10,7 +10,7 @@ use super::stepper::{Crossings, Place, Stepper};
 use crate::core::condition::Failure;
 use crate::core::extended::{Closing, Extended};
 use crate::core::newton::{Newton, scale_to_one, scaled_norm};
-use crate::core::vector::{difference, dot, generic};
+use crate::core::vector::{difference, dot, generic, orthogonalise};
 use crate::core::zero::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
@@ -54,18 +54,13 @@ impl Factored<'_, '_> {
         solution
     }
 
-    /// The part of a vector that is orthogonal to others of scaled length 1, as a vector of that length; the overlaps with them,
-    /// and the length that it had.
+    /// Makes a vector orthogonal to others of scaled length 1, and of that length itself; its overlaps with them, and the length
+    /// of what was left of it.
     fn orthogonal(&self, v: &mut [f64], others: &[Vec<f64>]) -> (Vec<f64>, f64) {
-        let mut overlaps = vec![0.0; others.len()];
-        for _ in 0..2 {
-            for (overlap, other) in overlaps.iter_mut().zip(others) {
-                let terms = other.iter().zip(&*v).zip(self.weights);
-                let part: f64 = terms.map(|((a, b), w)| a * b * w).sum();
-                *overlap += part;
-                v.iter_mut().zip(other).for_each(|(v, o)| *v -= part * o);
-            }
-        }
+        let product = |a: &[f64], b: &[f64]| -> f64 {
+            a.iter().zip(b).zip(self.weights).map(|((a, b), w)| a * b * w).sum()
+        };
+        let overlaps = orthogonalise(v, others, product);
         (overlaps, scale_to_one(v, self.weights))
     }
 

@@ -2,10 +2,10 @@
 
 use super::branch::{Half, Traced};
 use super::closing::Reference;
+use super::early_end::EarlyEnd;
 use super::event::Event;
 use super::found::Located;
 use super::hermite::MOST_KNOTS;
-use super::homoclinic::CycleLimits;
 use super::metric::Metric;
 use super::stepper::{AT_START, Before, Place, Step, Stepper};
 use super::unexplained::LEAST_UNEXPLAINED;
@@ -53,7 +53,7 @@ pub(super) struct Walk {
     length: f64,
     /// The places before the last one.
     before: Vec<Before>,
-    limits: CycleLimits,
+    early_end: EarlyEnd,
     /// Whether the continued parameter has turned, as it must before a curve can close.
     turned: bool,
     /// The end, if it leaves its bounds at once.
@@ -155,7 +155,7 @@ impl Tracer<'_> {
             backward,
             length: initial_step.min(max_step),
             before: Vec::new(),
-            limits: CycleLimits::default(),
+            early_end: EarlyEnd::default(),
             turned: false,
             end: self.leaves_at_once(backward),
         }
@@ -235,7 +235,7 @@ impl Tracer<'_> {
         if let Some(ending) = ending {
             return Some(self.end_half(walk, ending));
         }
-        let end = walk.limits.reached(&mut self.stepper, &step.place, &walk.place);
+        let end = walk.early_end.reached(&mut self.stepper, &step.place, &walk.place);
         self.accept(walk, step);
         walk.half.points.push(walk.place.point.clone());
         self.save_regular(walk);

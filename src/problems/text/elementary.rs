@@ -4,9 +4,10 @@
 //! `f(x) = Σ_{k ≤ N} f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call some thirty functions in some forty scalars: one composition is compiled
 //! for each scalar, in place of a chain rule for each function and each layer.
 
+use crate::core::jet::MOST_ORDER;
 use crate::core::jet::powers::{by_quotient, by_squares};
 use crate::core::jet::series;
-use crate::core::jet::taylor::{self, MOST_ORDER, Series};
+use crate::core::jet::taylor::{self, Series};
 use crate::core::scalar::Scalar;
 
 /// Whether functions of this scalar are compositions: the chain rule is faster for one derivative, which numbers in lanes have at

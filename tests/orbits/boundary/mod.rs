@@ -22,6 +22,30 @@ pub fn collocated(
 /// The fold of Bratu's problem: `λ* = 8θ²/cosh²θ` with `θ tanh θ = 1`.
 pub const FOLD: f64 = 3.51383071912516;
 
+/// `ε u'' + u' = 0`, `u(0) = 0`, `u(1) = 1`: a layer of width `ε` at the left end, as `(u, v) = (u, ε u')`.
+#[derive(Clone)]
+pub struct Layer;
+
+impl BoundaryProblem for Layer {
+    fn segments(&self) -> Vec<Vec<String>> {
+        vec![strings(&["u", "v"])]
+    }
+    fn parameters(&self) -> Vec<String> {
+        strings(&["epsilon"])
+    }
+    fn field<T: Scalar>(&self, _s: usize, _t: T, x: &[T], q: &[T], f: &mut [T]) {
+        f[0] = x[1] / q[0];
+        f[1] = -x[1] / q[0];
+    }
+    fn duration<T: Scalar>(&self, _s: usize, _q: &[T]) -> T {
+        T::one()
+    }
+    fn boundary<T: Scalar>(&self, ends: Ends<T>, _q: &[T], b: &mut [T]) {
+        b[0] = ends.start[0];
+        b[1] = ends.end[0] - 1.0;
+    }
+}
+
 /// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`, `u(0) = u(1) = 0`: branch points on `u = 0` at `a = (kπ)²/10`.
 #[derive(Clone)]
 pub struct TrivialBranch;

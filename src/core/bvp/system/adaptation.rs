@@ -10,7 +10,7 @@ impl BoundarySystem {
     /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
     ///
     /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
-    pub fn error_estimate(&mut self, x: &[f64]) -> f64 {
+    pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
         let Work { nodes, numbers, .. } = &self.plain;
         self.equations.largest_error(nodes, numbers).map_or(0.0, |largest| largest.error)
@@ -83,11 +83,11 @@ impl BoundarySystem {
     /// let mut x = system.sampled(&[], |_, tau, x| x[0] = (-tau).exp());
     /// x.push(1.0);
     /// // A cubic on each of four intervals.
-    /// let error = system.error_estimate(&x);
+    /// let error = system.mesh_error(&x);
     /// assert!(error > 1e-6 && error < 1e-4);
     /// let (mut fine, x) = system.with_error(&x, 1e-6)?;
     /// assert!(fine.meshes()[0].intervals() > 4);
-    /// assert!(fine.error_estimate(&x) < 1e-4);
+    /// assert!(fine.mesh_error(&x) < 1e-4);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_error(self, x: &[f64], tolerance: f64) -> Result<(Self, Vec<f64>), BoundaryError> {

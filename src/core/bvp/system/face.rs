@@ -281,7 +281,7 @@ impl zero::Discretised for BoundarySystem {
     }
 
     fn mesh_error(&mut self, x: &[f64]) -> f64 {
-        self.error_estimate(x)
+        BoundarySystem::mesh_error(self, x)
     }
 
     fn images(&mut self, solution: &Solution, near: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {

@@ -71,7 +71,7 @@ impl BoundarySystem {
             return self.multipliers();
         }
         let at = self.linearisation.at.clone();
-        let least = UNDETERMINED.max(10.0 * self.error_estimate(&at).min(1e-3));
+        let least = UNDETERMINED.max(10.0 * self.mesh_error(&at).min(1e-3));
         if let Some(found) = self.fast_multipliers(least)? {
             return Ok(found);
         }

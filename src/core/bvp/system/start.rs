@@ -262,7 +262,7 @@ impl BoundarySystem {
         self.followed += 1;
         // Where an orbit leaves the domain, the next correction says so.
         let late = self.followed.is_multiple_of(ADAPT_EVERY);
-        if late || self.error_estimate(x) > ADAPT_ABOVE {
+        if late || self.mesh_error(x) > ADAPT_ABOVE {
             let _ = self.adapt(x, directions);
         }
         if self.equations.layout.phase {

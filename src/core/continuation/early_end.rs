@@ -1,23 +1,26 @@
-//! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and near homoclinic orbits.
+//! Where branches end though Newton's iteration still succeeds: on meshes that are too coarse, and
+//! near homoclinic orbits.
 
 use super::End;
 use super::stepper::{Place, Stepper};
 use crate::core::condition::At;
 
-/// A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the solution for some steps, and
-/// then follows.
+/// A branch ends after so many points in a row whose mesh is too coarse: it may lag behind the
+/// solution for some steps, and then follows.
 const MOST_COARSE: usize = 3;
 
-/// A branch ends after so many steps in a row along which the period grows and the parameters change by no more than the
-/// errors of Newton's iteration and of the mesh, if they have changed before: beyond, what is left is noise.
+/// A branch ends after so many steps in a row along which the period grows and the parameters
+/// change by no more than the errors of Newton's iteration and of the mesh, if they have changed
+/// before: beyond, what is left is noise.
 const MOST_STILL: usize = 3;
 
-/// The error of parameters is this power of that of the solution, since collocation converges faster at its nodes.
+/// The error of parameters is this power of that of the solution, since collocation converges
+/// faster at its nodes.
 const SUPERCONVERGENCE: f64 = 1.5;
 
 /// What was met along a half of a branch.
 #[derive(Default)]
-pub(super) struct CycleLimits {
+pub(super) struct EarlyEnd {
     /// The points in a row whose mesh is too coarse.
     coarse: usize,
     /// The steps in a row along which only the period grows.
@@ -28,7 +31,7 @@ pub(super) struct CycleLimits {
     periods: Option<[f64; 2]>,
 }
 
-impl CycleLimits {
+impl EarlyEnd {
     /// The end of the branch at a place that was accepted, after the place before it.
     pub fn reached(&mut self, stepper: &mut Stepper, place: &Place, before: &Place) -> Option<End> {
         let error = stepper.mesh_error(&place.unknowns);
