@@ -1,4 +1,5 @@
-//! How long the condensation of a chain takes, by interval: factor, solve, solve with the transposed matrix.
+//! How long the condensation of a chain takes, by interval: factor, solve, solve with the
+//! transposed matrix.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tangency::core::linear::Chain;

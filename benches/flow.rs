@@ -1,4 +1,5 @@
-//! How long a flow takes: one period of Mita's stick field to 5e-12, in each scheme and scalar type.
+//! How long a flow takes: one period of Mita's stick field to 5e-12, in each scheme and scalar
+//! type.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_dual::Dual;

@@ -1,6 +1,7 @@
-//! What branches of impacting orbits cost: `mita-type-1`, and the grazing curve with both codimension-two points;
-//! and beside each as many evaluations of the field as it takes, in plain flows of one period. Tracing is
-//! dominated by flow evaluations: the rest is linear algebra of a few unknowns.
+//! What branches of impacting orbits cost: `mita-type-1`, and the grazing curve with both
+//! codimension-two points; and beside each as many evaluations of the field as it takes, in plain
+//! flows of one period. Tracing is dominated by flow evaluations: the rest is linear algebra of a
+//! few unknowns.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

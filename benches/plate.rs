@@ -22,7 +22,8 @@ fn traces(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Residual, assembly with factorisation, and gradient of `wᵀF_z v`, for so many functions each way.
+/// Residual, assembly with factorisation, and gradient of `wᵀF_z v`, for so many functions each
+/// way.
 fn pieces(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("ritz");
     for count in [4, 6, 8, 12] {

@@ -2,8 +2,8 @@
 //! converges to 8θ²/cosh²θ, θ tanh θ = 1, as the grid is refined.
 //!
 //! The unknowns are one group of n values; a monitor gives the diagram its ordinate and bounds the
-//! branch. The error that is printed is that of the discrete equations; Richardson's extrapolation of
-//! two grids shows the discretisation's own.
+//! branch. The error that is printed is that of the discrete equations; Richardson's extrapolation
+//! of two grids shows the discretisation's own.
 
 use tangency::core::continuation::{Continuation, Kind, TraceError};
 use tangency::core::dense::Dense;

@@ -1,5 +1,6 @@
-//! The ladder of chatter of Mita's actuator: the voltages `c_n` at which motions with `n` impacts a period become
-//! stable, each found by continuation as a period doubling, and the ratios of their distances.
+//! The ladder of chatter of Mita's actuator: the voltages `c_n` at which motions with `n` impacts a
+//! period become stable, each found by continuation as a period doubling, and the ratios of their
+//! distances.
 
 use tangency::core::continuation::Kind;
 use tangency::scene::{BUILT_IN, Scene, execute};

@@ -1,9 +1,11 @@
-//! What one correction of a periodic orbit by collocation costs, against the number of intervals and against
-//! the number of states: assembling, factoring and solving, in CPU time on one thread (median of many).
+//! What one correction of a periodic orbit by collocation costs, against the number of intervals
+//! and against the number of states: assembling, factoring and solving, in CPU time on one thread
+//! (median of many).
 //!
-//! The field is Lorenz' of 1996, `x_i' = (x_{i+1} − x_{i−2}) x_{i−1} − x_i + F`, for any number of states. Its
-//! cost is linear in their number: what grows faster is linear algebra. The exponent beside each line is that
-//! of growth from the size before, `log(t/t₋)/log(s/s₋)`. `out/collocation-cost.svg` draws both.
+//! The field is Lorenz' of 1996, `x_i' = (x_{i+1} − x_{i−2}) x_{i−1} − x_i + F`, for any number of
+//! states. Its cost is linear in their number: what grows faster is linear algebra. The exponent
+//! beside each line is that of growth from the size before, `log(t/t₋)/log(s/s₋)`.
+//! `out/collocation-cost.svg` draws both.
 
 use cpu_time::ProcessTime;
 use std::error::Error;
@@ -78,7 +80,8 @@ fn cost(states: usize, intervals: usize) -> Result<Cost, Box<dyn Error>> {
     }))
 }
 
-/// Measures and prints one cost for each size, and draws them, in logarithms, beside a line of slope `power`.
+/// Measures and prints one cost for each size, and draws them, in logarithms, beside a line of
+/// slope `power`.
 fn table(
     title: &str,
     what: &str,

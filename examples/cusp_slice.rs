@@ -1,7 +1,7 @@
 //! One equation, two folds: `μ + x − x³/3 = 0`, followed from μ = −1 to 1.
 //!
-//! A problem names its unknowns and parameters and states its residual once; the branch is traced by
-//! arclength, so that it turns at its folds, μ = ±2/3 at x = ∓1, without being told of them.
+//! A problem names its unknowns and parameters and states its residual once; the branch is traced
+//! by arclength, so that it turns at its folds, μ = ±2/3 at x = ∓1, without being told of them.
 //!
 //! ```text
 //! cargo run --release --example cusp_slice

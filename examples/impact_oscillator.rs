@@ -1,4 +1,5 @@
-//! A forced oscillator with a stop, `x'' + x'/10 + x = A cos ωt`, `x ≤ 1`: its impacting branch from grazing.
+//! A forced oscillator with a stop, `x'' + x'/10 + x = A cos ωt`, `x ≤ 1`: its impacting branch
+//! from grazing.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::field::Forcing;

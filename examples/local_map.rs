@@ -1,4 +1,5 @@
-//! The local map near a grazing: an oscillator with a stop, its coefficients, and its fold order by order.
+//! The local map near a grazing: an oscillator with a stop, its coefficients, and its fold order by
+//! order.
 use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};
 use tangency::core::continuation::{Continuation, Kind};
 use tangency::core::grazing::{GrazingPoint, LocalMap, LocalOrbit, MapSettings};
@@ -6,7 +7,8 @@ use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::problems::classic::ImpactOscillator;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // x'' + x'/10 + x = A cos t, x ≤ 1, v⁺ = −0.8 v⁻, from rest to the amplitude at which it touches the stop.
+    // x'' + x'/10 + x = A cos t, x ≤ 1, v⁺ = −0.8 v⁻, from rest to the amplitude at which it
+    // touches the stop.
     let orbit = HybridOrbit::of(ImpactOscillator, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));
     let mut orbits = BoundarySystem::new(orbit, Shooting::default(), vec![Mesh::uniform(1)])?;
     let names = ["amplitude", "frequency", "restitution", "damping", "clearance"];

@@ -1,8 +1,9 @@
-//! How well a local map tells what happens near a grazing: Mita's actuator by its flow, and by its maps of orders 1 to 5.
+//! How well a local map tells what happens near a grazing: Mita's actuator by its flow, and by its
+//! maps of orders 1 to 5.
 //!
-//! At ω = 0.485 the fixed points with an impact against their penetration, and about the degenerate point, from
-//! which folds (LP) and period doublings (PD) begin, the voltages of both against the frequency. The exponent
-//! beside each error is its rate. `out/near-grazing.svg` draws all.
+//! At ω = 0.485 the fixed points with an impact against their penetration, and about the degenerate
+//! point, from which folds (LP) and period doublings (PD) begin, the voltages of both against the
+//! frequency. The exponent beside each error is its rate. `out/near-grazing.svg` draws all.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -61,8 +62,8 @@ fn fine() -> Settings {
     Settings { initial_step: 1e-3, max_step: 0.02, ..Settings::default() }
 }
 
-/// Fixed points with an impact at voltages: `y` and the phase of their virtual points, by what tells them of a state and
-/// the parameters.
+/// Fixed points with an impact at voltages: `y` and the phase of their virtual points, by what
+/// tells them of a state and the parameters.
 fn fixed_points<S: System + Discretised>(
     orbits: &mut S,
     voltages: &[f64],
@@ -92,7 +93,8 @@ fn virtual_of_flow(orbits: &mut Orbits, state: &[f64], p: &[f64]) -> Found<[f64;
     Ok([(x[0] - p[2]).sqrt(), (p[1] * time).rem_euclid(PI)])
 }
 
-/// Voltages of folds or doublings at frequencies, beginning at the last of these, where the branch has one.
+/// Voltages of folds or doublings at frequencies, beginning at the last of these, where the branch
+/// has one.
 fn curve(orbits: &mut dyn System, kind: Kind, frequencies: &[f64]) -> Found<Vec<f64>> {
     let far = frequencies[frequencies.len() - 1];
     let passing = passing(orbits, far)?;

@@ -1,5 +1,5 @@
-//! What a branch of periodic orbits costs: Mita's block from V = 0.01 through its fold to a maximum of 0.9, by
-//! shooting and by collocation, in CPU time on one thread, with the error of the fold.
+//! What a branch of periodic orbits costs: Mita's block from V = 0.01 through its fold to a maximum
+//! of 0.9, by shooting and by collocation, in CPU time on one thread, with the error of the fold.
 //!
 //! `benches/peers/auto.py` runs this program beside AUTO-07p and puts both into one table.
 
@@ -15,13 +15,14 @@ use tangency::problems::mita::Block;
 /// The fold, from shooting at a tolerance of 1e-14 (`benches/peers/fold.py` agrees).
 const FOLD: f64 = 0.2355654335833884;
 
-/// A branch in steps of at most `step`, with states measured by a given `size`: by default the measure would
-/// follow the growing orbit, and take more points at its small beginning than AUTO-07p's, which has none. Both
-/// are chosen for the 47 points that AUTO-07p takes.
+/// A branch in steps of at most `step`, with states measured by a given `size`: by default the
+/// measure would follow the growing orbit, and take more points at its small beginning than
+/// AUTO-07p's, which has none. Both are chosen for the 47 points that AUTO-07p takes.
 ///
-/// Of a point no correction above a hundredth of `tolerance` is left, AUTO-07p's `EPSL` and `EPSU` of 1e-7.
-/// Special points are converged to the default `event_tolerance`; with a `refinement` of 0 they are not
-/// recomputed with a smaller error of the flow or mesh, which AUTO-07p does not do either.
+/// Of a point no correction above a hundredth of `tolerance` is left, AUTO-07p's `EPSL` and `EPSU`
+/// of 1e-7. Special points are converged to the default `event_tolerance`; with a `refinement` of 0
+/// they are not recomputed with a smaller error of the flow or mesh, which AUTO-07p does not do
+/// either.
 fn branch(system: &mut dyn System, step: f64, size: f64) -> Result<Branch, Box<dyn Error>> {
     let settings = Settings {
         initial_step: step,
@@ -80,9 +81,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| method | points | mesh | fold V | fold error | CPU ms (median) |");
     println!("|---|---|---|---|---|---|");
     report("shooting", "1", [0.026, 4.0], &|| {
-        // The tolerance makes the fold's error that of AUTO-07p's mesh. The first step is known to be about a
-        // twentieth of the period; without it, each flow would spend an evaluation, and a step that is
-        // shorter than need be, on finding out.
+        // The tolerance makes the fold's error that of AUTO-07p's mesh. The first step is known to
+        // be about a twentieth of the period; without it, each flow would spend an evaluation, and
+        // a step that is shorter than need be, on finding out.
         let flow = flow::Settings {
             first_step: Some(0.05),
             ..flow::Settings::new(Scheme::DormandPrince8, 1.3e-10)

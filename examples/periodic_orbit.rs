@@ -4,9 +4,9 @@
 //!     x' = −y − z,    y' = x + a y,    z' = 2 + z (x − 4).
 //! ```
 //!
-//! Its equilibrium loses stability at a Hopf point; the orbits born there double their period as `a` grows, and
-//! the doubled ones do so again. `out/periodic_orbit.ron` holds everything, `out/periodic_orbit.svg` the diagram
-//! and the orbits at the special points.
+//! Its equilibrium loses stability at a Hopf point; the orbits born there double their period as
+//! `a` grows, and the doubled ones do so again. `out/periodic_orbit.ron` holds everything,
+//! `out/periodic_orbit.svg` the diagram and the orbits at the special points.
 
 use std::error::Error;
 use tangency::core::bvp::Collocation;

@@ -1,16 +1,17 @@
-//! How many periods of a motion with impacts are simulated in a second: Mita's actuator at ω = 0.5, on P(1,1)
-//! (V = 0.52) and in chaos (V = 0.65), many motions abreast and one after the other, with the error of the state
-//! after one period; and what a second thread gives to a sweep.
+//! How many periods of a motion with impacts are simulated in a second: Mita's actuator at ω = 0.5,
+//! on P(1,1) (V = 0.52) and in chaos (V = 0.65), many motions abreast and one after the other, with
+//! the error of the state after one period; and what a second thread gives to a sweep.
 //!
 //! ```sh
 //! cargo run --profile fastest --example sweep_speed              # both voltages, and threads
 //! sweep_speed VOLTAGE TOLERANCE PERIODS STATES IMAGES            # rows of one table; see below
 //! ```
 //!
-//! With arguments it reads the file `STATES`, or, if there is none, writes 500 states along the motion into it: lines
-//! with the mode and displacement, velocity and velocity of the frame at the beginning of a period. It writes what
-//! they become in one period into `IMAGES`, and prints a row for so many periods of each.
-//! `benches/peers/sweep.py` runs it so beside heyoka and SciPy, and puts all into one table.
+//! With arguments it reads the file `STATES`, or, if there is none, writes 500 states along the
+//! motion into it: lines with the mode and displacement, velocity and velocity of the frame at the
+//! beginning of a period. It writes what they become in one period into `IMAGES`, and prints a row
+//! for so many periods of each. `benches/peers/sweep.py` runs it so beside heyoka and SciPy, and
+//! puts all into one table.
 
 use cpu_time::ProcessTime;
 use std::error::Error;
@@ -30,7 +31,8 @@ use tangency::problems::mita::Actuator;
 /// The period of the forcing at ω = 0.5.
 const PERIOD: f64 = 2.0 * PI;
 
-/// A leg begins with a twentieth of what is left of the period: finding out would cost two evaluations.
+/// A leg begins with a twentieth of what is left of the period: finding out would cost two
+/// evaluations.
 fn settings(tolerance: f64) -> HybridSettings {
     let flow =
         Settings { first_step: Some(0.05), ..Settings::new(Scheme::DormandPrince8, tolerance) };

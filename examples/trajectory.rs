@@ -1,11 +1,12 @@
-//! The trajectory of a model file, XPPAUT's `.ode` or a statement in RON, as CSV at equally spaced times:
+//! The trajectory of a model file, XPPAUT's `.ode` or a statement in RON, as CSV at equally spaced
+//! times:
 //!
 //! ```sh
 //! cargo run --release --example trajectory -- model.ode --time 100 --count 500
 //! ```
 //!
-//! Motion begins at the file's own initial values, which are 0 where none are given. Maps are iterated `count` times. Without
-//! a file it is `examples/lorenz.ron`.
+//! Motion begins at the file's own initial values, which are 0 where none are given. Maps are
+//! iterated `count` times. Without a file it is `examples/lorenz.ron`.
 
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};

@@ -2,26 +2,29 @@
 //!
 //! # The mathematics
 //!
-//! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. With all
-//! parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of
+//! A **zero problem** is a smooth map `F: ℝⁿ × ℝᵐ → ℝⁿ` of unknowns `z` and parameters `p`. With
+//! all parameters held but one, and with `F_x = [F_z  F_p]` of full rank, the solutions of
 //!
 //! ```text
 //!     F(z, p) = 0
 //! ```
 //!
-//! form a curve, a **branch**. It is followed by its arclength, so that folds are points like others. A **monitor**
-//! is a scalar of the solution. A **condition** is what holds at a **special point**: that a monitor is at a level,
-//! or that a matrix is singular. A branch with its condition determines the point; the condition alone, held while a
-//! second parameter is released, is a curve of such points, traced like any other.
+//! form a curve, a **branch**. It is followed by its arclength, so that folds are points like
+//! others. A **monitor** is a scalar of the solution. A **condition** is what holds at a **special
+//! point**: that a monitor is at a level, or that a matrix is singular. A branch with its condition
+//! determines the point; the condition alone, held while a second parameter is released, is a curve
+//! of such points, traced like any other.
 //!
-//! A **boundary-value problem**, trajectories of vector fields with conditions at their ends, becomes a zero
-//! problem by collocation or by shooting. **Periodic orbits** are the case `x(1) = x(0)`; their multipliers
-//! decide stability, and period doublings and torus points are conditions like the others.
+//! A **boundary-value problem**, trajectories of vector fields with conditions at their ends,
+//! becomes a zero problem by collocation or by shooting. **Periodic orbits** are the case
+//! `x(1) = x(0)`; their multipliers decide stability, and period doublings and torus points are
+//! conditions like the others.
 //!
 //! # The shortest example
 //!
-//! The parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`, `load = 4/27`. The residual is
-//! stated once, over [`Scalar`](core::scalar::Scalar)s; derivatives of any order come from dual numbers.
+//! The parallel-plate actuator `u = load/(1 − u)²` pulls in at `u = 1/3`, `load = 4/27`. The
+//! residual is stated once, over [`Scalar`](core::scalar::Scalar)s; derivatives of any order come
+//! from dual numbers.
 //!
 //! ```
 //! use tangency::core::continuation::{Continuation, Kind};
@@ -71,10 +74,12 @@
 //! | [`work_precision`] | work-precision diagrams: error of methods against CPU time |
 //! | [`robustness`] | robustness maps: where methods succeed, report failures, or are silently wrong |
 //!
-//! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command line. How the
-//! core is put together, with pictures, is described in `docs/core.md`; periodic orbits and boundary-value problems in
-//! `docs/orbits.md`; impacts in `docs/hybrid.md` and `docs/grazing.md`; what motions settle on in
-//! `docs/sweeps.md`; equations as text in `docs/models.md`; what is done with files in `docs/files.md`; which method to choose in `docs/speed-and-accuracy.md`. The way in for users is the README.
+//! `core` knows no device and `output` no problem; `scene` joins them, and `cli` adds the command
+//! line. How the core is put together, with pictures, is described in `docs/core.md`; periodic
+//! orbits and boundary-value problems in `docs/orbits.md`; impacts in `docs/hybrid.md` and
+//! `docs/grazing.md`; what motions settle on in `docs/sweeps.md`; equations as text in
+//! `docs/models.md`; what is done with files in `docs/files.md`; which method to choose in
+//! `docs/speed-and-accuracy.md`. The way in for users is the README.
 
 #[cfg(feature = "cli")]
 pub mod cli;

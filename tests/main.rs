@@ -1,4 +1,5 @@
-//! All tests, in one program: the library is compiled for users only, and what tests share is compiled once.
+//! All tests, in one program: the library is compiled for users only, and what tests share is
+//! compiled once.
 
 mod allocation;
 mod common;

@@ -9,8 +9,8 @@ use clap::{Args, ValueEnum};
 /// What is asked of a model, or of a scene beyond what it states.
 #[derive(Debug, Default, Args)]
 pub struct Asking {
-    /// The parameter of the diagram with its range; a second one for curves of special points. In a scene, another range of
-    /// a parameter that it varies
+    /// The parameter of the diagram with its range; a second one for curves of special points. In a
+    /// scene, another range of a parameter that it varies
     #[arg(long, value_name = "NAME=LOW..HIGH", value_parser = range)]
     pub along: Vec<Range>,
     /// End branches where a parameter or a column leaves a range
@@ -22,8 +22,8 @@ pub struct Asking {
     /// Follow the curve of a kind of special point, in the parameters of --along
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub hold: Option<Kind>,
-    /// Follow what is found: branches across branch points, orbits from Hopf points, doubled ones from period doublings,
-    /// what begins at grazings
+    /// Follow what is found: branches across branch points, orbits from Hopf points, doubled ones
+    /// from period doublings, what begins at grazings
     #[arg(long, value_name = "WHAT")]
     pub switch: Option<Switch>,
     /// How many times what was found is followed

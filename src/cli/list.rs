@@ -1,4 +1,5 @@
-//! `tangency scenes` and `tangency points FILE`: the scenes that have a name, and special points as a table.
+//! `tangency scenes` and `tangency points FILE`: the scenes that have a name, and special points as
+//! a table.
 
 use super::error::CommandError;
 use crate::output::{Document, SizeLimit, csv};

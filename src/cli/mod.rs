@@ -68,8 +68,9 @@ fn arguments() -> Result<Arguments, ExitCode> {
     })
 }
 
-/// Runs the command line on the arguments of the program, with the problems and scenes of a catalogue: the `main` of a
-/// program. The exit code is 0 on success, 1 after an error, 2 for arguments that cannot be understood.
+/// Runs the command line on the arguments of the program, with the problems and scenes of a
+/// catalogue: the `main` of a program. The exit code is 0 on success, 1 after an error, 2 for
+/// arguments that cannot be understood.
 ///
 /// ```no_run
 /// use tangency::Catalogue;

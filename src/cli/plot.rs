@@ -19,11 +19,12 @@ pub struct Plot {
     /// The parameter or monitor on the vertical axis [default: as the first document says]
     #[arg(long, value_name = "NAME")]
     y: Option<String>,
-    /// The special points whose profiles are drawn, such as 2,5 or orbits/2 [default: those of interest]
+    /// The special points whose profiles are drawn, such as 2,5 or orbits/2
+    /// [default: those of interest]
     #[arg(long, value_name = "LABEL or BRANCH/LABEL", value_delimiter = ',')]
     points: Vec<String>,
-    /// Where it goes: .svg, .png (in builds with the feature `png`), or .csv for all points of the branches
-    /// [default: beside the first document, with the ending .svg]
+    /// Where it goes: .svg, .png (in builds with the feature `png`), or .csv for all points of the
+    /// branches [default: beside the first document, with the ending .svg]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

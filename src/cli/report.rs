@@ -1,4 +1,5 @@
-//! `tangency work-precision NAME` and `tangency robustness NAME`: reports, listed, chosen by name, saved, and put into pages.
+//! `tangency work-precision NAME` and `tangency robustness NAME`: reports, listed, chosen by name,
+//! saved, and put into pages.
 
 use super::error::CommandError;
 use super::results::Results;
@@ -19,7 +20,8 @@ struct Wanted {
     /// The folder for SVG, Markdown and RON
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// A Markdown page whose tables are replaced, each between `<!-- COMMAND-NAME -->` and `<!-- end -->`
+    /// A Markdown page whose tables are replaced, each between `<!-- COMMAND-NAME -->` and
+    /// `<!-- end -->`
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
 }
@@ -58,7 +60,8 @@ impl Robustness {
 }
 
 impl Wanted {
-    /// Makes the chosen reports of a command, saves them, and prints the tables; lists all names if none is given.
+    /// Makes the chosen reports of a command, saves them, and prints the tables; lists all names if
+    /// none is given.
     fn make<M, R: Report>(
         &self,
         (command, kind): (&'static str, &str),

@@ -16,11 +16,12 @@ pub struct Results {
 }
 
 impl Results {
-    /// Claims the files with these endings: what cannot be written is better known before the work than after it.
+    /// Claims the files with these endings: what cannot be written is better known before the work
+    /// than after it.
     ///
     /// # Errors
-    /// [`CommandError::OutputIsInput`] for a file that is read; [`FileError`] for one that cannot be replaced, a folder that
-    /// cannot be made, or a result that another run is writing.
+    /// [`CommandError::OutputIsInput`] for a file that is read; [`FileError`] for one that cannot
+    /// be replaced, a folder that cannot be made, or a result that another run is writing.
     pub fn claim(
         folder: &Path,
         name: &str,
@@ -69,8 +70,9 @@ impl Results {
         file(&self.folder, &self.name, ending)
     }
 
-    /// Saves branches and sweeps together with their picture, and says where. A picture that cannot be drawn keeps
-    /// nothing else from being saved; an earlier one, which shows something else, is removed.
+    /// Saves branches and sweeps together with their picture, and says where. A picture that cannot
+    /// be drawn keeps nothing else from being saved; an earlier one, which shows something else, is
+    /// removed.
     pub fn save(
         &self,
         document: Option<&Document>,

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
-/// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP; looked at after every point and run. A
-/// second signal ends the program at once.
+/// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP; looked at
+/// after every point and run. A second signal ends the program at once.
 static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
     let flag: Arc<AtomicBool> = Arc::default();
     #[cfg(unix)]
@@ -34,8 +34,8 @@ pub fn handle() {
     LazyLock::force(&INTERRUPTED);
 }
 
-/// Answers a signal that does not end the program soon: what another crate computes, as the factors of a matrix with
-/// thousands of rows, is not interrupted.
+/// Answers a signal that does not end the program soon: what another crate computes, as the factors
+/// of a matrix with thousands of rows, is not interrupted.
 fn answer(interrupted: &AtomicBool) {
     while !interrupted.load(Ordering::SeqCst) {
         std::thread::sleep(SOON);
@@ -49,7 +49,8 @@ fn answer(interrupted: &AtomicBool) {
 /// How often signals are looked for, and how soon the program ends as a rule.
 const SOON: Duration = Duration::from_millis(200);
 
-/// Whether a signal is ignored, as SIGHUP is under `nohup`: a run that is to outlive its terminal does.
+/// Whether a signal is ignored, as SIGHUP is under `nohup`: a run that is to outlive its terminal
+/// does.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

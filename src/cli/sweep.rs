@@ -70,7 +70,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 impl Sweep {
-    /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or Ctrl-C.
+    /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or
+    /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
         let (name, scene) = self.scene.read(from, None)?;
         if scene.sweeps.is_empty() {

@@ -45,7 +45,8 @@ pub enum Begin {
 /// Which scene, with what changed in it, and where its results go.
 #[derive(Debug, Args)]
 pub struct SceneAt {
-    /// The name of a scene (see `tangency scenes`), or the path of a scene, of equations in RON, or of an .ode file
+    /// The name of a scene (see `tangency scenes`), or the path of a scene, of equations in RON, or
+    /// of an .ode file
     pub scene: String,
     /// Change a value of the scene; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
@@ -231,7 +232,8 @@ impl Start {
     }
 }
 
-/// `NAME=VALUE`, without blanks around name and value: what `--set` changes. The value may hold further equals signs.
+/// `NAME=VALUE`, without blanks around name and value: what `--set` changes. The value may hold
+/// further equals signs.
 fn setting(text: &str) -> Result<(String, String), String> {
     match text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {
@@ -241,8 +243,8 @@ fn setting(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins. The colon is the last one, the slash
-/// the last one behind it.
+/// `FILE:LABEL` or `FILE:BRANCH/LABEL`: where `--start` begins. The colon is the last one, the
+/// slash the last one behind it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Start {
     /// The document.

@@ -8,8 +8,8 @@ pub(crate) struct Limits {
     pub moved: f64,
 }
 
-/// The place between two others where a function vanishes that has the sign of `sign` at the first one: Newton's method from a
-/// guess with its value and rate, kept inside by bisection.
+/// The place between two others where a function vanishes that has the sign of `sign` at the first
+/// one: Newton's method from a guess with its value and rate, kept inside by bisection.
 #[inline]
 pub(crate) fn bracketed_zero(
     [mut low, mut high]: [f64; 2],

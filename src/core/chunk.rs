@@ -18,8 +18,9 @@ pub(in crate::core) type Narrow = DualChunk<f64, 4>;
 
 /// A dual number with derivatives in `W` directions: a [`Scalar`], compared by its real part.
 ///
-/// It stands for `num_dual::DualSVec` where derivatives are taken in inner loops: without an `Option` in every number,
-/// products are a few vector instructions. Elementary functions take their slopes from [`num_dual::Dual`].
+/// It stands for `num_dual::DualSVec` where derivatives are taken in inner loops: without an
+/// `Option` in every number, products are a few vector instructions. Elementary functions take
+/// their slopes from [`num_dual::Dual`].
 ///
 /// ```
 /// use num_dual::DualNum;
@@ -47,7 +48,8 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     /// `x` with the unit direction `direction`; one beyond the width is none.
     #[inline(always)]
     pub fn seeded(x: T, direction: usize) -> Self {
-        // All parts at once: one that is stored by itself would be waited for where the chunk is loaded as vectors.
+        // All parts at once: one that is stored by itself would be waited for where the chunk is
+        // loaded as vectors.
         let part = |k| if k == direction { T::one() } else { T::zero() };
         DualChunk { re: x, eps: std::array::from_fn(part) }
     }
@@ -56,7 +58,8 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     #[inline(always)]
     fn chained(&self, function: Dual<T>) -> Self {
         let Dual { re, eps: slope } = function;
-        // No derivative stays none where the slope is infinite; parts of nested numbers cannot be told to be none.
+        // No derivative stays none where the slope is infinite; parts of nested numbers cannot be
+        // told to be none.
         if T::NDERIV == 0 && !slope.real().is_finite() {
             return DualChunk {
                 re,
@@ -100,8 +103,8 @@ impl<T: Scalar, const W: usize> DualChunk<T, W> {
     }
 }
 
-/// An operation on all parts: compiled in place where they are real, and once where they are nested numbers, whose operations
-/// would otherwise fill every caller.
+/// An operation on all parts: compiled in place where they are real, and once where they are nested
+/// numbers, whose operations would otherwise fill every caller.
 #[inline(always)]
 fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     #[inline(never)]
@@ -111,8 +114,9 @@ fn of_parts<T: Scalar, R>(operation: impl FnOnce() -> R) -> R {
     if T::NDERIV == 0 { operation() } else { once(operation) }
 }
 
-/// `a y + b x`. Of real numbers it is computed in vectors by name: where numbers come from memory, the compiler otherwise
-/// loads the last part with the real part behind it, which waits until both have been stored.
+/// `a y + b x`. Of real numbers it is computed in vectors by name: where numbers come from memory,
+/// the compiler otherwise loads the last part with the real part behind it, which waits until both
+/// have been stored.
 #[inline(always)]
 fn weighted<T: Scalar, const W: usize>((a, y): (&[T; W], T), (b, x): (&[T; W], T)) -> [T; W] {
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Conditions: equations that hold at a special point, and all along a curve of such points.
 //!
-//! A condition adds `k + 1` equations in `x = (z, p)` and `k` unknowns `y` of its own. With one more
-//! parameter released it can be held along a curve; together with a branch it defines a point.
+//! A condition adds `k + 1` equations in `x = (z, p)` and `k` unknowns `y` of its own. With one
+//! more parameter released it can be held along a curve; together with a branch it defines a point.
 //! One mechanism therefore finishes every special point and follows every curve of them.
 
 pub use super::failure::Failure;
@@ -58,7 +58,8 @@ pub trait Condition: Send {
         0
     }
 
-    /// Names of the first of its own unknowns, which are recorded along a curve that the condition is held on.
+    /// Names of the first of its own unknowns, which are recorded along a curve that the condition
+    /// is held on.
     fn names(&self) -> &'static [&'static str] {
         &[]
     }
@@ -82,8 +83,9 @@ pub trait Condition: Send {
     /// [`Failure`] outside the domain, or where the condition's own matrix is singular.
     fn values(&mut self, at: At, y: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
-    /// Their gradients at the point where [`values`](Condition::values) was called last: `rows` by `x`
-    /// (`k + 1` rows as long as `x`; only released parameters count), `own` by `y` (`k + 1` rows of `k`).
+    /// Their gradients at the point where [`values`](Condition::values) was called last: `rows` by
+    /// `x` (`k + 1` rows as long as `x`; only released parameters count), `own` by `y` (`k + 1`
+    /// rows of `k`).
     ///
     /// # Errors
     /// As for the values.

@@ -38,10 +38,10 @@ impl<T: Scalar> Work<T> {
     }
 }
 
-/// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating the
-/// residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative of
-/// any order, `⌈(n + m)/8⌉` nested ones for a gradient (of [`Dynamics::Potential`] problems one, and one
-/// for each released parameter).
+/// A [`ZeroProblem`] as a [`System`]: `F_z` is dense, and every derivative comes from evaluating
+/// the residual on dual numbers: `⌈n/8⌉` passes for the Jacobian, one for a directional derivative
+/// of any order, `⌈(n + m)/8⌉` nested ones for a gradient (of [`Dynamics::Potential`] problems one,
+/// and one for each released parameter).
 ///
 /// ```
 /// use tangency::core::{dense::Dense, zero::System};
@@ -101,8 +101,8 @@ impl<P: ZeroProblem> Dense<P> {
         }
     }
 
-    /// Takes `F_z` from a function of the problem, for residuals whose Jacobian is a sum of constant tables:
-    /// it must agree with the derivative of the residual by dual numbers.
+    /// Takes `F_z` from a function of the problem, for residuals whose Jacobian is a sum of
+    /// constant tables: it must agree with the derivative of the residual by dual numbers.
     #[must_use]
     pub fn tabulated(mut self, jacobian: fn(&P, &[f64], &[f64], &mut [f64])) -> Self {
         self.tabulated = Some(jacobian);

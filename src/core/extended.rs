@@ -214,7 +214,8 @@ impl<'a> Extended<'a> {
             .collect()
     }
 
-    /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and directions over.
+    /// Lets the system's mesh and phase condition follow the curve to `X`; carries `X` and
+    /// directions over.
     pub(crate) fn follow(&mut self, unknowns: &mut [f64], directions: &mut [&mut [f64]]) {
         let n = self.dimension();
         self.load(unknowns);
@@ -229,8 +230,8 @@ impl<'a> Extended<'a> {
         self.conditions.iter_mut().for_each(|condition| condition.adapt());
     }
 
-    /// From now on the problem may err by as much as this, as a solution is only approached; conditions are
-    /// not stated for what errs.
+    /// From now on the problem may err by as much as this, as a solution is only approached;
+    /// conditions are not stated for what errs.
     pub(crate) fn allow(&mut self, error: f64) {
         if (error == 0.0 || self.conditions.is_empty())
             && let Some(system) = self.system.discretised()
@@ -302,8 +303,8 @@ impl<'a> Extended<'a> {
         self.system.factor(Form::Jacobian, border, &mut self.factors)
     }
 
-    /// The tangent of the curve at the point where the matrix was factored with a closing row, on which the
-    /// tangent is 1.
+    /// The tangent of the curve at the point where the matrix was factored with a closing row, on
+    /// which the tangent is 1.
     pub(crate) fn tangent(&mut self, tangent: &mut [f64]) {
         tangent.fill(0.0);
         if let Some(last) = tangent.last_mut() {

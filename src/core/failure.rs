@@ -39,7 +39,8 @@ pub enum Failure {
     /// The work was given up.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// Deviations, and rounding errors with them, grow by so much over a segment that too few digits are left.
+    /// Deviations, and rounding errors with them, grow by so much over a segment that too few
+    /// digits are left.
     #[error(
         "deviations grow by {0:.1e} over a segment, and rounding errors alike, which leaves too few digits: take more \
          segments, or collocation"
@@ -73,7 +74,8 @@ impl Failure {
         Failure::NotFinite { quantity: quantity.into(), value, remedy: remedy.into() }
     }
 
-    /// A branch was chosen by a number that is too large: `count` other branches begin or cross at the special point.
+    /// A branch was chosen by a number that is too large: `count` other branches begin or cross at
+    /// the special point.
     pub fn no_branch(which: usize, count: usize) -> Self {
         Failure::Mismatch(format!(
             "there is no other branch number {which}, counted from 0: there are {count}"

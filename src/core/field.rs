@@ -24,7 +24,8 @@ impl Forcing {
     }
 }
 
-/// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a period.
+/// A vector field `f(t, x, p)` with named states and parameters: autonomous, or forced with a
+/// period.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -72,21 +73,22 @@ pub trait VectorField: Send + Sync {
         T::one()
     }
 
-    /// The value of a monitor, by its position among those of [`names`](Self::names): a further scalar of a motion,
-    /// which [`measures`](Self::measures) may name as they name states.
+    /// The value of a monitor, by its position among those of [`names`](Self::names): a further
+    /// scalar of a motion, which [`measures`](Self::measures) may name as they name states.
     fn monitor<T: Scalar>(&self, _monitor: usize, _t: T, _x: &[T], _p: &[T]) -> T {
         T::from(f64::NAN)
     }
 
-    /// What is recorded of equilibria and of orbits along branches, and of periods in sweeps, by name: by default the
-    /// extremes of every state, and mean and extremes of every monitor ([`Measure::by_default`]).
+    /// What is recorded of equilibria and of orbits along branches, and of periods in sweeps, by
+    /// name: by default the extremes of every state, and mean and extremes of every monitor
+    /// ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let Names { unknowns, monitors, .. } = self.names();
         Measure::by_default(unknowns.into_iter().map(|state| state.name).collect(), monitors)
     }
 
-    /// Typical sizes of the states, in their order, which the absolute tolerance of a flow is relative to: to be stated
-    /// where they are far from 1. By default all are 1.
+    /// Typical sizes of the states, in their order, which the absolute tolerance of a flow is
+    /// relative to: to be stated where they are far from 1. By default all are 1.
     fn scales(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
@@ -139,12 +141,13 @@ impl<F: Deref<Target: VectorField> + Send + Sync> VectorField for F {
     }
 }
 
-/// The equilibria of an autonomous vector field, `f(x, p) = 0`, stable or not as its motion says. (A forced
-/// field is taken at time 0.)
+/// The equilibria of an autonomous vector field, `f(x, p) = 0`, stable or not as its motion says.
+/// (A forced field is taken at time 0.)
 ///
-/// Their monitors are the field's [`measures`](VectorField::measures), as of a motion that rests there: `max_x` and
-/// `min_x` of a state `x` are the state itself, so that equilibria and periodic orbits can be drawn in one diagram.
-/// What only motion has, as [`Integral::Total`](super::measure::Integral::Total), is left out.
+/// Their monitors are the field's [`measures`](VectorField::measures), as of a motion that rests
+/// there: `max_x` and `min_x` of a state `x` are the state itself, so that equilibria and periodic
+/// orbits can be drawn in one diagram. What only motion has, as
+/// [`Integral::Total`](super::measure::Integral::Total), is left out.
 ///
 /// ```
 /// use tangency::core::{continuation::{Continuation, Kind}, dense::Dense, scalar::Scalar, zero::Names};

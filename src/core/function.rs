@@ -15,7 +15,8 @@ pub struct TestPoint<'a> {
     pub parameters: &'a [f64],
     /// All monitors that come before.
     pub monitors: &'a [f64],
-    /// The eigenvalues or multipliers as (real part, imaginary part); empty where they are not computed.
+    /// The eigenvalues or multipliers as (real part, imaginary part); empty where they are not
+    /// computed.
     pub eigenvalues: &'a [(f64, f64)],
 }
 
@@ -48,7 +49,8 @@ impl Attached {
     }
 }
 
-/// The condition `f(z, p) = level`, with the gradient by forward-mode dual numbers, one component of `(z, p)` after the other.
+/// The condition `f(z, p) = level`, with the gradient by forward-mode dual numbers, one component
+/// of `(z, p)` after the other.
 pub(crate) struct Equation {
     function: DualFunction,
     level: f64,

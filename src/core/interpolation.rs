@@ -9,8 +9,8 @@ pub(crate) fn lagrange<T: Scalar>(nodes: &[f64], j: usize, s: T) -> T {
     others.fold(T::one(), |product, i| product * ((s - nodes[i]) / (nodes[j] - nodes[i])))
 }
 
-/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of the
-/// polynomial through them.
+/// `m! / Π_{i≠j} (s_j − s_i)`: the weights of the values at the nodes in the `m`-th derivative of
+/// the polynomial through them.
 pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     let factorial: f64 = (1..places.len()).map(|k| k as f64).product();
     let product = |j: usize| -> f64 {
@@ -19,8 +19,8 @@ pub(crate) fn highest_derivative(places: &[f64]) -> Vec<f64> {
     (0..places.len()).map(|j| factorial / product(j)).collect()
 }
 
-/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their Lagrange
-/// polynomials.
+/// The weights of the interpolatory quadrature through places between 0 and 1: integrals of their
+/// Lagrange polynomials.
 pub(crate) fn node_weights(places: &[f64]) -> Vec<f64> {
     let (points, weights) = gauss_legendre(places.len());
     let integral = |j: usize| -> f64 {

@@ -1,8 +1,9 @@
 //! Interruption of long work from outside, as by Ctrl-C.
 //!
-//! Flows ask before every step, and systems of equations before they are assembled, whether the work that this thread
-//! does is still to go on. If not, they fail at once with [`Interrupted`], and so does all that is computed from them: a
-//! branch keeps the points it has, and ends there. Long computations of a plug-in may ask as well.
+//! Flows ask before every step, and systems of equations before they are assembled, whether the
+//! work that this thread does is still to go on. If not, they fail at once with [`Interrupted`],
+//! and so does all that is computed from them: a branch keeps the points it has, and ends there.
+//! Long computations of a plug-in may ask as well.
 
 use std::cell::Cell;
 

@@ -4,8 +4,8 @@ use serde::{Serialize, Serializer};
 
 /// The kind of a special point, written as the two letters that the field reads at a glance.
 ///
-/// Kinds of bifurcations are declared beside their defining systems, and are rows of the catalogue in
-/// `bifurcation/catalogue.rs`.
+/// Kinds of bifurcations are declared beside their defining systems, and are rows of the catalogue
+/// in `bifurcation/catalogue.rs`.
 ///
 /// ```
 /// use tangency::core::continuation::Kind;
@@ -27,8 +27,8 @@ impl Kind {
     pub const RG: Kind = Kind::new("RG", "regular point");
     /// `UZ`: a user's event.
     pub const UZ: Kind = Kind::new("UZ", "user's point");
-    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and no event that was looked for
-    /// explains it.
+    /// `ND`: an unclassified point: the number of unstable eigenvalues changes, and no event that
+    /// was looked for explains it.
     pub const ND: Kind = Kind::new("ND", "unclassified point");
     /// `MX`: the branch ended because a method failed.
     pub const MX: Kind = Kind::new("MX", "method failed");

@@ -1,10 +1,11 @@
 //! Ladders of discretisations, and the errors of values on their rungs.
 //!
 //! A problem has one definition of a finer discretisation. Special points climb by it from the
-//! discretisation of their branch ([`Discretised::refined`](crate::core::zero::Discretised::refined)). The
-//! [`ladder`] from which a scene takes the cheapest discretisation that is accurate enough has the
-//! same rungs, with one between each two and coarser ones below. Both estimate errors from the
-//! changes between rungs, by [`error_of_last`].
+//! discretisation of their branch
+//! ([`Discretised::refined`](crate::core::zero::Discretised::refined)). The [`ladder`] from which a
+//! scene takes the cheapest discretisation that is accurate enough has the same rungs, with one
+//! between each two and coarser ones below. Both estimate errors from the changes between rungs, by
+//! [`error_of_last`].
 
 /// The ladder that begins with the given rungs. Each further one, up to `most` in all, is the finer
 /// discretisation of the last but one: a step to the finer discretisation is two rungs.
@@ -53,9 +54,9 @@ pub fn error_of_last(values: &[f64]) -> f64 {
     }
 }
 
-/// The estimated error of the first of such values: four thirds of the largest distance of any of them
-/// from the last one, and that one's error. (The first distance, and the last change, may be small by
-/// accident.)
+/// The estimated error of the first of such values: four thirds of the largest distance of any of
+/// them from the last one, and that one's error. (The first distance, and the last change, may be
+/// small by accident.)
 pub fn error_of_first(values: &[f64]) -> f64 {
     let last = values.last().copied().unwrap_or(f64::NAN);
     let far = values.iter().map(|value| (value - last).abs()).fold(0.0, f64::max);

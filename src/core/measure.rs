@@ -2,11 +2,11 @@
 
 use super::scalar::Scalar;
 
-/// A number of a motion: of an orbit, recorded along a branch; or of a period, recorded in a sweep. It means the
-/// same in both.
+/// A number of a motion: of an orbit, recorded along a branch; or of a period, recorded in a sweep.
+/// It means the same in both.
 ///
-/// Scalars are given by name: states, and monitors of the system's own. Extremes are those over all legs whose
-/// mode has the scalar, inside legs as well as at their ends.
+/// Scalars are given by name: states, and monitors of the system's own. Extremes are those over all
+/// legs whose mode has the scalar, inside legs as well as at their ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measure {
@@ -16,7 +16,8 @@ pub enum Measure {
     Minimum(String),
     /// The difference between the largest and the smallest value of a scalar.
     Range(String),
-    /// The largest value of a scalar where another one passes through zero, rising; 0 where it never does.
+    /// The largest value of a scalar where another one passes through zero, rising; 0 where it
+    /// never does.
     Rising {
         /// The scalar that rises through zero.
         through: String,
@@ -25,9 +26,9 @@ pub enum Measure {
     },
     /// An integral over time, of several scalars together.
     Integral(Integral, Vec<String>),
-    /// How far motion goes beyond the surface of the event that it approaches most slowly, or would go were the
-    /// surface not there ([`virtual_point`](super::hybrid::virtual_point)): the size of the guard there. Of a motion
-    /// without events, the least distance from a surface, negative.
+    /// How far motion goes beyond the surface of the event that it approaches most slowly, or would
+    /// go were the surface not there ([`virtual_point`](super::hybrid::virtual_point)): the size of
+    /// the guard there. Of a motion without events, the least distance from a surface, negative.
     Penetration,
     /// A number that the system computes from the states at the ends of all legs, by its position
     /// ([`HybridSystem::measure`](super::hybrid::HybridSystem::measure)).
@@ -53,13 +54,14 @@ impl Measure {
         Measure::Integral(Integral::Mean, vec![scalar.into()])
     }
 
-    /// The L2 norm of several scalars ([`Integral::Norm`]): of all states, the one that AUTO records.
+    /// The L2 norm of several scalars ([`Integral::Norm`]): of all states, the one that AUTO
+    /// records.
     pub fn norm<S: Into<String>>(scalars: impl IntoIterator<Item = S>) -> Self {
         Measure::Integral(Integral::Norm, scalars.into_iter().map(Into::into).collect())
     }
 
-    /// What is recorded by default: largest and smallest values of states (`max_x`, `min_x`), and of every monitor
-    /// its mean, under its own name, and its extremes.
+    /// What is recorded by default: largest and smallest values of states (`max_x`, `min_x`), and
+    /// of every monitor its mean, under its own name, and its extremes.
     pub fn by_default(states: Vec<String>, monitors: Vec<String>) -> Vec<(String, Measure)> {
         let mut measures: Vec<(String, Measure)> = Vec::new();
         let extremes = |name: String| {
@@ -127,7 +129,8 @@ impl Integral {
     }
 }
 
-/// The larger one of two numbers, the first of which there may not be: how a motion's rises become one.
+/// The larger one of two numbers, the first of which there may not be: how a motion's rises become
+/// one.
 pub(in crate::core) fn larger<T>(known: Option<T>, found: T, value: fn(&T) -> f64) -> Option<T> {
     match known {
         Some(known) if value(&known) >= value(&found) => Some(known),

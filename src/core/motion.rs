@@ -2,8 +2,9 @@
 
 use super::zero::{Dynamics, Spectrum};
 
-/// Eigenvalues this near to zero, compared with the largest one, and multipliers this near to the unit circle count
-/// as neither stable nor unstable: conserved quantities and continuous symmetries have them there but for rounding.
+/// Eigenvalues this near to zero, compared with the largest one, and multipliers this near to the
+/// unit circle count as neither stable nor unstable: conserved quantities and continuous symmetries
+/// have them there but for rounding.
 const NEUTRAL: f64 = 1e-13;
 
 /// The bound of neutral multipliers, which the mesh of an orbit disturbs as well.
@@ -24,11 +25,11 @@ const NEUTRAL_MULTIPLIER: f64 = 1e-9;
 pub struct Stability {
     /// How many eigenvalues or multipliers are unstable.
     pub unstable: usize,
-    /// A number whose sign changes where a pair `±iω` of eigenvalues, or `e^{±iω}` of multipliers, crosses
-    /// (or a neutral saddle, `λ, −λ` or `μ, 1/μ`); 0 where no such motion is meant.
+    /// A number whose sign changes where a pair `±iω` of eigenvalues, or `e^{±iω}` of multipliers,
+    /// crosses (or a neutral saddle, `λ, −λ` or `μ, 1/μ`); 0 where no such motion is meant.
     pub oscillation: f64,
-    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one is −1; 1 for an equilibrium.
-    /// As a product over all it does not depend on telling them apart.
+    /// `Π (1 + μ)/(1 + |μ|)` over all multipliers, which vanishes where one is −1; 1 for an
+    /// equilibrium. As a product over all it does not depend on telling them apart.
     pub doubling: f64,
 }
 
@@ -65,7 +66,8 @@ fn doubling_factor(mu: &(f64, f64)) -> f64 {
     }
 }
 
-/// How far an eigenvalue is right of the imaginary axis, or a multiplier outside of the unit circle.
+/// How far an eigenvalue is right of the imaginary axis, or a multiplier outside of the unit
+/// circle.
 fn growth(dynamics: Dynamics, &(re, im): &(f64, f64)) -> f64 {
     if dynamics == Dynamics::Periodic { re.hypot(im) - 1.0 } else { re }
 }
@@ -76,8 +78,8 @@ fn neutral_bound(dynamics: Dynamics, spectrum: &[(f64, f64)]) -> f64 {
     if dynamics == Dynamics::Periodic { NEUTRAL_MULTIPLIER } else { NEUTRAL * largest() }
 }
 
-/// The sign of the product of `real(a, b)` over all pairs of real eigenvalues and of the growth of all complex pairs,
-/// without those that are neutral.
+/// The sign of the product of `real(a, b)` over all pairs of real eigenvalues and of the growth of
+/// all complex pairs, without those that are neutral.
 fn pairs(dynamics: Dynamics, spectrum: &[(f64, f64)], real: impl Fn(f64, f64) -> f64) -> f64 {
     let neutral = neutral_bound(dynamics, spectrum);
     let mut sign = 1.0_f64;
@@ -161,8 +163,8 @@ pub(super) fn without_critical(
 /// Beyond this size eigenvalues are infinite but for rounding.
 const INFINITE: f64 = 1e8;
 
-/// The first eigenvalues of a spectrum by falling real parts, so that each of them is continuous along a branch;
-/// none if one is infinite.
+/// The first eigenvalues of a spectrum by falling real parts, so that each of them is continuous
+/// along a branch; none if one is infinite.
 pub(super) fn deciding(spectrum: &[(f64, f64)], count: usize) -> Spectrum {
     let mut first: Spectrum = spectrum.iter().take(count).copied().collect();
     if !first.iter().all(|(real, imaginary)| real.hypot(*imaginary) < INFINITE) {

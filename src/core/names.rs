@@ -1,4 +1,5 @@
-//! Names of unknowns, parameters and monitors; unknown names, and the known name that was probably meant.
+//! Names of unknowns, parameters and monitors; unknown names, and the known name that was probably
+//! meant.
 
 /// A group of unknowns of one nature and one unit: a scalar, or all values of a field.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -137,13 +138,15 @@ const SHOWN: usize = 60;
 /// How many letters of a list of names a message shows.
 const LISTED: usize = 240;
 
-/// Whether a letter is not seen, or turns others round: control characters, and those that choose a direction.
+/// Whether a letter is not seen, or turns others round: control characters, and those that choose a
+/// direction.
 pub(crate) fn is_hidden(letter: char) -> bool {
     let is_mark = matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     is_mark || letter.is_control()
 }
 
-/// A name or a value as messages show it: letters that are not seen are escaped, and it is cut where it is long.
+/// A name or a value as messages show it: letters that are not seen are escaped, and it is cut
+/// where it is long.
 pub(crate) fn shown(text: &str) -> String {
     let plain = |letter: char| match is_hidden(letter) {
         true => letter.escape_default().to_string(),

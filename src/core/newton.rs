@@ -2,13 +2,14 @@
 //!
 //! A correction `Δ = −M⁻¹G(X)` is followed by the simplified one at the new point,
 //! `Δ̄ = −M⁻¹G(X + λΔ)`, with the same factorisation: the residual, measured by the correction that
-//! it would cause, which is independent of the units of equations (P. Deuflhard, *Newton Methods for
-//! Nonlinear Problems*, 2004, sections 2.1 and 3.3). The step is accepted if `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`,
-//! else λ is halved. Converged means that what the next correction would be, by the quadratic
-//! convergence seen so far, is below the tolerance in the scaled norm of the branch.
+//! it would cause, which is independent of the units of equations (P. Deuflhard, *Newton Methods
+//! for Nonlinear Problems*, 2004, sections 2.1 and 3.3). The step is accepted if
+//! `‖Δ̄‖ ≤ (1 − λ/4)‖Δ‖`, else λ is halved. Converged means that what the next correction would be,
+//! by the quadratic convergence seen so far, is below the tolerance in the scaled norm of the
+//! branch.
 //!
-//! Each point costs one assembly and one factorisation: the matrix of the last correction serves the
-//! tangent as well, where it was evaluated near enough to the solution.
+//! Each point costs one assembly and one factorisation: the matrix of the last correction serves
+//! the tangent as well, where it was evaluated near enough to the solution.
 
 mod error;
 
@@ -74,7 +75,8 @@ const NEARLY_LINEAR: f64 = 1e-4;
 const NEGLIGIBLE: f64 = 1e-3;
 /// Where the iteration begins, the equations may err by this part of the tolerance.
 pub(super) const ROUGHLY: f64 = 2e-4;
-/// The ratio of two corrections says nothing of the curvature if the first one is smaller than this.
+/// The ratio of two corrections says nothing of the curvature if the first one is smaller than
+/// this.
 const MEASURABLE: f64 = 3e-7;
 /// Corrections that shrink no more are rounding if they are at most this many times a sample of it,
 const NOISE: f64 = 30.0;
@@ -90,7 +92,8 @@ struct Problem<'p, 'a> {
 }
 
 impl Problem<'_, '_> {
-    /// Assembles first, so that systems which find the residual on the way need not look for it again.
+    /// Assembles first, so that systems which find the residual on the way need not look for it
+    /// again.
     fn residual(&mut self, unknowns: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.equations.assemble(unknowns)?;
         self.equations.residual(unknowns, self.closing, out)
@@ -126,7 +129,8 @@ impl Newton {
         let mut problem = Problem { equations, closing, weights, tolerance };
         let mut report = Convergence::default();
         let mut previous = f64::INFINITY;
-        // What errs by less than a correction that is left to be need not be computed where Newton begins.
+        // What errs by less than a correction that is left to be need not be computed where Newton
+        // begins.
         problem.equations.allow(ROUGHLY * tolerance);
         let start = problem.residual(unknowns, &mut self.residual).map_err(NewtonError::from);
         let start = start.and_then(|()| problem.factor(1));
@@ -170,8 +174,8 @@ impl Newton {
         Err(NewtonError::IterationLimit { iterations: max_iterations, correction, contraction })
     }
 
-    /// Whether the correction, by this ratio smaller than the one before, is the last. It is made only if that matters:
-    /// what was found with a negligible one belongs to the point as it is.
+    /// Whether the correction, by this ratio smaller than the one before, is the last. It is made
+    /// only if that matters: what was found with a negligible one belongs to the point as it is.
     fn is_last(
         &self,
         ratio: f64,
@@ -202,10 +206,11 @@ impl Newton {
                 .is_ok_and(|noise| size <= NOISE * scaled_norm(noise, weights))
     }
 
-    /// The error of a solution that rounding causes, a sample of it: the residual changes as each unknown does in its last
-    /// digit, and each equation may keep that error with either sign, so that Newton would make of it what this returns (up
-    /// to signs, a sum over `|M⁻¹| |M| |X| ε`: R. D. Skeel, J. ACM 26:494, 1979). With the matrix factored last; what is
-    /// assembled belongs to the point afterwards.
+    /// The error of a solution that rounding causes, a sample of it: the residual changes as each
+    /// unknown does in its last digit, and each equation may keep that error with either sign, so
+    /// that Newton would make of it what this returns (up to signs, a sum over `|M⁻¹| |M| |X| ε`:
+    /// R. D. Skeel, J. ACM 26:494, 1979). With the matrix factored last; what is assembled belongs
+    /// to the point afterwards.
     pub(crate) fn rounding(
         &mut self,
         equations: &mut Extended,
@@ -229,8 +234,8 @@ impl Newton {
         Ok(&self.next)
     }
 
-    /// What Newton would still change at a solution, which is the error left, rounding included: with the
-    /// matrix there (`refactor`), or with the one factored last, that of a point near by.
+    /// What Newton would still change at a solution, which is the error left, rounding included:
+    /// with the matrix there (`refactor`), or with the one factored last, that of a point near by.
     pub(crate) fn residual_correction(
         &mut self,
         equations: &mut Extended,
@@ -350,7 +355,8 @@ pub(crate) fn scaled_norm(d: &[f64], weights: &[f64]) -> f64 {
     d.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>().sqrt()
 }
 
-/// Scales a vector to length 1 in the scaled norm, unless it is zero, and returns its length before.
+/// Scales a vector to length 1 in the scaled norm, unless it is zero, and returns its length
+/// before.
 pub(crate) fn scale_to_one(v: &mut [f64], weights: &[f64]) -> f64 {
     let size = scaled_norm(v, weights);
     if size > 0.0 {

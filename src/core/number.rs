@@ -118,7 +118,8 @@ macro_rules! number_of_reals {
     };
 }
 
-/// Implements every operation from what its assigning form does with another number and with a real one.
+/// Implements every operation from what its assigning form does with another number and with a real
+/// one.
 macro_rules! operations {
     (one [$($generics:tt)*] $type:ty, |$a:ident, $b:ident|
         $operation:ident $method:ident, $assign:ident $assigning:ident = $with_number:expr, $with_real:expr

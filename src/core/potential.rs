@@ -18,9 +18,9 @@ impl PotentialGradient {
         }
     }
 
-    /// `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a derivative `D` of `F = ∂Π/∂z`
-    /// such as `F_x v`. `along(d, out)` is the derivative of `D` along `d`. Because mixed derivatives of `Π`
-    /// commute, the one along `w` has the components of all unknowns.
+    /// `∇(wᵀD)` with respect to the unknowns and the `released` parameters, for a derivative `D` of
+    /// `F = ∂Π/∂z` such as `F_x v`. `along(d, out)` is the derivative of `D` along `d`. Because
+    /// mixed derivatives of `Π` commute, the one along `w` has the components of all unknowns.
     ///
     /// # Errors
     /// That of `along`.

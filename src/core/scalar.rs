@@ -2,7 +2,8 @@
 
 use num_dual::DualNum;
 
-/// A real number or a dual number of any depth: what residuals, monitors and fields are generic over.
+/// A real number or a dual number of any depth: what residuals, monitors and fields are generic
+/// over.
 ///
 /// Implemented for every `Copy` type of [`num_dual`] over `f64`, and for `f64` itself.
 /// Comparisons see real parts only; `%` panics; the derivative of `√x` at 0 is not finite.

@@ -1,8 +1,8 @@
 //! Vector fields in one scalar: what flows evaluate.
 //!
-//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where many fields must be one
-//! type, a field is seen in one scalar at a time: [`FieldIn`] is what a flow of numbers `T` needs, and
-//! [`FieldRef`] is a field of a collection of fields behind a pointer.
+//! A [`VectorField`] is generic over scalars and cannot be a trait object. Where many fields must
+//! be one type, a field is seen in one scalar at a time: [`FieldIn`] is what a flow of numbers `T`
+//! needs, and [`FieldRef`] is a field of a collection of fields behind a pointer.
 
 use super::chunk::DualChunk;
 use super::domain::OutOfDomain;
@@ -14,7 +14,8 @@ pub(in crate::core) const WIDTH: usize = 4;
 /// Numbers with derivatives in [`WIDTH`] directions.
 pub(in crate::core) type Wide<T> = DualChunk<T, WIDTH>;
 
-/// A vector field in one scalar, as a flow of such numbers evaluates it. Every [`VectorField`] is one.
+/// A vector field in one scalar, as a flow of such numbers evaluates it. Every [`VectorField`] is
+/// one.
 pub trait FieldIn<T: Scalar> {
     /// The same field in real numbers.
     type Real<'a>: FieldIn<f64>
@@ -93,8 +94,8 @@ pub trait Domains {
     fn states_of(&self, index: usize) -> Vec<String>;
 }
 
-/// Numbered vector fields in one scalar: those of the segments of a boundary-value problem, or of the modes
-/// of a hybrid system.
+/// Numbered vector fields in one scalar: those of the segments of a boundary-value problem, or of
+/// the modes of a hybrid system.
 pub trait Fields<T>: Domains {
     /// One of the fields at `(t, x, p)`, written into `f`.
     fn field_of(&self, index: usize, t: T, x: &[T], p: &[T], f: &mut [T]);

@@ -1,9 +1,10 @@
-//! Solutions from which branches start, and periodic ones as closed curves, which are the same from any of their points.
+//! Solutions from which branches start, and periodic ones as closed curves, which are the same from
+//! any of their points.
 
 use super::kind::Kind;
 
-/// A solution from which a branch is to start, as it was saved: not always of the same discretisation,
-/// nor even of the same system.
+/// A solution from which a branch is to start, as it was saved: not always of the same
+/// discretisation, nor even of the same system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// What kind of special point it is.
@@ -16,8 +17,8 @@ pub struct Solution {
     pub state: Vec<f64>,
     /// All parameters, in the order of the system that it is to start.
     pub parameters: Vec<f64>,
-    /// The direction of its branch, where it is known: by the unknowns (as long as `state`) and by the
-    /// parameters (as long as `parameters`).
+    /// The direction of its branch, where it is known: by the unknowns (as long as `state`) and by
+    /// the parameters (as long as `parameters`).
     pub tangent: Option<(Vec<f64>, Vec<f64>)>,
     /// The other branch to follow, counted from 0; `None` to stay on this one.
     pub switch: Option<usize>,
@@ -58,8 +59,9 @@ pub enum Start {
 }
 
 impl Start {
-    /// The direction that is known, as one of the curve that begins: where solutions are born it is one of `solutions`, not of a
-    /// curve of special points, and elsewhere one of the curve on which the start was found.
+    /// The direction that is known, as one of the curve that begins: where solutions are born it is
+    /// one of `solutions`, not of a curve of special points, and elsewhere one of the curve on
+    /// which the start was found.
     pub(crate) fn direction(&self, same_curve: bool, solutions: bool) -> Option<&Vec<f64>> {
         match self {
             Start::Point { tangent: known } | Start::BranchPoint { along: known, .. } => {
@@ -71,13 +73,15 @@ impl Start {
     }
 }
 
-/// Periodic solutions as closed curves: their phase, how often they repeat themselves, their amplitude.
+/// Periodic solutions as closed curves: their phase, how often they repeat themselves, their
+/// amplitude.
 pub trait Cycles {
     /// Whether a solution goes through everything twice, so that it has half the period.
     fn repeats(&mut self, x: &[f64]) -> bool;
 
-    /// The oscillation of a cycle about its mean, as a share of that of the cycle accepted last: it changes sign where
-    /// a family of cycles passes through an equilibrium. `None` if cycles cannot shrink to equilibria.
+    /// The oscillation of a cycle about its mean, as a share of that of the cycle accepted last: it
+    /// changes sign where a family of cycles passes through an equilibrium. `None` if cycles cannot
+    /// shrink to equilibria.
     fn amplitude(&mut self, x: &[f64]) -> Option<f64>;
 
     /// The period, if it is free: not one that a forcing prescribes.

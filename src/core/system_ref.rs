@@ -3,7 +3,8 @@
 use super::zero::System;
 use std::ops::{Deref, DerefMut};
 
-/// A system to work with: the caller's, or one made from it that may change without changing the caller's.
+/// A system to work with: the caller's, or one made from it that may change without changing the
+/// caller's.
 pub(crate) enum SystemRef<'a> {
     /// The caller's.
     Borrowed(&'a mut (dyn System + 'a)),

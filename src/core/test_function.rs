@@ -11,8 +11,8 @@ pub enum Test {
     Fold,
     /// The determinant of the Jacobian bordered by the tangent.
     BranchPoint,
-    /// The sign of the product of all sums of two eigenvalues, or of all products of two multipliers
-    /// less 1.
+    /// The sign of the product of all sums of two eigenvalues, or of all products of two
+    /// multipliers less 1.
     Hopf,
     /// The product of all multipliers plus 1.
     PeriodDoubling,
@@ -78,9 +78,10 @@ impl Test {
         }
     }
 
-    /// The value of a smooth function with the same zeros: in place of the sign of a determinant or of a spectrum's product,
-    /// the real eigenvalue that is nearest to zero, or the real part of the pair that is nearest to the imaginary axis.
-    /// Those of periodic orbits are left to the counts of unstable multipliers.
+    /// The value of a smooth function with the same zeros: in place of the sign of a determinant or
+    /// of a spectrum's product, the real eigenvalue that is nearest to zero, or the real part of
+    /// the pair that is nearest to the imaginary axis. Those of periodic orbits are left to the
+    /// counts of unstable multipliers.
     pub(crate) fn smooth(
         self,
         value: Option<f64>,
@@ -97,10 +98,10 @@ impl Test {
         }
     }
 
-    /// Whether a change of sign between two points means nothing: that of the parameter's slope (in scaled arclength) on a
-    /// vertical branch; where multipliers are so large that their signs are rounding, that of the test function of period
-    /// doublings; at a neutral saddle, λ and −λ, that of the test function of Hopf points: nothing is lost or gained in
-    /// stability there.
+    /// Whether a change of sign between two points means nothing: that of the parameter's slope (in
+    /// scaled arclength) on a vertical branch; where multipliers are so large that their signs are
+    /// rounding, that of the test function of period doublings; at a neutral saddle, λ and −λ, that
+    /// of the test function of Hopf points: nothing is lost or gained in stability there.
     pub(crate) fn is_noise(
         self,
         slopes: [f64; 2],

@@ -38,12 +38,14 @@ pub(crate) fn advanced(a: &[f64], s: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + s * b).collect()
 }
 
-/// A fixed pseudo-random vector, used as an initial border: generically not orthogonal to a null vector.
+/// A fixed pseudo-random vector, used as an initial border: generically not orthogonal to a null
+/// vector.
 pub(crate) fn generic(length: usize, seed: usize) -> Vec<f64> {
     (0..length).map(|i| (1.0 + (i + 1) as f64 * (0.618 + seed as f64)).sin() + 0.1).collect()
 }
 
-/// Makes a vector orthogonal to others of length 1, by Gram and Schmidt, twice; its overlaps with them.
+/// Makes a vector orthogonal to others of length 1, by Gram and Schmidt, twice; its overlaps with
+/// them.
 pub(crate) fn orthogonalise(
     v: &mut [f64],
     others: &[Vec<f64>],

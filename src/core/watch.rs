@@ -1,12 +1,14 @@
 //! Scalars watched along a trajectory.
 //!
-//! Extrema and zeros of a scalar `h(t, x(t), p)` tell where a state is largest, how near a motion comes to a
-//! surface, and where it meets it. Derivatives of `h` along the motion come from dual numbers.
+//! Extrema and zeros of a scalar `h(t, x(t), p)` tell where a state is largest, how near a motion
+//! comes to a surface, and where it meets it. Derivatives of `h` along the motion come from dual
+//! numbers.
 
 use super::scalar::Scalar;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64};
 
-/// A scalar `h(t, x, p)` of a trajectory, written once; derivatives come from automatic differentiation.
+/// A scalar `h(t, x, p)` of a trajectory, written once; derivatives come from automatic
+/// differentiation.
 ///
 /// ```
 /// use tangency::core::scalar::Scalar;
@@ -25,12 +27,14 @@ pub trait Watch {
     /// `h(t, x, p)`.
     fn value<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The size of a typical change of `h`, which tolerances are relative to; of a state, the flow knows it.
+    /// The size of a typical change of `h`, which tolerances are relative to; of a state, the flow
+    /// knows it.
     fn scale(&self) -> f64 {
         1.0
     }
 
-    /// The state that is watched, if it is nothing else: its slopes are known without any evaluation.
+    /// The state that is watched, if it is nothing else: its slopes are known without any
+    /// evaluation.
     fn state(&self) -> Option<usize> {
         None
     }
@@ -82,7 +86,8 @@ impl<W: Watch, T: Scalar> WatchIn<T> for W {
     }
 }
 
-/// A watched scalar as a flow of numbers `T` evaluates it: with slopes and curvatures along the flow.
+/// A watched scalar as a flow of numbers `T` evaluates it: with slopes and curvatures along the
+/// flow.
 pub trait Watchable<T: Scalar>:
     WatchIn<f64> + WatchIn<Dual64> + WatchIn<Dual2_64> + WatchIn<Dual<T>> + WatchIn<Dual2<T>>
 {

@@ -8,8 +8,9 @@
 //! unknowns, collocation blocks) implements it by itself, while an ordinary problem gets it from
 //! [`Dense`](crate::core::dense::Dense), by forward-mode dual numbers.
 //!
-//! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or released,
-//! in the order of their names. A direction in which a derivative is taken is such a vector as well.
+//! Throughout, `x = (z, p)` is one vector: the `n` unknowns, then *all* parameters, held or
+//! released, in the order of their names. A direction in which a derivative is taken is such a
+//! vector as well.
 
 pub use super::domain::OutOfDomain;
 pub use super::failure::Failure;
@@ -27,11 +28,11 @@ pub enum Dynamics {
     Flow,
     /// `F = ∇Π`, the gradient of a potential: stable where the Hessian `F_z` is positive definite.
     Potential,
-    /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the gradient
-    /// of a potential: stable where every eigenvalue of `F_z` has a positive real part.
+    /// `M(z) z'' = −F(z, p)` with a mass near a positive definite matrix that makes `F` nearly the
+    /// gradient of a potential: stable where every eigenvalue of `F_z` has a positive real part.
     Restoring,
-    /// The unknowns are a periodic orbit: stable where every multiplier, but for the trivial one, lies
-    /// inside the unit circle.
+    /// The unknowns are a periodic orbit: stable where every multiplier, but for the trivial one,
+    /// lies inside the unit circle.
     Periodic,
     /// No motion is meant: stability is not reported.
     Static,
@@ -73,8 +74,8 @@ pub trait ZeroProblem: Send + Sync {
     /// Refuses values at which the equations have no meaning.
     ///
     /// # Errors
-    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite is
-    /// refused in any case.
+    /// [`OutOfDomain`] with the quantity, its value and the domain. A residual that is not finite
+    /// is refused in any case.
     fn domain(&self, _z: &[f64], _p: &[f64]) -> Result<(), OutOfDomain> {
         Ok(())
     }
@@ -120,19 +121,22 @@ pub enum Form {
     /// `F_z`.
     #[default]
     Jacobian,
-    /// `F_z` of periodic orbits with the multiplier −1: with `x(1) = −x(0)` in place of the boundary conditions
-    /// (and further unknowns, such as the period, zero).
+    /// `F_z` of periodic orbits with the multiplier −1: with `x(1) = −x(0)` in place of the
+    /// boundary conditions (and further unknowns, such as the period, zero).
     Antiperiodic,
-    /// Complex: `F_z − iω` about an equilibrium; of periodic orbits `F_z` with the multiplier `e^{iω}`.
+    /// Complex: `F_z − iω` about an equilibrium; of periodic orbits `F_z` with the multiplier
+    /// `e^{iω}`.
     ///
-    /// Complex vectors are given as the real parts of their components, then the imaginary parts. The conjugates of
-    /// the border's rows enter, its corner is zero, and its width is 1 unless the system takes any.
+    /// Complex vectors are given as the real parts of their components, then the imaginary parts.
+    /// The conjugates of the border's rows enter, its corner is zero, and its width is 1 unless the
+    /// system takes any.
     Oscillation(f64),
 }
 
 /// Eigenvalues of the linearised motion, as (real part, imaginary part). About an equilibrium, the
-/// rightmost first: `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for a
-/// potential. About a periodic orbit its multipliers, the largest first and without the trivial one.
+/// rightmost first: `z' = F_z z` for a flow, `−∇²Π` (with the mass matrix, where there is one) for
+/// a potential. About a periodic orbit its multipliers, the largest first and without the trivial
+/// one.
 pub type Spectrum = Vec<(f64, f64)>;
 
 /// A curve that belongs to a solution and is drawn for special points: a mode shape along a line, a
@@ -169,26 +173,29 @@ pub trait System: Send {
     /// [`Failure`] where the equations have no meaning at `x` or a component is not finite.
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<(), Failure>;
 
-    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and [`spectrum`](System::spectrum). Conditions, monitors and
-    /// Newton's iteration each ask for it at the same `x`: a second call there should cost no more
-    /// than the comparison with the `x` of the first.
+    /// Evaluates `F_z` at `x` and keeps it for [`factor`](System::factor) and
+    /// [`spectrum`](System::spectrum). Conditions, monitors and Newton's iteration each ask for it
+    /// at the same `x`: a second call there should cost no more than the comparison with the `x` of
+    /// the first.
     ///
     /// # Errors
     /// [`Failure`] as for the residual.
     fn assemble(&mut self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and puts the factors into `into`.
+    /// Factors a form of the assembled `F_z` within a border (of width 0 or more) and puts the
+    /// factors into `into`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy, and [`Failure::Unsupported`] for a form that
-    /// the system does not have.
+    /// [`Failure::Singular`] if the bordered matrix is, to working accuracy, and
+    /// [`Failure::Unsupported`] for a form that the system does not have.
     fn factor(&mut self, form: Form, border: Border, into: &mut Factors) -> Result<(), Failure>;
 
-    /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three directions (each as
-    /// long as `x`), into `out`.
+    /// The derivative `F_x[d]`, `F_xx[d, e]` or `F_xxx[d, e, f]` at `x` along one to three
+    /// directions (each as long as `x`), into `out`.
     ///
     /// # Errors
-    /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of directions.
+    /// [`Failure`] outside the domain, where the derivative is not finite, or for another number of
+    /// directions.
     fn derivative(
         &mut self,
         x: &[f64],
@@ -196,9 +203,9 @@ pub trait System: Send {
         out: &mut [f64],
     ) -> Result<(), Failure>;
 
-    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or `∇ₓ (wᵀ F_xx[v, v])` for 2, into
-    /// `out` (as long as `x`): all components of the unknowns, and those of the parameters listed in `released`;
-    /// other parameters' components are unspecified.
+    /// The gradient of a form `(w, v, order)`, `∇ₓ (wᵀ F_x[v])` for the order 1 or
+    /// `∇ₓ (wᵀ F_xx[v, v])` for 2, into `out` (as long as `x`): all components of the unknowns, and
+    /// those of the parameters listed in `released`; other parameters' components are unspecified.
     ///
     /// # Errors
     /// [`Failure`] as for [`derivative`](System::derivative), or for another order.
@@ -221,8 +228,8 @@ pub trait System: Send {
     fn spectrum(&mut self, x: &[f64]) -> Result<Option<Spectrum>, Failure>;
 
     /// The sign of the leading coefficient of the polynomial whose zeros are the multipliers that
-    /// [`spectrum`](System::spectrum) has given last. Where a multiplier passes through infinity, as at a
-    /// grazing, it changes with the multiplier's sign, so that test functions keep theirs.
+    /// [`spectrum`](System::spectrum) has given last. Where a multiplier passes through infinity,
+    /// as at a grazing, it changes with the multiplier's sign, so that test functions keep theirs.
     fn orientation(&self) -> f64 {
         1.0
     }
@@ -233,7 +240,8 @@ pub trait System: Send {
     /// [`Failure`] if a monitor has no meaning at `x`.
     fn monitors(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), Failure>;
 
-    /// The value of one monitor. `values` is room for all of them, of which the others come out as they may.
+    /// The value of one monitor. `values` is room for all of them, of which the others come out as
+    /// they may.
     ///
     /// # Errors
     /// [`Failure`] if the monitor has no meaning at `x`.
@@ -252,8 +260,8 @@ pub trait System: Send {
         None
     }
 
-    /// The other solutions that graze where one of these does: with the event that it touches, or without it. `None`
-    /// where none are known.
+    /// The other solutions that graze where one of these does: with the event that it touches, or
+    /// without it. `None` where none are known.
     ///
     /// # Errors
     /// [`Failure`] where they cannot be found.
@@ -303,22 +311,26 @@ pub trait Discretised {
     /// difference is the discretisation's share of their `error`. `None` where there is none finer.
     fn refined(&mut self, x: &[f64]) -> Option<Refinement>;
 
-    /// The error (in units of the unknowns' sizes) tolerated from now on in residuals and matrices, and in monitors
-    /// evaluated meanwhile, since a solution is only approached; 0 restores full accuracy.
+    /// The error (in units of the unknowns' sizes) tolerated from now on in residuals and matrices,
+    /// and in monitors evaluated meanwhile, since a solution is only approached; 0 restores full
+    /// accuracy.
     fn set_inexactness(&mut self, _error: f64) {}
 
-    /// The factor by which rounding errors grow inside the discretisation, as deviations do over a segment of shooting, for what
-    /// is assembled. Corrections of Newton's that are no larger than rounding times this are noise.
+    /// The factor by which rounding errors grow inside the discretisation, as deviations do over a
+    /// segment of shooting, for what is assembled. Corrections of Newton's that are no larger than
+    /// rounding times this are noise.
     fn growth(&self) -> f64 {
         1.0
     }
 
-    /// The same system, to be changed without changing this one; `None` for systems that no branch changes.
+    /// The same system, to be changed without changing this one; `None` for systems that no branch
+    /// changes.
     fn duplicate(&self) -> Option<Box<dyn System>> {
         None
     }
 
-    /// The mesh that the unknowns are values on, to be saved with special points; empty without one.
+    /// The mesh that the unknowns are values on, to be saved with special points; empty without
+    /// one.
     fn mesh(&self) -> Vec<f64> {
         Vec::new()
     }
@@ -328,9 +340,9 @@ pub trait Discretised {
         0.0
     }
 
-    /// The unknowns, on the present mesh, of a saved solution. Of a periodic solution, which may begin anywhere, those in the phase
-    /// of the solution accepted last, or one for each period of the forcing that it lasts, at times near those of the
-    /// solution `near`.
+    /// The unknowns, on the present mesh, of a saved solution. Of a periodic solution, which may
+    /// begin anywhere, those in the phase of the solution accepted last, or one for each period of
+    /// the forcing that it lasts, at times near those of the solution `near`.
     ///
     /// # Errors
     /// [`Failure`] if the saved solution is not one of this problem.
@@ -338,8 +350,9 @@ pub trait Discretised {
         Ok(Vec::new())
     }
 
-    /// Prepares the start of a branch from a saved solution. The system may change its mesh, and with it the number
-    /// of its unknowns. `None` if the solution is that of the present mesh as it is.
+    /// Prepares the start of a branch from a saved solution. The system may change its mesh, and
+    /// with it the number of its unknowns. `None` if the solution is that of the present mesh as it
+    /// is.
     ///
     /// # Errors
     /// [`Failure`] if this system cannot start there.
@@ -348,38 +361,43 @@ pub trait Discretised {
     }
 
     /// Lets a phase condition and a mesh follow the branch: called at its start, and at each point
-    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new mesh
-    /// with the same number of intervals.
+    /// accepted. `x` and the `directions` (each as long as `z` or longer) are carried over to a new
+    /// mesh with the same number of intervals.
     fn on_accepted(&mut self, _x: &mut [f64], _directions: &mut [&mut [f64]]) {}
 }
 
 /// Which solutions are admissible, where events of motions decide that.
 pub trait Admissible {
-    /// Checks what is decided, not solved for: a branch must not start where it is decided otherwise, and its points
-    /// there are marked. Not called where a solution grazes, where nothing can be decided.
+    /// Checks what is decided, not solved for: a branch must not start where it is decided
+    /// otherwise, and its points there are marked. Not called where a solution grazes, where
+    /// nothing can be decided.
     ///
     /// # Errors
-    /// [`Failure::Mismatch`] with what is decided otherwise, [`Failure::OutOfDomain`] where the solution has no meaning.
+    /// [`Failure::Mismatch`] with what is decided otherwise, [`Failure::OutOfDomain`] where the
+    /// solution has no meaning.
     fn check_start(&self, x: &[f64]) -> Result<(), Failure>;
 
-    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions must not pass.
-    /// Where one vanishes, a solution grazes, and a branch ends unless it is to go on beyond.
+    /// Monitors that are positive on admissible solutions: distances to surfaces that solutions
+    /// must not pass. Where one vanishes, a solution grazes, and a branch ends unless it is to go
+    /// on beyond.
     fn grazings(&self) -> &[usize];
 
-    /// The typical size of a monitor of [`grazings`](Self::grazings), which tolerances are relative to.
+    /// The typical size of a monitor of [`grazings`](Self::grazings), which tolerances are relative
+    /// to.
     fn grazing_scale(&self, monitor: usize, p: &[f64]) -> f64;
 
-    /// What the field calls the solution `(z, p)` where a monitor of [`grazings`](Self::grazings) vanishes, such as
-    /// `grazing-sliding`; `None` if it has no name of its own.
+    /// What the field calls the solution `(z, p)` where a monitor of [`grazings`](Self::grazings)
+    /// vanishes, such as `grazing-sliding`; `None` if it has no name of its own.
     fn kind_of_grazing(&self, _monitor: usize, _x: &[f64]) -> Option<&'static str> {
         None
     }
 
-    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass, as the speed of an
-    /// impact does; others are distances to what they do not pass.
+    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass,
+    /// as the speed of an impact does; others are distances to what they do not pass.
     fn is_of_event(&self, monitor: usize) -> bool;
 
-    /// What solutions go through, in words that are saved with branches; empty if that is the same for all.
+    /// What solutions go through, in words that are saved with branches; empty if that is the same
+    /// for all.
     fn itinerary(&self) -> String;
 }
 
@@ -419,7 +437,8 @@ impl dyn System + '_ {
         self.admissible().map_or(&[], |system| system.grazings())
     }
 
-    /// The monitor of grazings that vanishes at a solution that grazes: the least one, in units of their scales.
+    /// The monitor of grazings that vanishes at a solution that grazes: the least one, in units of
+    /// their scales.
     pub(crate) fn touched(&mut self, x: &[f64]) -> Result<Option<usize>, Failure> {
         let mut values = vec![0.0; self.names().monitors.len()];
         self.monitors(x, &mut values)?;

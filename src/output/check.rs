@@ -11,8 +11,8 @@ use std::collections::HashSet;
 /// A part of a document that is as it must be, or what is not.
 type Checked = Result<(), Invalid>;
 
-/// Checks a document's tag, that its names are unique and hold no control characters, its lists as long as their
-/// names, and its numbers finite.
+/// Checks a document's tag, that its names are unique and hold no control characters, its lists as
+/// long as their names, and its numbers finite.
 pub(super) fn document(document: &Document) -> Result<(), FormatError> {
     if document.format != FORMAT {
         return Err(FormatError::Version { found: document.format.clone() });

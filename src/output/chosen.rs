@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The setting of a discretisation that was chosen for an accuracy, and what it is estimated to give.
+/// The setting of a discretisation that was chosen for an accuracy, and what it is estimated to
+/// give.
 ///
 /// ```
 /// let chosen = tangency::output::Chosen {

@@ -15,9 +15,9 @@ use crate::core::names::UnknownName;
 /// (unstable) exactly there.
 ///
 /// # Errors
-/// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if nothing
-/// says what to draw, [`FigureError::NoOrigin`] without the special point that deviations are measured from,
-/// [`FigureError::Empty`] without a branch.
+/// [`FigureError::UnknownColumn`] with the columns that exist, [`FigureError::NoMonitor`] if
+/// nothing says what to draw, [`FigureError::NoOrigin`] without the special point that deviations
+/// are measured from, [`FigureError::Empty`] without a branch.
 ///
 /// ```
 /// use tangency::output::{Document, diagram, example_branch};

@@ -15,7 +15,8 @@ pub struct Document {
     pub format: String,
     /// The title, in words.
     pub title: String,
-    /// The settings that the branches were computed with, by unique name: the scene, its terms, the number of its modes.
+    /// The settings that the branches were computed with, by unique name: the scene, its terms, the
+    /// number of its modes.
     #[serde(default)]
     pub settings: Vec<(String, String)>,
     /// The settings that were chosen for an accuracy.
@@ -37,33 +38,35 @@ pub struct Document {
 pub struct Plot {
     /// The column for the horizontal axis; if it is not given, the first released parameter.
     pub x: Option<String>,
-    /// The column for the vertical axis; if it is not given, the first monitor (on a curve of events
-    /// the second released parameter).
+    /// The column for the vertical axis; if it is not given, the first monitor (on a curve of
+    /// events the second released parameter).
     pub y: Option<String>,
     /// The label of an axis that shows a column, with its unit: `("load", "load V² (1)")`.
     /// A column without an entry is shown by its name.
     pub labels: Vec<(String, String)>,
-    /// Further panels, as pairs of columns for the horizontal and the vertical axis. Branches that lack one of
-    /// them are left out.
+    /// Further panels, as pairs of columns for the horizontal and the vertical axis. Branches that
+    /// lack one of them are left out.
     pub panels: Vec<(String, String)>,
     /// Further panels where sweeps are drawn.
     pub swept: Vec<(String, String)>,
-    /// The kinds of profiles that are drawn, as pairs (abscissa, ordinate): `("displacement", "velocity")` is
-    /// the phase portrait, `("time", "velocity")` a time history. If none is given, all.
+    /// The kinds of profiles that are drawn, as pairs (abscissa, ordinate):
+    /// `("displacement", "velocity")` is the phase portrait, `("time", "velocity")` a time history.
+    /// If none is given, all.
     pub profiles: Vec<(String, String)>,
-    /// The special points whose profiles are drawn, as `LABEL` or `BRANCH/LABEL`; if none is given, those of
-    /// interest.
+    /// The special points whose profiles are drawn, as `LABEL` or `BRANCH/LABEL`; if none is given,
+    /// those of interest.
     pub points: Vec<String>,
     /// The branches that diagrams show, by name; if none is given, all.
     pub curves: Vec<String>,
-    /// The number added to a column of a branch in diagrams, to compare curves of different height: branch,
-    /// column, shift.
+    /// The number added to a column of a branch in diagrams, to compare curves of different height:
+    /// branch, column, shift.
     pub shifts: Vec<(String, String, f64)>,
     /// Columns that are shown as deviations from a special point, or as roots of these.
     pub deviations: Vec<Deviation>,
     /// The part of a column that is shown, in the numbers of its axis: column, low, high.
     pub ranges: Vec<(String, f64, f64)>,
-    /// Parts of the diagram that are shown again in panels of their own, in the numbers of its axes.
+    /// Parts of the diagram that are shown again in panels of their own, in the numbers of its
+    /// axes.
     pub enlargements: Vec<Enlargement>,
     /// Special points of all branches against a setting in which the branches differ.
     pub against: Vec<Against>,
@@ -79,8 +82,8 @@ pub struct Enlargement {
     pub y: [f64; 2],
 }
 
-/// A column that diagrams show as its deviation from a special point: `V − V*` where an orbit grazes at `V*`, or
-/// `√(V − V*)`, in which what begins there like a root is a line.
+/// A column that diagrams show as its deviation from a special point: `V − V*` where an orbit
+/// grazes at `V*`, or `√(V − V*)`, in which what begins there like a root is a line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Deviation {
@@ -115,8 +118,9 @@ impl Deviation {
     }
 }
 
-/// Special points of one kind against a setting in which branches differ: pull-in against the number
-/// of modes. Branches that differ in other settings as well make one series for each of these.
+/// Special points of one kind against a setting in which branches differ: pull-in against the
+/// number of modes. Branches that differ in other settings as well make one series for each of
+/// these.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Against {

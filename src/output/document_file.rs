@@ -87,7 +87,8 @@ impl Document {
     }
 }
 
-/// Says whether a text that could not be read is foreign, of another version, cut short or mistaken.
+/// Says whether a text that could not be read is foreign, of another version, cut short or
+/// mistaken.
 fn explain(text: &str, error: &ron::error::SpannedError) -> FormatError {
     let (line, column) = (error.span.start.line, error.span.start.col);
     let reason = reason(&error.code);

@@ -3,8 +3,8 @@
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
 
 /// The parallel-plate actuator `load = u (1 − u)²` for `0 ≤ u ≤ 0.8`: stable up to its fold at
-/// `u = 1/3`, `load = 4/27`, unstable beyond it. It needs no solver, so that what becomes of a branch
-/// can be shown and tested by itself.
+/// `u = 1/3`, `load = 4/27`, unstable beyond it. It needs no solver, so that what becomes of a
+/// branch can be shown and tested by itself.
 ///
 /// ```
 /// let branch = tangency::output::example_branch();

@@ -1,6 +1,7 @@
 //! What leaves the toolkit: documents in RON, tables of special points, diagrams in SVG.
 //!
-//! Nothing here knows a problem: everything is made from [`Branch`](crate::core::continuation::Branch)es.
+//! Nothing here knows a problem: everything is made from
+//! [`Branch`](crate::core::continuation::Branch)es.
 //!
 //! ```
 //! use tangency::output::{Document, diagram, draw};

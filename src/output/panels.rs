@@ -10,13 +10,14 @@ use super::sweeps::{Sweeps, basins, scatter};
 use super::tile::Tile;
 use crate::core::names::UnknownName;
 
-/// The figures of some documents: the diagram, its enlargements and the further panels that the first document
-/// names, and one figure for each kind of profile (mode shapes, time histories, phase portraits) that special points
-/// carry. [`Plot::profiles`] and [`Plot::points`] of the first document choose among profiles and points;
-/// without them every kind of profile is drawn, for up to eight points: of orbits the folds, period
-/// doublings, torus and branch points, grazings and user's points and, where that makes no more than five
-/// curves, the last end of each branch; of other solutions the user's points and, to compare, the first
-/// end. Where `x` or `y` is given, the diagram in these columns alone.
+/// The figures of some documents: the diagram, its enlargements and the further panels that the
+/// first document names, and one figure for each kind of profile (mode shapes, time histories,
+/// phase portraits) that special points carry. [`Plot::profiles`] and [`Plot::points`] of the first
+/// document choose among profiles and points; without them every kind of profile is drawn, for up
+/// to eight points: of orbits the folds, period doublings, torus and branch points, grazings and
+/// user's points and, where that makes no more than five curves, the last end of each branch; of
+/// other solutions the user's points and, to compare, the first end. Where `x` or `y` is given, the
+/// diagram in these columns alone.
 ///
 /// [`Plot::profiles`]: super::Plot::profiles
 /// [`Plot::points`]: super::Plot::points
@@ -71,8 +72,8 @@ pub fn figures(
     Ok(figures)
 }
 
-/// Refuses a diagram, and panels, in columns that the branches of a document do not have. They need no points yet: what is
-/// wrong is known before the work.
+/// Refuses a diagram, and panels, in columns that the branches of a document do not have. They need
+/// no points yet: what is wrong is known before the work.
 pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     let mut plain = document.clone();
     // Special points are not there yet.
@@ -85,8 +86,8 @@ pub(crate) fn check_columns(document: &Document) -> Result<(), FigureError> {
     Ok(())
 }
 
-/// The branches of documents and what sweeps have found in one figure. Where there are sweeps, a column need not be
-/// one of all.
+/// The branches of documents and what sweeps have found in one figure. Where there are sweeps, a
+/// column need not be one of all.
 fn together(
     documents: &[(&str, &Document)],
     sweeps: &[Sweeps],

@@ -13,7 +13,8 @@ const LARGEST: u32 = 32_768;
 /// Draws an SVG in pixels, with the fonts of the system.
 ///
 /// # Errors
-/// [`FigureError::NoFont`] if the system has none, [`FigureError::Drawing`] for what is no SVG, or too large.
+/// [`FigureError::NoFont`] if the system has none, [`FigureError::Drawing`] for what is no SVG, or
+/// too large.
 ///
 /// ```
 /// use tangency::output::{Figure, Series, Style, draw, png};

@@ -143,7 +143,8 @@ fn named<'a>(
     Ok(shown)
 }
 
-/// The name of a point's curve: branch, label, kind (or the user's event), and the continued parameter.
+/// The name of a point's curve: branch, label, kind (or the user's event), and the continued
+/// parameter.
 fn name(
     documents: &[(&str, &Document)],
     document: &str,

@@ -1,5 +1,5 @@
-//! Reports, the common part of work-precision diagrams and robustness maps: data in RON, tables in Markdown, a figure, and a
-//! part of a page.
+//! Reports, the common part of work-precision diagrams and robustness maps: data in RON, tables in
+//! Markdown, a figure, and a part of a page.
 
 use super::error::{FigureError, FileError};
 use super::figure::Figure;
@@ -8,7 +8,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Named results of one subject: saved as data, shown as tables and as a figure, inserted into pages.
+/// Named results of one subject: saved as data, shown as tables and as a figure, inserted into
+/// pages.
 ///
 /// ```
 /// use tangency::output::{WorkPrecision, Measured, Report};

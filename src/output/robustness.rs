@@ -16,7 +16,8 @@ pub enum Class {
     Right,
     /// The answer is right, given by another method to which this one handed over.
     HandedOver,
-    /// The answer is missing or poor, and the method reports it: by a typed error, or by its own error estimate.
+    /// The answer is missing or poor, and the method reports it: by a typed error, or by its own
+    /// error estimate.
     Reported,
     /// The answer is wrong, and the method reports nothing.
     Silent,
@@ -97,7 +98,8 @@ pub struct Region {
     pub methods: Vec<Tried>,
 }
 
-/// A robustness map: where methods succeed, where they report a failure, and where they are silently wrong.
+/// A robustness map: where methods succeed, where they report a failure, and where they are
+/// silently wrong.
 ///
 /// ```
 /// use tangency::output::{Cell, Class, RobustnessMap, Outcome, Region, Report, Tried};

@@ -1,4 +1,5 @@
-//! Tables: special points and whole branches as comma-separated values, special points as lines on a screen.
+//! Tables: special points and whole branches as comma-separated values, special points as lines on
+//! a screen.
 
 use super::document::Document;
 use super::number::significant;
@@ -6,11 +7,12 @@ use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::names::distinct;
 
 /// The special points of several branches as comma-separated values: `branch,label,kind`, every
-/// parameter, then every monitor and every number that belongs to special points by name, in the order in which the branches
-/// first mention them, then `error`, the estimated absolute error of the continued parameter, `unstable`, the number of
-/// unstable eigenvalues or multipliers, `converged`: where it is `false` no digit is promised, and `multiplicity`, how
-/// many eigenvalues vanish at a branch point. Numbers have 15 significant digits. A cell is empty where a branch lacks the
-/// column, and `unstable` where stability is not meant.
+/// parameter, then every monitor and every number that belongs to special points by name, in the
+/// order in which the branches first mention them, then `error`, the estimated absolute error of
+/// the continued parameter, `unstable`, the number of unstable eigenvalues or multipliers,
+/// `converged`: where it is `false` no digit is promised, and `multiplicity`, how many eigenvalues
+/// vanish at a branch point. Numbers have 15 significant digits. A cell is empty where a branch
+/// lacks the column, and `unstable` where stability is not meant.
 ///
 /// ```
 /// let table = tangency::output::csv(&[tangency::output::example_branch()]);
@@ -53,9 +55,10 @@ pub fn csv(branches: &[Branch]) -> String {
     table
 }
 
-/// All points of the branches of some documents as comma-separated values: `branch`, `point`, counted from 0, every
-/// parameter and monitor by name, `unstable`, and `admissible`. Of several documents, each branch has the name of its
-/// document before its own. Numbers have 15 significant digits; a cell is empty where a branch lacks the column.
+/// All points of the branches of some documents as comma-separated values: `branch`, `point`,
+/// counted from 0, every parameter and monitor by name, `unstable`, and `admissible`. Of several
+/// documents, each branch has the name of its document before its own. Numbers have 15 significant
+/// digits; a cell is empty where a branch lacks the column.
 ///
 /// ```
 /// use tangency::output::{Document, example_branch, table};
@@ -119,8 +122,8 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// Aligned lines for a screen, one for each special point: its label, its kind, the number of unstable
-/// eigenvalues or multipliers, the parameters that vary, the monitors.
+/// Aligned lines for a screen, one for each special point: its label, its kind, the number of
+/// unstable eigenvalues or multipliers, the parameters that vary, the monitors.
 ///
 /// ```
 /// use tangency::output::{Screen, example_branch};
@@ -154,7 +157,8 @@ impl Screen {
         self.assemble([" label", "kind", "unstable"], |(_, name)| name.clone())
     }
 
-    /// The line of one special point, with what the field calls it and the numbers that belong to it; one that has not converged says so.
+    /// The line of one special point, with what the field calls it and the numbers that belong to
+    /// it; one that has not converged says so.
     pub fn line(&self, point: &SpecialPoint) -> String {
         let label = format!("{:>6}", point.label);
         let unstable = count(point.unstable);

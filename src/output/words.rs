@@ -37,8 +37,8 @@ const LINES: usize = 20;
 #[cfg(feature = "cli")]
 const DIGITS: usize = 25;
 
-/// A message as a terminal may show it: control characters are escaped, but for the ends of its lines, long numbers have
-/// powers of ten, and long lines are cut in their middle.
+/// A message as a terminal may show it: control characters are escaped, but for the ends of its
+/// lines, long numbers have powers of ten, and long lines are cut in their middle.
 #[cfg(feature = "cli")]
 pub(crate) fn printable(message: &str) -> String {
     let lines = message.split('\n').take(LINES).map(|line| shortened(&with_powers(&escaped(line))));
@@ -82,7 +82,8 @@ fn shortened(line: &str) -> String {
     format!("{} … {}", text(&letters[..LINE - END]), text(&letters[letters.len() - END..]))
 }
 
-/// Refuses a name or a title that would move the cursor of a terminal, or make an ill-formed picture.
+/// Refuses a name or a title that would move the cursor of a terminal, or make an ill-formed
+/// picture.
 pub(crate) fn text(place: &str, text: &str) -> Result<(), Invalid> {
     require(!text.contains(char::is_control), place, text, "must hold no control characters")
 }
@@ -94,7 +95,8 @@ pub(crate) fn component(place: &str, name: &str) -> Result<(), Invalid> {
     require(is_plain(name), place, name, rule)
 }
 
-/// Refuses a name that would leave the folder into which an archive with entries of this name is unpacked.
+/// Refuses a name that would leave the folder into which an archive with entries of this name is
+/// unpacked.
 pub(crate) fn entry(place: &str, name: &str) -> Result<(), Invalid> {
     text(place, name)?;
     let rule = "must be plain names with `/` between them: it is that of an entry in an archive";

@@ -163,8 +163,8 @@ impl Measured {
             .flat_map(|line| line.points.iter().map(|point| (line.name.as_str(), point)))
     }
 
-    /// The Pareto front, the measurements that no other one beats in both time and error: methods with their settings,
-    /// by increasing time.
+    /// The Pareto front, the measurements that no other one beats in both time and error: methods
+    /// with their settings, by increasing time.
     pub fn front(&self) -> Vec<(&str, &str)> {
         let mut sorted: Vec<(&str, &Measurement)> =
             self.all().filter(|(_, point)| point.error.is_finite()).collect();
@@ -294,7 +294,8 @@ impl Report for WorkPrecision {
         self.panels.iter().map(Measured::figure).collect()
     }
 
-    /// All measurements as tables in Markdown, with the circumstances below; the recommended setting is bold.
+    /// All measurements as tables in Markdown, with the circumstances below; the recommended
+    /// setting is bold.
     fn to_markdown(&self) -> String {
         self.tables(true)
     }

@@ -16,8 +16,8 @@ use crate::core::zero::Names;
 /// A feedback control system of Lur'e type (also MatCont's `adaptx`):
 /// `x' = y, y' = z, z' = −αz − βy − x + x²`.
 ///
-/// At β = 1 the equilibrium 0 has a Hopf point at α = 1, whose periodic orbits double their period at
-/// α = 0.630302006160.
+/// At β = 1 the equilibrium 0 has a Hopf point at α = 1, whose periodic orbits double their period
+/// at α = 0.630302006160.
 ///
 /// ```
 /// use tangency::core::field::VectorField;
@@ -46,8 +46,8 @@ impl VectorField for Lure {
     }
 }
 
-/// An isothermal reaction (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8), with a
-/// cascade of period doublings in λ.
+/// An isothermal reaction (R. Seydel, *Practical Bifurcation and Stability Analysis*, example 7.8),
+/// with a cascade of period doublings in λ.
 ///
 /// ```
 /// use tangency::core::field::VectorField;

@@ -7,7 +7,8 @@ use crate::core::hybrid::{
 use crate::core::scalar::Scalar;
 use crate::output::RobustnessMap;
 
-/// A ball over the ground, `y'' = −1`, with restitution `e`; `rests` names the mode at rest after infinitely many impacts.
+/// A ball over the ground, `y'' = −1`, with restitution `e`; `rests` names the mode at rest after
+/// infinitely many impacts.
 struct Ball {
     rests: bool,
 }

@@ -133,8 +133,8 @@ fn largest(beyond: f64) -> Found {
     }
 }
 
-/// Orbits of the impact oscillator without impacts, whose clearance is 1, from a forcing that stays away from the stop
-/// by a part, or would pass it.
+/// Orbits of the impact oscillator without impacts, whose clearance is 1, from a forcing that stays
+/// away from the stop by a part, or would pass it.
 const ORBITS: &str = r#"Scene(
     title: "Orbits without impacts",
     problem: ImpactOscillator(method: shooting),

@@ -1,8 +1,10 @@
-//! Robustness maps: where methods succeed, where they report a failure, and where they are silently wrong.
+//! Robustness maps: where methods succeed, where they report a failure, and where they are silently
+//! wrong.
 //!
-//! A map runs methods on a grid over the quantities that make them fail: the distance from a fold, the size of a multiplier,
-//! the rate of a stiff field. Each cell runs the method and is classified by its error type or by comparison with an exact
-//! answer. Naive methods are included to show silent failures.
+//! A map runs methods on a grid over the quantities that make them fail: the distance from a fold,
+//! the size of a multiplier, the rate of a stiff field. Each cell runs the method and is classified
+//! by its error type or by comparison with an exact answer. Naive methods are included to show
+//! silent failures.
 
 mod chatter;
 mod events;

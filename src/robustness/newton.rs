@@ -1,4 +1,5 @@
-//! Newton's iteration about a fold: with the load held, without and with damping, and with the load free.
+//! Newton's iteration about a fold: with the load held, without and with damping, and with the load
+//! free.
 
 use super::grid::{Found, Panel, from_to, map};
 use crate::core::condition::Failure;
@@ -77,7 +78,8 @@ fn damped(share: f64, guess: f64) -> Found {
     }
 }
 
-/// The core's iteration with the load free, on the line across the curve of constant residual through the guess.
+/// The core's iteration with the load free, on the line across the curve of constant residual
+/// through the guess.
 fn extended(share: f64, guess: f64) -> Found {
     let (load, mut system) = (share * PULL_IN, Dense::new(ParallelPlate));
     let start = [guess, load];

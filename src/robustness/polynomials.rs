@@ -12,7 +12,8 @@ fn number<T: Float>(value: f64) -> T {
     T::from(value).unwrap_or_else(T::nan)
 }
 
-/// `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4` (N. S. Bardell, 1991), by its powers.
+/// `f_r = Σ (−1)ⁿ (2r−2n−7)!!/(2ⁿ n! (r−2n−1)!) ξ^{r−2n−1}`, `r > 4` (N. S. Bardell, 1991), by its
+/// powers.
 fn in_powers<T: Float>(order: usize, xi: T) -> T {
     let product = |to: usize, stride: usize| {
         (1..=to).rev().step_by(stride).fold(T::one(), |product, v| product * number(v as f64))
@@ -63,8 +64,8 @@ fn by_recurrence<T: Float>(order: usize, xi: T) -> T {
     from_legendre(order, |n| values[n])
 }
 
-/// Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos φ)ⁿ dφ`, which the sum over equal angles is from `n` of
-/// them on: no power exceeds 1, so that nothing is lost.
+/// Laplace's integral, `P_n(ξ) = 1/π ∫₀^π (ξ + i √(1 − ξ²) cos φ)ⁿ dφ`, which the sum over equal
+/// angles is from `n` of them on: no power exceeds 1, so that nothing is lost.
 fn exact(order: usize, xi: f64) -> f64 {
     let legendre = |n: usize| {
         let parts = n + 2;
@@ -78,7 +79,8 @@ fn exact(order: usize, xi: f64) -> f64 {
     from_legendre(order, legendre)
 }
 
-/// Of the digits that numbers have, how many the function of an order has lost, in units of its largest value.
+/// Of the digits that numbers have, how many the function of an order has lost, in units of its
+/// largest value.
 fn judged(order: usize, digits: f64, value: impl Fn(f64) -> f64) -> Found {
     let grid = || (-100..=100).map(|i| f64::from(i) / 100.0);
     let size = grid().map(|xi| exact(order, xi).abs()).fold(0.0, f64::max);

@@ -6,8 +6,8 @@ use crate::core::quadrature::gauss_legendre;
 use crate::output::RobustnessMap;
 use crate::problems::plate::{Orders, Ritz, RitzSettings, Supports, Units};
 
-/// `∬ dx dy/(1 − w)²` over a quarter of a clamped plate, `w = W (16 x² (1 − x)² y² (1 − y)²)`, by so many points in each
-/// direction.
+/// `∬ dx dy/(1 − w)²` over a quarter of a clamped plate, `w = W (16 x² (1 − x)² y² (1 − y)²)`, by
+/// so many points in each direction.
 fn load(largest: f64, points: usize) -> f64 {
     let (nodes, weights) = gauss_legendre(points);
     let place = |(node, weight): (&f64, &f64)| {
@@ -65,7 +65,8 @@ fn marked(branch: &Branch, gap: f64) -> Option<[f64; 2]> {
 /// A branch, or why there is none.
 type Traced = Result<Branch, String>;
 
-/// Where a branch has a mark, it is compared with that of a finer one; where it has none, its end says why.
+/// Where a branch has a mark, it is compared with that of a finer one; where it has none, its end
+/// says why.
 fn compared(branch: &Traced, finer: &Traced, gap: f64) -> Found {
     let (branch, finer) = match (branch, finer) {
         (Ok(branch), Ok(finer)) => (branch, finer),

@@ -12,8 +12,8 @@ use crate::core::zero::Names;
 use crate::output::RobustnessMap;
 use std::f64::consts::{LN_10, TAU};
 
-/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the periodic solution is
-/// `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
+/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the
+/// periodic solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
 #[derive(Clone, Copy)]
 struct Saddle;
 

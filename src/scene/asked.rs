@@ -21,9 +21,11 @@ pub struct Asked {
     pub bounds: Vec<Range>,
     /// States in which the first run begins.
     pub state: Vec<(String, f64)>,
-    /// How long motion settles before the first run: in periods of the forcing, or else in units of time.
+    /// How long motion settles before the first run: in periods of the forcing, or else in units of
+    /// time.
     pub settle: Option<f64>,
-    /// The kind of special point whose curve is followed in all released parameters, from the first one that the first run finds.
+    /// The kind of special point whose curve is followed in all released parameters, from the first
+    /// one that the first run finds.
     pub hold: Option<Kind>,
 }
 
@@ -37,7 +39,8 @@ const LONGEST: f64 = 1e9;
 const AT_REST: f64 = 1e-6;
 
 impl Scene {
-    /// The scene that a model amounts to: from where its motion begins, or settles, one branch; and the curves of special points.
+    /// The scene that a model amounts to: from where its motion begins, or settles, one branch; and
+    /// the curves of special points.
     ///
     /// ```
     /// use std::path::Path;

@@ -24,7 +24,8 @@ use std::sync::Arc;
 /// The problems that scenes can name, and scenes that can be traced by name.
 ///
 /// A crate adds problems of its own to the built-in ones, and has the whole command line with them
-/// ([`cli::run`](crate::cli::run)). A problem that is added under a name in use replaces the earlier one; so does a scene.
+/// ([`cli::run`](crate::cli::run)). A problem that is added under a name in use replaces the
+/// earlier one; so does a scene.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -121,7 +122,8 @@ impl Catalogue {
         self.model::<_, BoundarySettings>(name, problem)
     }
 
-    /// Adds a hybrid system: its periodic orbits, simulations, sweeps, and local maps at its grazings.
+    /// Adds a hybrid system: its periodic orbits, simulations, sweeps, and local maps at its
+    /// grazings.
     pub fn hybrid(self, name: &'static str, system: impl HybridSystem + 'static) -> Self {
         let system: Hybrid = Arc::new(system);
         self.model::<_, HybridOrbitSettings>(name, system)
@@ -158,7 +160,8 @@ impl Catalogue {
         &self.scenes
     }
 
-    /// The summary of a scene in one line: its title, unless a summary was stated; the error of a scene that cannot be read.
+    /// The summary of a scene in one line: its title, unless a summary was stated; the error of a
+    /// scene that cannot be read.
     pub fn summary(&self, scene: &NamedScene) -> String {
         let title = || match self.parse(&scene.text) {
             Ok(read) => read.title,
@@ -170,9 +173,9 @@ impl Catalogue {
     /// Reads a scene.
     ///
     /// # Errors
-    /// [`SceneError::Model`] with the place, [`SceneError::UnknownName`] for problems that are not in the catalogue,
-    /// [`SceneError::Invalid`] for what a scene must not hold: numbers that are not finite, names given
-    /// twice or unknown, runs that start nowhere.
+    /// [`SceneError::Model`] with the place, [`SceneError::UnknownName`] for problems that are not
+    /// in the catalogue, [`SceneError::Invalid`] for what a scene must not hold: numbers that are
+    /// not finite, names given twice or unknown, runs that start nowhere.
     pub fn parse(&self, text: &str) -> Result<Scene, SceneError> {
         self.parse_in(Path::new(""), text)
     }

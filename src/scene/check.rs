@@ -181,8 +181,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// The probable mistakes in equations which are given as text: parameters that no formula uses, and what a file
-    /// says that has no effect.
+    /// The probable mistakes in equations which are given as text: parameters that no formula uses,
+    /// and what a file says that has no effect.
     pub fn warnings(&self) -> Vec<String> {
         let unused = self.problem.text().map_or(&[][..], |model| model.unused());
         let unused = unused.iter().map(|name| format!("no formula uses the parameter `{name}`"));

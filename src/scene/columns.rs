@@ -14,7 +14,8 @@ use crate::core::zero::Names;
 use crate::output::{Document, FigureError, Plot, SweepTable, check_columns};
 
 impl Scene {
-    /// Refuses a picture in columns that its branches and sweeps will not have: better before the work than after it.
+    /// Refuses a picture in columns that its branches and sweeps will not have: better before the
+    /// work than after it.
     ///
     /// ```
     /// use tangency::scene::{BUILT_IN, Scene};
@@ -69,7 +70,8 @@ impl Scene {
         }
     }
 
-    /// The branch of a run without its points, with all columns that it may have; `None` where they are not known.
+    /// The branch of a run without its points, with all columns that it may have; `None` where they
+    /// are not known.
     fn untraced(&self, run: &Run) -> Option<Branch> {
         let seen = self.with(&run.set).ok()?;
         let own = match (&run.local, run.along.is_empty()) {

@@ -46,7 +46,8 @@ impl ProblemSettings for ZeroSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapSettings {
-    /// How many iterates a cycle has (1 to 4096), where a run does not start from an earlier one: fixed points by default.
+    /// How many iterates a cycle has (1 to 4096), where a run does not start from an earlier one:
+    /// fixed points by default.
     pub iterates: usize,
 }
 
@@ -87,13 +88,13 @@ pub enum Discretised {
     /// Collocation at Gauss points, on a mesh that follows the solution: the default for smooth
     /// fields and boundary-value problems, as accurate for unstable orbits as for stable ones.
     Collocation,
-    /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. It takes a
-    /// third of the time or less (`tangency work-precision orbit`).
+    /// Multiple shooting: the default for hybrid systems, whose legs are short and smooth. It takes
+    /// a third of the time or less (`tangency work-precision orbit`).
     Shooting,
 }
 
-/// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a digit more than the one
-/// before, at the lowest cost (`tangency work-precision orbit`).
+/// The coarsest meshes of collocation, Gauss points in an interval and intervals: each has about a
+/// digit more than the one before, at the lowest cost (`tangency work-precision orbit`).
 const MESHES: [(usize, usize); 9] =
     [(3, 5), (4, 5), (4, 10), (4, 15), (5, 15), (5, 20), (5, 30), (7, 30), (7, 45)];
 
@@ -114,7 +115,8 @@ pub(super) struct Discretisation {
     pub flow_tolerance: f64,
 }
 
-/// Declares settings that discretise trajectories by a default method: those of their own, and those that all share.
+/// Declares settings that discretise trajectories by a default method: those of their own, and
+/// those that all share.
 macro_rules! trajectory_settings {
     (
         $(#[$docs:meta])* $name:ident by $default:ident,
@@ -194,7 +196,8 @@ macro_rules! trajectory_settings {
                 $name { intervals, degree, segments, flow_tolerance, ..self.clone() }
             }
 
-            /// Settings of growing accuracy and cost: tolerances of flows, or Gauss points and intervals.
+            /// Settings of growing accuracy and cost: tolerances of flows, or Gauss points and
+            /// intervals.
             pub(super) fn ladder(&self) -> Vec<Self> {
                 let rungs = self.discretisation().ladder();
                 rungs.into_iter().map(|rung| self.with(rung)).collect()
@@ -224,8 +227,8 @@ trajectory_settings! {
     HybridOrbitSettings by Shooting,
     {}
     {
-        /// The modes and events of the orbit, where a run does not start from an earlier one: by default an orbit without
-        /// events, in the first mode.
+        /// The modes and events of the orbit, where a run does not start from an earlier one: by
+        /// default an orbit without events, in the first mode.
         itinerary: String = String::new(), Words;
         /// The order of local maps near grazings (1 to 7).
         order: usize = 2, Plain;

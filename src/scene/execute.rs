@@ -6,9 +6,10 @@ use super::plan::StartPoint;
 use super::statement::Scene;
 use super::trace::{Outcome, traced};
 
-/// Traces a scene's runs. With a start point, only one shown run is traced, from there: the one named as
-/// the point's branch; else the first one that makes the same kind of curve of the same unknowns; else the
-/// first one. (If it follows points of a local map, after the runs that find the map's grazing.)
+/// Traces a scene's runs. With a start point, only one shown run is traced, from there: the one
+/// named as the point's branch; else the first one that makes the same kind of curve of the same
+/// unknowns; else the first one. (If it follows points of a local map, after the runs that find the
+/// map's grazing.)
 ///
 /// ```
 /// use tangency::scene::{BUILT_IN, Scene, execute};
@@ -20,7 +21,8 @@ use super::trace::{Outcome, traced};
 /// # Ok::<(), tangency::scene::SceneError>(())
 /// ```
 ///
-/// If the scene states an accuracy, the discretisation is chosen for it; [`Document::chosen`](crate::output::Document::chosen) says which, and what its error is
+/// If the scene states an accuracy, the discretisation is chosen for it;
+/// [`Document::chosen`](crate::output::Document::chosen) says which, and what its error is
 /// estimated to be:
 ///
 /// ```

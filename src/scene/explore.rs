@@ -1,5 +1,5 @@
-//! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones from period doublings, and what
-//! begins at grazings.
+//! Following what runs find: branches across branch points, orbits from Hopf points, doubled ones
+//! from period doublings, and what begins at grazings.
 
 use super::join::same;
 use super::observer::SceneObserver;
@@ -12,12 +12,13 @@ use std::ops::ControlFlow;
 /// The most runs that are added to a scene.
 const RUNS: usize = 50;
 
-/// Traces a scene's runs, and then what goes on from the special points found, to a depth: 1 follows what the scene's own
-/// runs find, 2 also what is found then. A point that two branches share is followed once. Gives the scene with all runs
-/// that were added, at most 50, which traces the same.
+/// Traces a scene's runs, and then what goes on from the special points found, to a depth: 1
+/// follows what the scene's own runs find, 2 also what is found then. A point that two branches
+/// share is followed once. Gives the scene with all runs that were added, at most 50, which traces
+/// the same.
 ///
-/// A run that fails is left out, and the first error is kept; the others go on. A grazing at which no
-/// other branch begins is no error: the observer gets the reason.
+/// A run that fails is left out, and the first error is kept; the others go on. A grazing at which
+/// no other branch begins is no error: the observer gets the reason.
 ///
 /// ```
 /// use tangency::scene::{Scene, explore};

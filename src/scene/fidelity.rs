@@ -87,7 +87,8 @@ impl Search<'_> {
         self.found[rung..].iter().flatten().collect()
     }
 
-    /// The lowest rung whose estimated error is below an accuracy; or the highest one, whose is not.
+    /// The lowest rung whose estimated error is below an accuracy; or the highest one, whose is
+    /// not.
     fn choose(&mut self, accuracy: f64) -> (usize, Estimate) {
         let last = self.rungs.len() - 1 - ABOVE;
         // A rung gains a digit, and the first one has two.
@@ -111,8 +112,8 @@ impl Search<'_> {
     }
 }
 
-/// Traces a scene with the cheapest discretisation that meets its accuracy, and notes the choice in the document. Branches
-/// are shown when the choice is made.
+/// Traces a scene with the cheapest discretisation that meets its accuracy, and notes the choice in
+/// the document. Branches are shown when the choice is made.
 pub(super) fn traced_to(
     accuracy: f64,
     scene: &Scene,
@@ -242,8 +243,8 @@ fn is_definite(branch: &Branch, special: &SpecialPoint) -> bool {
 }
 
 /// The columns that the accuracy concerns at a special point: the released parameters and the ones
-/// that the setting `settle` names, but for the one whose level defines the point. The start is where
-/// it was put.
+/// that the setting `settle` names, but for the one whose level defines the point. The start is
+/// where it was put.
 fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     let given = match end_at(branch, special) {
         Some(End::Start) => return Vec::new(),
@@ -254,8 +255,9 @@ fn columns(branch: &Branch, special: &SpecialPoint) -> Vec<usize> {
     names.filter(|name| given != Some(name)).filter_map(|name| branch.column(name)).collect()
 }
 
-/// What an error is relative to: the value itself, and where it passes zero a hundredth of the largest on the branch. Below
-/// the precision of numbers about 1 is rounding: the deflection of a flat plate.
+/// What an error is relative to: the value itself, and where it passes zero a hundredth of the
+/// largest on the branch. Below the precision of numbers about 1 is rounding: the deflection of a
+/// flat plate.
 fn size(branch: &Branch, column: usize, value: f64) -> f64 {
     let points = branch.points.iter().filter_map(|point| point.value(column));
     let largest = points.fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -276,7 +278,8 @@ fn error_in(column: usize, rungs: &[&SpecialPoint]) -> f64 {
     }
 }
 
-/// The definite special points of a branch, each on one rung after another; `None` if they are others on another rung.
+/// The definite special points of a branch, each on one rung after another; `None` if they are
+/// others on another rung.
 fn followed<'a>(rungs: &[&'a Branch]) -> Option<Vec<Vec<&'a SpecialPoint>>> {
     let definite = |branch: &&'a Branch| -> Vec<&'a SpecialPoint> {
         branch.special.iter().filter(|special| is_definite(branch, special)).collect()
@@ -327,8 +330,8 @@ fn largest(found: &[&Outcome]) -> Estimate {
     largest.unwrap_or_else(|| unlike("no special point to hold it to: state one by `marks`"))
 }
 
-/// Adds the errors of the discretisation to those of special points, by the results on this rung and
-/// finer ones.
+/// Adds the errors of the discretisation to those of special points, by the results on this rung
+/// and finer ones.
 fn add_errors(document: &mut Document, found: &[&Outcome]) {
     for (place, branch) in document.branches.iter_mut().enumerate() {
         let rungs = nth(found, place);

@@ -30,8 +30,8 @@ impl Observer for Joined<'_> {
     }
 }
 
-/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of this branch.
-/// Monitors that vanish at a grazing do so on one of the branches only.
+/// A grazing at which a branch meets an earlier one is that one's: it has one row, and is an end of
+/// this branch. Monitors that vanish at a grazing do so on one of the branches only.
 pub(super) fn join(branch: &Branch, special: &mut SpecialPoint, done: &[&Branch]) {
     if special.kind != Kind::G || branch.condition.is_some() {
         return;
@@ -52,8 +52,8 @@ impl SceneObserver for Joined<'_> {
     }
 }
 
-/// Whether two special points are one, by the numbers that both branches have: where orbits double their period both have the
-/// same ones but for that.
+/// Whether two special points are one, by the numbers that both branches have: where orbits double
+/// their period both have the same ones but for that.
 pub(super) fn same(
     (branch, special): (&Branch, &SpecialPoint),
     (other, there): (&Branch, &SpecialPoint),

@@ -14,11 +14,12 @@ use crate::core::zero::System;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The local map of which a run follows fixed or periodic points: that at a grazing which an earlier run has
-/// found. Its order is a setting of the problem, `order`.
+/// The local map of which a run follows fixed or periodic points: that at a grazing which an
+/// earlier run has found. Its order is a setting of the problem, `order`.
 ///
-/// Parameters are those of the flow, so that branches lie beside its own. A run that starts at rest starts near the
-/// grazing itself, and one that starts from another run follows points of the same map.
+/// Parameters are those of the flow, so that branches lie beside its own. A run that starts at rest
+/// starts near the grazing itself, and one that starts from another run follows points of the same
+/// map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Local {
@@ -53,16 +54,16 @@ impl Local {
     }
 }
 
-/// Points of a map each iterate of which goes through the surface, or does not; fixed points before the surface, if
-/// nothing is said.
+/// Points of a map each iterate of which goes through the surface, or does not; fixed points before
+/// the surface, if nothing is said.
 pub(super) fn points_of(map: LocalMap, impacts: &[bool]) -> Result<Box<dyn System>, GrazingError> {
     let impacts = if impacts.is_empty() { &[false] } else { impacts };
     let points = LocalOrbit::of(map, impacts).in_place().system();
     Ok(Box::new(points.map_err(Failure::from)?))
 }
 
-/// The curve of a kind of special points that begins at the grazing of a map, by its series in one of its two
-/// parameters.
+/// The curve of a kind of special points that begins at the grazing of a map, by its series in one
+/// of its two parameters.
 pub(super) fn series_of(
     map: &LocalMap,
     kind: Kind,

@@ -1,7 +1,8 @@
 //! Scenes: small RON files that say what is traced, and nothing more than it shows.
 //!
-//! A [`Scene`] names a problem with its terms, the values of its parameters, and a list of runs. A run
-//! traces one branch, or one curve of events, from rest or from a special point of an earlier run.
+//! A [`Scene`] names a problem with its terms, the values of its parameters, and a list of runs. A
+//! run traces one branch, or one curve of events, from rest or from a special point of an earlier
+//! run.
 //!
 //! ```ron
 //! Scene(

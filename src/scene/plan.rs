@@ -21,7 +21,8 @@ pub(super) struct Planned<'a> {
     pub shown: bool,
 }
 
-/// What is traced: all runs, or the one that goes on from a start point after those which lead to its local map.
+/// What is traced: all runs, or the one that goes on from a start point after those which lead to
+/// its local map.
 pub(super) fn plan<'a>(scene: &'a Scene, start: Option<&'a StartPoint>) -> Vec<Planned<'a>> {
     let Some(point) = start else {
         let all = scene.runs.iter().map(|run| Planned { run, start, shown: run.shown });
@@ -69,8 +70,8 @@ impl Scene {
     }
 }
 
-/// How far each parameter goes from its start in any run of the scene, by ratio: what a discretisation
-/// must be fit for. All runs share it, so that one can start where another ended.
+/// How far each parameter goes from its start in any run of the scene, by ratio: what a
+/// discretisation must be fit for. All runs share it, so that one can start where another ended.
 pub(super) fn reach(scene: &Scene, runs: &[Run], values: &[f64]) -> Vec<f64> {
     let names = scene.problem.parameters();
     let mut reach = values.to_vec();

@@ -25,21 +25,22 @@ pub(super) type Parameters = Vec<(String, Option<f64>)>;
 
 const SIMULATED: &str = "only vector fields and hybrid systems are simulated";
 
-/// What a problem with its settings answers for scenes: what a catalogue and a scene hold. Capabilities that a kind of
-/// problem does not have are typed errors.
+/// What a problem with its settings answers for scenes: what a catalogue and a scene hold.
+/// Capabilities that a kind of problem does not have are typed errors.
 pub(super) trait Model: Adjustable {
     /// The kind of problem, in words.
     fn kind(&self) -> &'static str;
 
     fn parameters(&self) -> Parameters;
 
-    /// The same with settings of growing accuracy and cost, for parameters that begin at `p` and go as far as `reach`;
-    /// none if the problem has no discretisation.
+    /// The same with settings of growing accuracy and cost, for parameters that begin at `p` and go
+    /// as far as `reach`; none if the problem has no discretisation.
     fn ladder(&self, _p: &[f64], _reach: &[f64]) -> Result<Vec<Box<dyn Model>>, SceneError> {
         Ok(Vec::new())
     }
 
-    /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes from there.
+    /// The system for parameters that begin at `p`; `reach` lists for each of them how far it goes
+    /// from there.
     fn system(&self, p: &[f64], reach: &[f64]) -> Result<Box<dyn System>, SceneError>;
 
     /// The motion that is simulated and swept.
@@ -204,7 +205,8 @@ impl Problem {
         self.text.as_ref().map_or(&[], |text| &text.notes)
     }
 
-    /// Its equations as a file that [`from_file`](Self::from_file) reads, if they are given as text.
+    /// Its equations as a file that [`from_file`](Self::from_file) reads, if they are given as
+    /// text.
     pub fn equations(&self) -> String {
         self.text.as_ref().map_or(String::new(), |text| format!("{}{}", self.name, text.written))
     }
@@ -224,7 +226,8 @@ impl Problem {
         self.name
     }
 
-    /// Names of the parameters and their default values; `None` where the problem states no default.
+    /// Names of the parameters and their default values; `None` where the problem states no
+    /// default.
     pub fn parameters(&self) -> Parameters {
         self.model.parameters()
     }
@@ -285,7 +288,8 @@ impl Problem {
         slot::assign(self.model.slots(), name, value)
     }
 
-    /// The problem by discretisations of growing accuracy and cost; none if it has no discretisation.
+    /// The problem by discretisations of growing accuracy and cost; none if it has no
+    /// discretisation.
     pub(super) fn ladder(&self, p: &[f64], reach: &[f64]) -> Result<Vec<Problem>, SceneError> {
         let ladder = self.model.ladder(p, reach)?;
         Ok(ladder.into_iter().map(|model| self.with(model)).collect())

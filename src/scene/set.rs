@@ -72,7 +72,8 @@ impl Scene {
         Catalogue::built_in().parse(text)
     }
 
-    /// The scene as a file that [`Catalogue::parse`] reads: what differs from defaults, and all settings of its problem.
+    /// The scene as a file that [`Catalogue::parse`] reads: what differs from defaults, and all
+    /// settings of its problem.
     ///
     /// ```
     /// use tangency::scene::Scene;
@@ -181,7 +182,8 @@ impl Scene {
     /// All parameters at the start, in the problem's order.
     ///
     /// # Errors
-    /// [`SceneError::MissingParameters`] if the problem states no defaults for some that the scene does not give.
+    /// [`SceneError::MissingParameters`] if the problem states no defaults for some that the scene
+    /// does not give.
     pub fn values(&self) -> Result<Vec<f64>, SceneError> {
         let names = self.problem.parameter_names();
         let (given, missing): (Vec<String>, Vec<String>) =

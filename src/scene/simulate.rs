@@ -1,5 +1,5 @@
-//! Histories by simulation: what a motion does that settles on no orbit of finitely many events, or has not
-//! settled yet.
+//! Histories by simulation: what a motion does that settles on no orbit of finitely many events, or
+//! has not settled yet.
 
 use super::discretisation::no_start;
 use super::error::SceneError;
@@ -21,9 +21,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A simulation of a vector field, or of a hybrid system from a state of its first mode; of a Filippov system from the side of the
-/// surface on which the state is. Times are in periods of the forcing, or in units of
-/// time where there is none.
+/// A simulation of a vector field, or of a hybrid system from a state of its first mode; of a
+/// Filippov system from the side of the surface on which the state is. Times are in periods of the
+/// forcing, or in units of time where there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Simulated {
@@ -76,7 +76,8 @@ impl HybridObserver<f64> for Until {
     }
 }
 
-/// Tells how long it may take to follow a motion for a time, by its beginning, unless that is all of it.
+/// Tells how long it may take to follow a motion for a time, by its beginning, unless that is all
+/// of it.
 fn foresee(
     run: &str,
     flow: &mut HybridFlow<f64>,
@@ -95,8 +96,8 @@ fn foresee(
     }
 }
 
-/// Follows a system through a transient, and then for as long as the history is to last: the history as a branch of one
-/// point, and the state in which it ends.
+/// Follows a system through a transient, and then for as long as the history is to last: the
+/// history as a branch of one point, and the state in which it ends.
 pub(super) fn simulate(
     system: &dyn HybridEquations,
     name: &str,
@@ -164,7 +165,8 @@ pub(super) fn settled(
     HybridOrbit::of_cycle(system, &cycle).map_err(no_start)
 }
 
-/// A state of the first mode, given by name where it is not zero: which mode it begins in the system says.
+/// A state of the first mode, given by name where it is not zero: which mode it begins in the
+/// system says.
 pub(super) fn stated(mode: &Mode, given: &[(String, f64)]) -> Result<HybridState<f64>, SceneError> {
     let mut x = vec![0.0; mode.states.len()];
     for (name, value) in given {

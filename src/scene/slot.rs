@@ -117,7 +117,8 @@ pub(super) fn read<T: for<'a> Deserialize<'a>>(
     options().from_str(value).map_err(refused)
 }
 
-/// The form of values of a type: the reader says which names it knows, and values of other forms are tried.
+/// The form of values of a type: the reader says which names it knows, and values of other forms
+/// are tried.
 fn form<T: for<'a> Deserialize<'a>>() -> Option<String> {
     let reads = |text: &str| options().from_str::<T>(text);
     if let Err(RonError::NoSuchEnumVariant { expected, .. }) =

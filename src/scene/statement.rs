@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 /// A scene: a problem, its runs and sweeps, and their pictures.
 ///
-/// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON: first with the text of its problem, `P`, which the catalogue then replaces by
-/// the [`Problem`] of that name.
+/// [`Catalogue::parse`](super::Catalogue::parse) reads a scene from RON: first with the text of its
+/// problem, `P`, which the catalogue then replaces by the [`Problem`] of that name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene<P = Problem> {
@@ -23,15 +23,17 @@ pub struct Scene<P = Problem> {
     /// The problem and its terms.
     #[serde(default)]
     pub problem: P,
-    /// The file that states the problem's equations, in place of `problem`; `None` once it has been read.
+    /// The file that states the problem's equations, in place of `problem`; `None` once it has been
+    /// read.
     #[serde(default, skip_serializing)]
     pub model: Option<String>,
-    /// Values of parameters at the start, where they differ from the problem's defaults; all of them, if it has none.
-    /// A value may be a formula of numbers, `"8/3"`.
+    /// Values of parameters at the start, where they differ from the problem's defaults; all of
+    /// them, if it has none. A value may be a formula of numbers, `"8/3"`.
     #[serde(default, deserialize_with = "values", skip_serializing_if = "is_default")]
     pub parameters: Vec<(String, f64)>,
-    /// The relative error asked of special points, and of ends at bounds: of the parameters that vary
-    /// along their branch, and of the columns that the setting `settle` names. The cheapest orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
+    /// The relative error asked of special points, and of ends at bounds: of the parameters that
+    /// vary along their branch, and of the columns that the setting `settle` names. The cheapest
+    /// orders, modes, meshes or tolerances that meet it are chosen, in place of stated ones, and
     /// special points are not refined on others.
     #[serde(skip_serializing_if = "is_default")]
     pub accuracy: Option<f64>,
@@ -61,25 +63,28 @@ pub struct Run {
     /// Where it starts.
     #[serde(default, skip_serializing_if = "is_default")]
     pub start: Start,
-    /// The local map near a grazing of which fixed or periodic points are followed, in place of orbits of the flow.
+    /// The local map near a grazing of which fixed or periodic points are followed, in place of
+    /// orbits of the flow.
     #[serde(skip_serializing_if = "is_default")]
     pub local: Option<Local>,
-    /// Whether each iterate of a point of the local map impacts: none, of fixed points before the surface. A start
-    /// from another run goes on with its iterates.
+    /// Whether each iterate of a point of the local map impacts: none, of fixed points before the
+    /// surface. A start from another run goes on with its iterates.
     #[serde(default, skip_serializing_if = "is_default")]
     pub impacts: Vec<bool>,
-    /// The curve of folds (`LP`) or period doublings (`PD`) that begins at the grazing of the local map, by its Taylor
-    /// series to the map's order, in place of points of the map: released is one of its two parameters.
+    /// The curve of folds (`LP`) or period doublings (`PD`) that begins at the grazing of the local
+    /// map, by its Taylor series to the map's order, in place of points of the map: released is one
+    /// of its two parameters.
     #[serde(skip_serializing_if = "is_default")]
     pub expanded: Option<Kind>,
     /// The kind of special point that is held along the curve, where it is a curve of events.
     #[serde(skip_serializing_if = "is_default")]
     pub hold: Option<Kind>,
-    /// The parameter or monitor that is held at a level along the curve, where it is a curve of marks.
+    /// The parameter or monitor that is held at a level along the curve, where it is a curve of
+    /// marks.
     #[serde(skip_serializing_if = "is_default")]
     pub hold_level: Option<(String, f64)>,
-    /// The parameters that are released, the continued one first, with their ranges. A simulation that
-    /// releases none is kept as a history.
+    /// The parameters that are released, the continued one first, with their ranges. A simulation
+    /// that releases none is kept as a history.
     #[serde(default, skip_serializing_if = "is_default")]
     pub along: Vec<Range>,
     /// Bounds of parameters and monitors, where the branch ends.
@@ -88,11 +93,12 @@ pub struct Run {
     /// Values of parameters and monitors that are marked.
     #[serde(default, skip_serializing_if = "is_default")]
     pub marks: Vec<(String, f64)>,
-    /// Values of monitors at which a solution touches something, marked as grazings (`G`). The branch goes
-    /// on behind them, as if nothing were touched.
+    /// Values of monitors at which a solution touches something, marked as grazings (`G`). The
+    /// branch goes on behind them, as if nothing were touched.
     #[serde(default, skip_serializing_if = "is_default")]
     pub grazings: Vec<(String, f64)>,
-    /// Whether the branch goes on where solutions graze, and pass through surfaces beyond: virtual ones.
+    /// Whether the branch goes on where solutions graze, and pass through surfaces beyond: virtual
+    /// ones.
     #[serde(default, skip_serializing_if = "is_default")]
     pub beyond_grazings: bool,
     /// Which way it is traced.
@@ -215,10 +221,11 @@ pub struct Sweep {
     /// The differences from the scene, as `--set` gives them: parameters by name.
     #[serde(default)]
     pub set: Vec<(String, String)>,
-    /// The local map near a grazing that is iterated, in place of motion. Its states are deviations from the
-    /// grazing.
+    /// The local map near a grazing that is iterated, in place of motion. Its states are deviations
+    /// from the grazing.
     pub local: Option<Local>,
-    /// The event just after which motion is sampled, of a hybrid system without forcing. Periods are returns to it then.
+    /// The event just after which motion is sampled, of a hybrid system without forcing. Periods
+    /// are returns to it then.
     #[serde(default)]
     pub at: Option<String>,
     /// The parameters, or states in which motion begins, that vary; the last one varies fastest.
@@ -226,12 +233,12 @@ pub struct Sweep {
     /// Where runs begin.
     #[serde(default)]
     pub order: Order,
-    /// In how many strands, each from its start, the axis is divided where runs follow each other: they are done
-    /// at the same time.
+    /// In how many strands, each from its start, the axis is divided where runs follow each other:
+    /// they are done at the same time.
     #[serde(default = "one")]
     pub strands: usize,
-    /// The states in which motion begins by name, where they are not zero: each makes a sweep of its own. By default
-    /// one, at rest.
+    /// The states in which motion begins by name, where they are not zero: each makes a sweep of
+    /// its own. By default one, at rest.
     #[serde(default)]
     pub starts: Vec<Vec<(String, f64)>>,
     /// How runs are followed.

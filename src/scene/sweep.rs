@@ -27,7 +27,8 @@ pub trait SweepWatch {
     /// The time that the sweep that begins may take.
     fn work(&mut self, _work: &Work) {}
 
-    /// What is asked between any two periods of every run: where it is false, runs that are not done are given up.
+    /// What is asked between any two periods of every run: where it is false, runs that are not
+    /// done are given up.
     fn goes_on(&self) -> fn() -> bool {
         || true
     }
@@ -41,7 +42,8 @@ pub trait SweepWatch {
 impl SweepWatch for () {}
 
 impl Sweep {
-    /// The numbers of runs of its strands, in order; with another number of strands, if one is given.
+    /// The numbers of runs of its strands, in order; with another number of strands, if one is
+    /// given.
     fn strand_lengths(&self, strands: Option<usize>) -> impl Iterator<Item = usize> {
         let points = self.over.iter().try_fold(1, |points, grid| grid.count.checked_mul(points));
         // More are refused before they are done.
@@ -67,8 +69,8 @@ impl Scene {
         self.divided(parts, None)
     }
 
-    /// How many strands, if all sweeps are set to have them, divide more evenly into `parts` parts, and the number of
-    /// runs in the largest part then.
+    /// How many strands, if all sweeps are set to have them, divide more evenly into `parts` parts,
+    /// and the number of runs in the largest part then.
     pub fn better_strands(&self, parts: usize) -> Option<(usize, usize)> {
         let followed = || self.sweeps.iter().filter(|sweep| sweep.order != Order::Anew);
         let chains: usize = followed().map(|sweep| sweep.starts.len().max(1)).sum();

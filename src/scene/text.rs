@@ -34,7 +34,8 @@ pub(super) fn kind_of(name: &str) -> Option<(&'static str, &'static [&'static st
 /// The name under which a scene gives a file of equations.
 const FILE: &str = "model";
 
-/// The problem whose equations and settings stand together in brackets, `part`, which begins in the scene's text at `at`.
+/// The problem whose equations and settings stand together in brackets, `part`, which begins in the
+/// scene's text at `at`.
 pub(super) fn stated(
     scene: SceneText,
     (kind, fields): (&'static str, &[&'static str]),
@@ -198,7 +199,8 @@ fn settings_of(kind: &str) -> Vec<String> {
     }
 }
 
-/// A named part of what stands in brackets, with where it stands: from its name to the comma behind it.
+/// A named part of what stands in brackets, with where it stands: from its name to the comma behind
+/// it.
 struct Field<'a> {
     name: String,
     value: &'a str,
@@ -261,7 +263,8 @@ impl Problem {
     /// The problem that a file states: RON, or a file of XPPAUT's; with default settings.
     ///
     /// # Errors
-    /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that cannot be understood.
+    /// [`SceneError::File`] for a file that cannot be read, [`SceneError::Model`] for one that
+    /// cannot be understood.
     pub fn from_file(path: &Path, given: &[String]) -> Result<Self, SceneError> {
         let scene = SceneText { text: "", folder: Some(Path::new("")) };
         with_default_settings(scene, &path.to_string_lossy(), given)

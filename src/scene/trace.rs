@@ -19,7 +19,8 @@ use crate::output::Document;
 use cpu_time::ThreadTime;
 use std::ops::ControlFlow;
 
-/// The results of a scene: all branches that were traced, and the error that stopped it, if one did.
+/// The results of a scene: all branches that were traced, and the error that stopped it, if one
+/// did.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The branches that are shown.
@@ -306,7 +307,8 @@ fn conditions<'a>(mut curve: Continuation<'a>, run: &Run) -> Continuation<'a> {
     }
 }
 
-/// The unknowns of a guess: the same value all over a group; where none is given, the one in which the problem begins.
+/// The unknowns of a guess: the same value all over a group; where none is given, the one in which
+/// the problem begins.
 fn guess(
     system: &dyn System,
     values: &[(String, f64)],

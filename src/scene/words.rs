@@ -5,7 +5,8 @@ use super::statement::Scene;
 use crate::output::{Invalid, entry, text};
 
 impl Scene {
-    /// Refuses control characters, and names of sweeps that cannot be those of entries in an archive.
+    /// Refuses control characters, and names of sweeps that cannot be those of entries in an
+    /// archive.
     pub(super) fn check_words(&self) -> Result<(), SceneError> {
         self.words().map_err(|Invalid { place, found, rule }| SceneError::Invalid {
             place,

@@ -1,5 +1,5 @@
-//! Forward dual numbers against finite differences: the derivative of a period with an impact, its multipliers, and a
-//! fold.
+//! Forward dual numbers against finite differences: the derivative of a period with an impact, its
+//! multipliers, and a fold.
 
 use super::differences::{By, IMPACTING};
 use super::fold;

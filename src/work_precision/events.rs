@@ -1,4 +1,5 @@
-//! A grazing by repeated simulation, with the largest displacement on a mesh or inside of steps, and by its defining system.
+//! A grazing by repeated simulation, with the largest displacement on a mesh or inside of steps,
+//! and by its defining system.
 
 use super::period::{Period, parameters};
 use super::plan::{Answer, Method, Plan};

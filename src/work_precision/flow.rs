@@ -1,4 +1,5 @@
-//! Integrators: on the stick of Mita's actuator, over an impacting period, on a stiff field; and on dual numbers.
+//! Integrators: on the stick of Mita's actuator, over an impacting period, on a stiff field; and on
+//! dual numbers.
 
 use super::period::{PERIOD, parameters};
 use super::plan::{Answer, Method, Plan};

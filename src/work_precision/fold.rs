@@ -1,8 +1,10 @@
-//! The fold of orbits with an impact a period: the solution of `f(x, V) − x = 0`, `det(∂f/∂x − I) = 0` in state and
-//! voltage by Newton's method, with derivatives of first and second order by dual numbers or by differences.
+//! The fold of orbits with an impact a period: the solution of `f(x, V) − x = 0`,
+//! `det(∂f/∂x − I) = 0` in state and voltage by Newton's method, with derivatives of first and
+//! second order by dual numbers or by differences.
 //!
-//! Along the curve of orbits the voltage is stationary at the fold. So its error is the square of that with which the
-//! state is found, and digits of the determinant that differences lose are lost in the state first.
+//! Along the curve of orbits the voltage is stationary at the fold. So its error is the square of
+//! that with which the state is found, and digits of the determinant that differences lose are lost
+//! in the state first.
 
 use super::differences::{By, Differences, IMPACTING};
 use super::orbit;
@@ -13,7 +15,8 @@ use crate::core::scalar::Scalar;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::ops::Range;
 
-/// Displacement and velocity where a period begins, and voltage, so near to the fold that Newton's method goes there.
+/// Displacement and velocity where a period begins, and voltage, so near to the fold that Newton's
+/// method goes there.
 const NEAR: [f64; 3] = [0.033, -0.476, 0.1765];
 
 /// The map at a voltage, in the scalar type of the voltage.

@@ -1,8 +1,8 @@
 //! Work-precision diagrams: error of methods against the CPU time that they take.
 //!
-//! A [`Plan`] states a problem, the reference method, and the methods that solve the problem, each with settings of growing
-//! effort. [`measure`] runs them: every answer and every time is measured by running the method, and every error is the
-//! distance from the reference.
+//! A [`Plan`] states a problem, the reference method, and the methods that solve the problem, each
+//! with settings of growing effort. [`measure`] runs them: every answer and every time is measured
+//! by running the method, and every error is the distance from the reference.
 
 mod circumstances;
 mod derivatives;

@@ -33,7 +33,8 @@ const REACTION: &str = r#"Equations(states: [
     ("y3", "y3*(16.5 - y1 - y3/2) + 0.1"),
 ])"#;
 
-/// What motions of the impact oscillator settle on, orbits with an impact a period; its problem is put in.
+/// What motions of the impact oscillator settle on, orbits with an impact a period; its problem is
+/// put in.
 const SWEEP: &str = r#"Scene(
     title: "Impacts",
     problem: PROBLEM,

@@ -1,10 +1,12 @@
-//! A fold, a period doubling and a grazing of Mita's actuator: which method, how many segments, which mesh.
+//! A fold, a period doubling and a grazing of Mita's actuator: which method, how many segments,
+//! which mesh.
 
 use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, tracing};
 use crate::core::continuation::Kind;
 
-/// Orbits with an impact a period at ω = 0.5, from their grazing by way of the fold to the period doubling.
+/// Orbits with an impact a period at ω = 0.5, from their grazing by way of the fold to the period
+/// doubling.
 const ORBITS: &str = r#"Scene(
     title: "Orbits with an impact a period",
     problem: Mita(),

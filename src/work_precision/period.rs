@@ -1,4 +1,5 @@
-//! Mita's actuator below its impacts and with one a period, as maps over a period of the forcing, on any numbers.
+//! Mita's actuator below its impacts and with one a period, as maps over a period of the forcing,
+//! on any numbers.
 
 use crate::core::flow::{Extrema, Flow, Scheme, Settings};
 use crate::core::hybrid::{EventNumber, GuardOf, HybridFlow, HybridSettings, HybridState, InMode};
@@ -116,8 +117,8 @@ impl Period {
         Err(format!("Newton's method finds no orbit at the voltage {}", self.p[0]))
     }
 
-    /// The largest displacement within the period from a state, as if there were no stopper: the true one, or that on
-    /// a mesh of so many parts.
+    /// The largest displacement within the period from a state, as if there were no stopper: the
+    /// true one, or that on a mesh of so many parts.
     pub fn largest(self, x: [f64; 2], mesh: Option<usize>) -> Result<f64, String> {
         let settings = Settings::new(Scheme::DormandPrince8, self.tolerance);
         let mut flow = Flow::<f64>::new(settings).map_err(|cause| cause.to_string())?;

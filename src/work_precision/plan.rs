@@ -53,7 +53,8 @@ impl Method {
     }
 }
 
-/// Why a work-precision diagram could not be measured: the method fails with whose result all others are compared.
+/// Why a work-precision diagram could not be measured: the method fails with whose result all
+/// others are compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[error("the reference fails, {method}, {setting}: {cause}")]

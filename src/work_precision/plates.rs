@@ -4,7 +4,8 @@ use super::plan::{Method, Plan};
 use super::scenes::{Counted, Sought, number_of, tracing};
 use crate::core::continuation::Kind;
 
-/// A supported square plate with twice its thickness as gap, through pull-in; special points are not refined.
+/// A supported square plate with twice its thickness as gap, through pull-in; special points are
+/// not refined.
 pub(super) const PLATE: &str = r#"Scene(
     title: "A supported plate",
     problem: Plate(supports: "SSSS", in_plane: slide),

@@ -177,7 +177,8 @@ impl BoundaryProblem for Lin {
     }
 }
 
-/// `obv`: the optimality system of Bratu's problem with further coefficients, `J = ∫(u − 1)² + |l|²/10`.
+/// `obv`: the optimality system of Bratu's problem with further coefficients,
+/// `J = ∫(u − 1)² + |l|²/10`.
 pub struct Obv;
 
 impl BoundaryProblem for Obv {

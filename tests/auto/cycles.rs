@@ -98,7 +98,8 @@ fn pp2(v: Variant, report: &mut Report) -> Outcome {
 fn abc(v: Variant, report: &mut Report) -> Outcome {
     let branch = rest(Abc, &[0.0; 3], &[], ("D", [0.0, 0.4]), v)?;
     let folds = [0.21369736921861, 0.21190327712342, 0.22496206553865];
-    // The first and the last Hopf point, and the second and the third, are the two ends of two families.
+    // The first and the last Hopf point, and the second and the third, are the two ends of two
+    // families.
     let expected: [&[f64]; 4] = [&folds[..2], &folds[2..], &folds[2..], &folds[..2]];
     for (index, folds) in expected.iter().enumerate() {
         let family = cycles(Abc, (&branch, index), ("D", [0.1, 0.4]), (40, 100.0), v)?;
@@ -118,7 +119,8 @@ fn plp(v: Variant, report: &mut Report) -> Outcome {
     let folds = [2.7596874554986, 5.0078397607629];
     report.points(&family, Kind::LP, "rho", &folds, 1e-9);
     report.points(&family, Kind::HB, "rho", &[4.6504578126027], 1e-9);
-    // Two-parameter curve of folds, which ends on the Hopf curve, where its first Lyapunov coefficient vanishes.
+    // Two-parameter curve of folds, which ends on the Hopf curve, where its first Lyapunov
+    // coefficient vanishes.
     let label = family.of_kind(Kind::LP).next().ok_or("no fold")?.label;
     let mut system = orbits(Plp, 20, v)?;
     let curve = Continuation::of(&mut system)

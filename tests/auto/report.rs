@@ -62,7 +62,8 @@ impl Report {
         }
     }
 
-    /// A branch has exactly these points of a kind, by the values of a column, each of them converged.
+    /// A branch has exactly these points of a kind, by the values of a column, each of them
+    /// converged.
     pub fn points(
         &mut self,
         branch: &Branch,

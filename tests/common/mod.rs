@@ -30,8 +30,8 @@ pub fn agree(found: &[f64], expected: &[f64], tolerance: f64) {
     }
 }
 
-/// Asserts that errors fall with the power `order` of a step: `measured` are steps and errors, and in each of at least
-/// three refinements the exponent is within 10 % of the order.
+/// Asserts that errors fall with the power `order` of a step: `measured` are steps and errors, and
+/// in each of at least three refinements the exponent is within 10 % of the order.
 #[track_caller]
 pub fn falls_with_order(what: &str, measured: &[(f64, f64)], order: f64) {
     let exponent =

@@ -1,5 +1,5 @@
-//! Branches against simulations: motion that is disturbed a little comes back to an orbit exactly where the orbit is called
-//! admissible and stable.
+//! Branches against simulations: motion that is disturbed a little comes back to an orbit exactly
+//! where the orbit is called admissible and stable.
 
 use std::ops::ControlFlow;
 use tangency::core::continuation::{Branch, Kind, SpecialPoint};
@@ -116,8 +116,8 @@ pub fn middle(
     (orbit.middle, orbit.period)
 }
 
-/// How many of the marked orbits of a branch attract, how many are unstable, how many virtual, and for how many it takes too long
-/// to tell. Asserts that simulations and the branch agree.
+/// How many of the marked orbits of a branch attract, how many are unstable, how many virtual, and
+/// for how many it takes too long to tell. Asserts that simulations and the branch agree.
 #[track_caller]
 pub fn settling(system: &dyn HybridEquations, branch: &Branch) -> [usize; 4] {
     let mut counts = [0; 4];

@@ -140,7 +140,8 @@ fn oxidation_fold_curve() {
     close(k[0], 0.7223391, 5e-8);
     close(q2[1], 1.4176276, 5e-8);
     close(k[1], 0.9713976, 5e-8);
-    // Both branches of the curve leave the cusp with the other fold of the slice k = 0.4 among them.
+    // Both branches of the curve leave the cusp with the other fold of the slice k = 0.4 among
+    // them.
     let again = Continuation::of(&mut system)
         .restart(&curve, cusp.label)
         .hold(Kind::LP)
@@ -154,8 +155,8 @@ fn oxidation_fold_curve() {
     close(folds[1], 1.0522002878700, 1e-13);
 }
 
-/// Curves of Hopf points: the Routh–Hurwitz determinant vanishes all along them, and each ends where
-/// its frequency vanishes, in a Bogdanov–Takens point of the fold curve.
+/// Curves of Hopf points: the Routh–Hurwitz determinant vanishes all along them, and each ends
+/// where its frequency vanishes, in a Bogdanov–Takens point of the fold curve.
 #[test]
 fn oxidation_hopf_curves() {
     let mut system = Dense::new(Oxidation);
@@ -293,8 +294,8 @@ impl ZeroProblem for Line {
     }
 }
 
-/// On the line, `x y = p² q = 2`: found on the branch with q = 1 at p = √2, in one direction or both,
-/// and held along `q = 2/p²`.
+/// On the line, `x y = p² q = 2`: found on the branch with q = 1 at p = √2, in one direction or
+/// both, and held along `q = 2/p²`.
 #[test]
 fn a_users_condition_is_found_and_held() {
     let mut system = Dense::new(Line);

@@ -1,5 +1,5 @@
-//! Promise: a branch does not depend on units, ends for a reason that is typed, is recognised when it
-//! closes, and can be restarted from any of its labels.
+//! Promise: a branch does not depend on units, ends for a reason that is typed, is recognised when
+//! it closes, and can be restarted from any of its labels.
 
 use crate::common::{
     Bratu, Circle, CuspForm, CuspSlice, Oxidation, PredatorPrey, close, first, values,
@@ -91,7 +91,8 @@ fn units_do_not_matter_at_vanishing_unknowns() {
     }
 }
 
-/// A circle closes from whichever point one starts, is traced once, and has its two folds once each.
+/// A circle closes from whichever point one starts, is traced once, and has its two folds once
+/// each.
 #[test]
 fn closed_curves_are_recognised() {
     for angle in [0.0, 0.3, 1.0, 1.5, 2.0, 3.0, 4.5, 5.9] {
@@ -336,8 +337,8 @@ fn landmarks(branch: &Branch, kinds: &[Kind]) -> Vec<(Kind, f64)> {
     found
 }
 
-/// A branch restarted from any of its labels has the same ends and, but for the label that it starts
-/// from, the same special points.
+/// A branch restarted from any of its labels has the same ends and, but for the label that it
+/// starts from, the same special points.
 #[test]
 fn restarts_reproduce_the_branch() {
     let mut system = Dense::new(PredatorPrey);

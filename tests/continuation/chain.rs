@@ -1,4 +1,5 @@
-//! Promise: a chain of intervals is solved as its dense matrix would be, at a cost linear in their number.
+//! Promise: a chain of intervals is solved as its dense matrix would be, at a cost linear in their
+//! number.
 
 use proptest::prelude::*;
 use tangency::core::linear::{BorderedLu, Chain, multipliers};
@@ -161,8 +162,8 @@ fn shapes() -> impl Strategy<Value = (Problem, Vec<f64>)> {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
 
-    /// Both solutions have the residual of a backward stable method, and the sign of the determinant is that
-    /// of the dense matrix.
+    /// Both solutions have the residual of a backward stable method, and the sign of the
+    /// determinant is that of the dense matrix.
     #[test]
     fn a_chain_is_its_dense_matrix((problem, right) in shapes()) {
         let mut chain = problem.chain();
@@ -245,7 +246,8 @@ fn relative_error(computed: (f64, f64), exact: f64) -> f64 {
     (computed.0 / exact - 1.0).hypot(computed.1 / exact)
 }
 
-/// Multipliers over many orders of magnitude, as accurate as documented whatever the number of intervals.
+/// Multipliers over many orders of magnitude, as accurate as documented whatever the number of
+/// intervals.
 #[test]
 fn multipliers_far_from_one_are_accurate() {
     let cases: [&[f64]; 6] = [
@@ -270,7 +272,8 @@ fn multipliers_far_from_one_are_accurate() {
     }
 }
 
-/// A few intervals: the transfer matrices themselves keep the smallest multiplier to 10⁻¹⁶ times the growth.
+/// A few intervals: the transfer matrices themselves keep the smallest multiplier to 10⁻¹⁶ times
+/// the growth.
 #[test]
 fn multipliers_of_few_intervals() {
     for intervals in [1, 3] {
@@ -330,8 +333,9 @@ fn complex_infinite_and_vanishing_multipliers() {
     assert!(matches!(undefined, Err(Failure::NotFinite { .. })), "{undefined:?}");
 }
 
-/// Growth by 10⁶ and decay by 10⁻⁶ in each of 20 intervals, with the decaying part given at the left end
-/// and the growing one at the right: exact to the last digits, and as the dense factorisation has it.
+/// Growth by 10⁶ and decay by 10⁻⁶ in each of 20 intervals, with the decaying part given at the
+/// left end and the growing one at the right: exact to the last digits, and as the dense
+/// factorisation has it.
 #[test]
 fn dichotomic_conditions_are_solved_accurately() {
     let (intervals, n) = (20, 2);
@@ -372,8 +376,9 @@ fn dichotomic_conditions_are_solved_accurately() {
     }
 }
 
-/// The problem on which Gaussian elimination with plain partial pivoting fails, by growth that is exponential
-/// in the number of intervals (Wright, SIAM J. Sci. Comput. 14 (1993) 231): `x' = [−1/6 1; 1 −1/6] x`.
+/// The problem on which Gaussian elimination with plain partial pivoting fails, by growth that is
+/// exponential in the number of intervals (Wright, SIAM J. Sci. Comput. 14 (1993) 231):
+/// `x' = [−1/6 1; 1 −1/6] x`.
 #[test]
 fn wrights_problem_is_solved() {
     let (intervals, h) = (400, 0.3_f64);
@@ -396,7 +401,8 @@ fn wrights_problem_is_solved() {
     }
 }
 
-/// Units of states, from nanometres to kilovolts, and of equations change neither the verdict nor the digits.
+/// Units of states, from nanometres to kilovolts, and of equations change neither the verdict nor
+/// the digits.
 #[test]
 fn units_do_not_matter() {
     let mut seed = 0.3_f64;
@@ -439,7 +445,8 @@ fn singular_chains_are_refused() {
         seed - 0.5
     });
     let wide = problem.each() + problem.states;
-    // An inner value that occurs in no equation; one that occurs in none on either side of a shared node.
+    // An inner value that occurs in no equation; one that occurs in none on either side of a shared
+    // node.
     for (interval, column) in [(2, Some(3)), (2, None), (0, Some(2))] {
         let mut singular = problem.clone();
         for r in 0..problem.equations() {
@@ -486,7 +493,8 @@ fn nothing_is_allocated_after_the_first_factorisation() {
     assert_eq!(counted.count_total, 0);
 }
 
-/// Eight times the intervals are eight times the numbers of a factorisation, each of which belongs to one interval.
+/// Eight times the intervals are eight times the numbers of a factorisation, each of which belongs
+/// to one interval.
 #[test]
 fn the_size_is_linear_in_the_intervals() {
     let bytes = |intervals: usize| {

@@ -26,8 +26,8 @@ impl VectorField for Brusselator {
     }
 }
 
-/// Both sorts of monitors are columns behind the problem's own, and end a branch at a bound: with a gradient to rounding,
-/// without one to the accuracy of bracketing.
+/// Both sorts of monitors are columns behind the problem's own, and end a branch at a bound: with a
+/// gradient to rounding, without one to the accuracy of bracketing.
 #[test]
 fn attached_monitors_are_columns_and_bounds() {
     for smooth in [false, true] {
@@ -68,8 +68,8 @@ fn attached_monitors_are_refused_where_they_mean_nothing() {
     assert_eq!(refused, TraceError::SameName { what: "monitors", name: "size".into() });
 }
 
-/// An event on dual numbers is finished by Newton's iteration, also on finer meshes of an orbit; one without a gradient is
-/// the same point, as well as its mesh knows it.
+/// An event on dual numbers is finished by Newton's iteration, also on finer meshes of an orbit;
+/// one without a gradient is the same point, as well as its mesh knows it.
 #[test]
 fn events_on_orbits_agree_with_and_without_a_gradient() {
     let mut orbits = periodic_orbits(Lure, 20, Collocation::new(4).unwrap()).unwrap();
@@ -95,7 +95,8 @@ fn events_on_orbits_agree_with_and_without_a_gradient() {
     }
 }
 
-/// Special points carry their own numbers: here the frequency of a Hopf point, on a branch and along a curve.
+/// Special points carry their own numbers: here the frequency of a Hopf point, on a branch and
+/// along a curve.
 #[test]
 fn hopf_points_have_their_frequency() {
     let mut field = Dense::new(Equilibria(Brusselator));

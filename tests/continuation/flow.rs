@@ -1,4 +1,5 @@
-//! Promise: flows are those of exact solutions, to the tolerance asked for, and so are their derivatives.
+//! Promise: flows are those of exact solutions, to the tolerance asked for, and so are their
+//! derivatives.
 
 use crate::common::falls_with_order;
 use num_dual::{Dual64, DualNum, DualSVec64, HyperDual64};
@@ -79,7 +80,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// `x'' + c x' + x = cos ωt` from rest: amplitude and phase of the forced part, decay of the free one.
+/// `x'' + c x' + x = cos ωt` from rest: amplitude and phase of the forced part, decay of the free
+/// one.
 fn forced<T: Scalar>(t: T, omega: T, c: T) -> [T; 2] {
     let (a, b) = (T::one() - omega * omega, c * omega);
     let square = a * a + b * b;
@@ -143,8 +145,8 @@ fn orders_are_those_of_theory() {
     }
 }
 
-/// The error within one step from an exact state: `h^(order + 1)` by a shorter step, and that of the
-/// interpolant by dense output.
+/// The error within one step from an exact state: `h^(order + 1)` by a shorter step, and that of
+/// the interpolant by dense output.
 #[test]
 fn orders_within_a_step_are_those_of_theory() {
     for (scheme, dense, h) in [
@@ -219,7 +221,8 @@ fn mita_costs_what_is_claimed() {
 
 type Four = DualSVec64<4>;
 
-/// Mita's block with derivatives by both states and both parameters, over a period that depends on one.
+/// Mita's block with derivatives by both states and both parameters, over a period that depends on
+/// one.
 fn with_derivatives(flow: &mut Flow<Four>) -> ([Four; 2], Statistics) {
     let mut x = [Four::from(0.1).derivative(0), Four::from(0.2).derivative(1)];
     let p = [Four::from(0.2).derivative(2), Four::from(0.45).derivative(3), Four::from(0.04)];
@@ -258,7 +261,8 @@ fn derivatives_may_control_the_step() {
     );
 }
 
-/// First derivatives of a linear forced oscillator by time, frequency and damping: those of the closed form.
+/// First derivatives of a linear forced oscillator by time, frequency and damping: those of the
+/// closed form.
 #[test]
 fn variational_flows_are_derivatives_of_closed_forms() {
     type Three = DualSVec64<3>;
@@ -295,7 +299,8 @@ fn nested_duals_carry_second_derivatives() {
     }
 }
 
-/// `x = sin t + a sin 3t` as a flow: extrema at the ends of steps, inside them, and two close together.
+/// `x = sin t + a sin 3t` as a flow: extrema at the ends of steps, inside them, and two close
+/// together.
 struct TwoTones;
 impl VectorField for TwoTones {
     fn names(&self) -> Names {
@@ -342,8 +347,8 @@ fn extrema_are_found_with_their_derivatives() {
     }
 }
 
-/// Rates 0.04, 3e7 and 1e4 (Robertson 1966); the values at 1e11 are those of the test set of Mazzia and
-/// Magherini (2008).
+/// Rates 0.04, 3e7 and 1e4 (Robertson 1966); the values at 1e11 are those of the test set of Mazzia
+/// and Magherini (2008).
 #[test]
 fn robertson_is_integrated_to_the_end() {
     field! {
@@ -364,7 +369,8 @@ fn robertson_is_integrated_to_the_end() {
     assert!(statistics.accepted < 1500, "{statistics:?}");
 }
 
-/// `x' = λ(x − a cos t) − a sin t`: the flow is `a cos t` for every λ, and so is its derivative by `a`.
+/// `x' = λ(x − a cos t) − a sin t`: the flow is `a cos t` for every λ, and so is its derivative by
+/// `a`.
 #[test]
 fn stiff_flows_have_derivatives_too() {
     field! {

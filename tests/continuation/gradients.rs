@@ -122,7 +122,8 @@ proptest! {
         }
     }
 
-    /// Gradients of every condition against differences of its values, by `x` and by its own unknowns.
+    /// Gradients of every condition against differences of its values, by `x` and by its own
+    /// unknowns.
     #[test]
     fn gradients_of_conditions(problem in polynomial(), x in numbers(LENGTH), y in 0.2..2.0_f64) {
         let conditions: Vec<Box<dyn Condition>> = vec![
@@ -153,7 +154,8 @@ proptest! {
             if value.iter().any(|v| v.abs() > 1e3) {
                 continue;
             }
-            // Differences and how far they can be relied on: little where the border is badly conditioned.
+            // Differences and how far they can be relied on: little where the border is badly
+            // conditioned.
             let by = |at: &[f64], d: &[f64], f: &mut dyn FnMut(&[f64]) -> Vec<f64>| {
                 let [long, short] = [2.0 * H, H].map(|h| difference(at, d, h, &mut *f));
                 let doubt = long.iter().zip(&short).map(|(a, b)| (a - b).abs());

@@ -19,7 +19,8 @@ impl ZeroProblem for Pitchforks {
     }
 }
 
-/// One row for each point, also where a step begins or ends on it, and none for Newton's failure at it.
+/// One row for each point, also where a step begins or ends on it, and none for Newton's failure at
+/// it.
 #[test]
 fn multiplicities_are_counted() {
     let cases = [

@@ -1,4 +1,5 @@
-//! Promise: Newton's iteration converges quadratically, and where it fails it says why, with the numbers that decide.
+//! Promise: Newton's iteration converges quadratically, and where it fails it says why, with the
+//! numbers that decide.
 
 use crate::common::{close, falls_with_order, first};
 use tangency::core::continuation::{Continuation, End, Kind, TraceError};
@@ -72,7 +73,8 @@ fn converges_to_its_tolerance() {
     assert!(report.iterations <= 5 && report.correction <= 1e-6, "{report:?}");
 }
 
-/// An error is the square of the one before, times a constant: `log eₖ₊₁` against `log eₖ` has the slope 2.
+/// An error is the square of the one before, times a constant: `log eₖ₊₁` against `log eₖ` has the
+/// slope 2.
 #[test]
 fn convergence_is_quadratic() {
     let error = |iterations: usize| {
@@ -166,8 +168,8 @@ fn a_branch_into_nan_is_kept() {
     close(branch.points.last().unwrap().parameters[0], 1.0, 1e-5);
 }
 
-/// With the load fixed, Newton fails beyond the pull-in load 4/27, does not reach it in good order, and
-/// needs ever more iterations on the way; by arclength the same branch passes.
+/// With the load fixed, Newton fails beyond the pull-in load 4/27, does not reach it in good order,
+/// and needs ever more iterations on the way; by arclength the same branch passes.
 #[test]
 fn load_control_fails_at_the_fold_where_arclength_passes() {
     let limit: f64 = 4.0 / 27.0;

@@ -26,7 +26,8 @@ impl Tree {
         self.order() as f64 * self.0.iter().map(Tree::density).product::<f64>()
     }
 
-    /// `Φ_i(t)` of all stages; a vertex with one branch uses the matrix `chain`, one with more `fork`.
+    /// `Φ_i(t)` of all stages; a vertex with one branch uses the matrix `chain`, one with more
+    /// `fork`.
     fn weights(&self, fork: &[Vec<f64>], chain: &[Vec<f64>]) -> Vec<f64> {
         let matrix = if self.0.len() == 1 { chain } else { fork };
         let mut product = vec![1.0; matrix.len()];
@@ -155,8 +156,8 @@ fn stability_ends_where_the_tableaux_say() {
     }
 }
 
-/// Where the slope is constant, nothing but the Hermite part of dense output is left; the slope at the end of the step is
-/// in the error of the pair of order 5 only; and the step control is stable.
+/// Where the slope is constant, nothing but the Hermite part of dense output is left; the slope at
+/// the end of the step is in the error of the pair of order 5 only; and the step control is stable.
 #[test]
 fn what_follows_the_weights_is_consistent() {
     for (tableau, end_in_error) in [(&ORDER_EIGHT, false), (&ORDER_FIVE, true)] {

@@ -1,4 +1,5 @@
-//! Promise: steps are predicted and measured independently of units, and pairs of events within a step are found.
+//! Promise: steps are predicted and measured independently of units, and pairs of events within a
+//! step are found.
 
 #[path = "../../src/core/continuation/hermite.rs"]
 mod hermite;

@@ -9,8 +9,9 @@ use tangency::core::orbit::periodic_orbits;
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Discretised, Names, System, ZeroProblem};
 
-/// A clamped beam on a hardening foundation, `w'''' + w³ = λ`, in differences on `n` inner nodes: rounding of the
-/// residual, multiplied by a condition of `n⁴`, is larger than the tolerances by far.
+/// A clamped beam on a hardening foundation, `w'''' + w³ = λ`, in differences on `n` inner nodes:
+/// rounding of the residual, multiplied by a condition of `n⁴`, is larger than the tolerances by
+/// far.
 struct Beam(usize);
 
 impl ZeroProblem for Beam {
@@ -35,7 +36,8 @@ impl ZeroProblem for Beam {
     }
 }
 
-/// Where corrections are rounding above every tolerance, the branch goes on, and is as exact as arithmetic allows.
+/// Where corrections are rounding above every tolerance, the branch goes on, and is as exact as
+/// arithmetic allows.
 #[test]
 fn rounding_above_the_tolerance_does_not_end_a_branch() {
     let n = 319;

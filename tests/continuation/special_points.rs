@@ -312,8 +312,8 @@ fn the_order_of_monitors_does_not_decide_what_settles() {
     assert!(unknown.contains("`slop`") && unknown.contains("did you mean `slope`"), "{unknown}");
 }
 
-/// Special points are finished on finer grids, n = 7, 15, 31, 63, 127, and the error covers what the
-/// finest grid still is off; without refinement the answer is that of the coarse grid.
+/// Special points are finished on finer grids, n = 7, 15, 31, 63, 127, and the error covers what
+/// the finest grid still is off; without refinement the answer is that of the coarse grid.
 #[test]
 fn special_points_are_finished_on_finer_grids() {
     let coarse = bratu(7, 0.0);
@@ -386,7 +386,8 @@ impl Condition for Product {
     }
 }
 
-/// A condition that cannot be stated where a branch begins is detected from where it can: on `x² = μ² + 9` at `x = 5`, `μ = 4`.
+/// A condition that cannot be stated where a branch begins is detected from where it can: on
+/// `x² = μ² + 9` at `x = 5`, `μ = 4`.
 #[test]
 fn a_condition_is_asked_again_where_it_was_not_known() {
     for (from, found) in [(0.0, 1), (2.0, 1), (4.5, 0), (100.0, 0)] {

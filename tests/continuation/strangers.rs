@@ -17,7 +17,8 @@ fn step(max_step: f64) -> Settings {
     Settings { max_step, ..Settings::default() }
 }
 
-/// One unknown grows like `e^{8p}`; in the other one `w (w − p − ½) = 0`, so that branches cross at `p = −½`.
+/// One unknown grows like `e^{8p}`; in the other one `w (w − p − ½) = 0`, so that branches cross at
+/// `p = −½`.
 struct Grows;
 
 impl ZeroProblem for Grows {
@@ -87,7 +88,8 @@ impl ZeroProblem for CrossedCircle {
     }
 }
 
-/// The circle closes after one round, with two folds, from a branch point and from an ordinary point.
+/// The circle closes after one round, with two folds, from a branch point and from an ordinary
+/// point.
 #[test]
 fn closed_curves_close_wherever_they_are_entered() {
     let check = |curve: &Branch, crossings: usize| {
@@ -216,7 +218,8 @@ fn branch_points_near_each_other_are_found() {
     }
 }
 
-/// Swift and Hohenberg's equation `u_t = −(1 + ∂²)² u + l u + ν u² − u³` on `(0, 8π)`, by differences.
+/// Swift and Hohenberg's equation `u_t = −(1 + ∂²)² u + l u + ν u² − u³` on `(0, 8π)`, by
+/// differences.
 struct SwiftHohenberg;
 
 const NODES: usize = 96;

@@ -1,5 +1,5 @@
-//! Promise: what motions near a grazing settle on is what the local map, iterated, settles on: cycles, exponents and
-//! where attractors are lost.
+//! Promise: what motions near a grazing settle on is what the local map, iterated, settles on:
+//! cycles, exponents and where attractors are lost.
 
 use crate::common::close;
 use crate::grazing::points::{actuator, oscillator, settings};
@@ -17,7 +17,8 @@ fn at(x: &[f64]) -> HybridState<f64> {
     HybridState { mode: 0, time: 0.0, x: x.to_vec() }
 }
 
-/// The actuator's map in the voltage at ω = 0.485, of type II, to the fourth order, and its grazing voltage.
+/// The actuator's map in the voltage at ω = 0.485, of type II, to the fourth order, and its grazing
+/// voltage.
 fn map() -> (LocalMap, f64) {
     let point = actuator(0.1717414232, 0.485, 5.406828312).located(&Actuator, "voltage").unwrap();
     let map = LocalMap::of(&Actuator, &point, &["voltage"], settings(4)).unwrap();
@@ -64,7 +65,8 @@ fn both(beyond: f64, search: AttractorSearch) -> [Attractor; 2] {
     ]
 }
 
-/// Behind its period doubling, V = 0.176318773, P(1,1) attracts, and its exponent is that of the flow.
+/// Behind its period doubling, V = 0.176318773, P(1,1) attracts, and its exponent is that of the
+/// flow.
 #[test]
 fn cycles_have_their_exponents() {
     let [map, flow] = both(6e-3, AttractorSearch { transient: 1000, ..AttractorSearch::default() });
@@ -75,7 +77,8 @@ fn cycles_have_their_exponents() {
     close(map, flow, 5e-3 * flow.abs());
 }
 
-/// Chaos beyond grazing: both exponents are positive, and agree within their errors; so do the shares of impacts.
+/// Chaos beyond grazing: both exponents are positive, and agree within their errors; so do the
+/// shares of impacts.
 #[test]
 fn chaos_has_its_exponent() {
     let search = AttractorSearch {
@@ -92,8 +95,9 @@ fn chaos_has_its_exponent() {
     close(map.count("impact"), flow.count("front"), 0.02);
 }
 
-/// Downwards at ω = 0.4793, of type III, chaos is lost to the orbit without impacts before this grazes, as the map says
-/// and simulation: at the same voltage to the last steps of the bisection. (Grazing and fold are 7.3e-5 apart.)
+/// Downwards at ω = 0.4793, of type III, chaos is lost to the orbit without impacts before this
+/// grazes, as the map says and simulation: at the same voltage to the last steps of the bisection.
+/// (Grazing and fold are 7.3e-5 apart.)
 #[test]
 fn chaos_is_lost_where_the_map_says() {
     let point = actuator(0.178194172275, 0.4793, 2.12430317154 + std::f64::consts::PI);

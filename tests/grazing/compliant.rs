@@ -1,5 +1,6 @@
-//! Promise: at compliant stops the discontinuity map has the order in the penetration that theory says, with the coefficients of
-//! closed forms; the map agrees with event-driven simulation to its order, and the orbit goes on.
+//! Promise: at compliant stops the discontinuity map has the order in the penetration that theory
+//! says, with the coefficients of closed forms; the map agrees with event-driven simulation to its
+//! order, and the orbit goes on.
 
 use crate::common::close;
 use crate::grazing::orders::Case;
@@ -15,8 +16,8 @@ use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
 
-/// `x'' + 0.1 x' + x = A cos ωt − s(x − 1)`, where the stop at x = 1 presses by `s(z) = F + K z + L z²` from z = 0
-/// on, and lets go at z = −gap.
+/// `x'' + 0.1 x' + x = A cos ωt − s(x − 1)`, where the stop at x = 1 presses by
+/// `s(z) = F + K z + L z²` from z = 0 on, and lets go at z = −gap.
 struct Stop;
 
 /// A force without a preload, of a stiffness; one of the second degree; and one with a preload.
@@ -96,8 +97,9 @@ fn map_of(stop: [f64; 3], order: usize) -> LocalMap {
     LocalMap::of(&Stop, &grazing_orbit(stop).2, &["A"], settings(order)).unwrap()
 }
 
-/// With the deceleration `a = ω²` the stop is deep by `y² − a s²/2`, and its impulse moves the section in time:
-/// `−(4K/3a) √(2/a) y³` and `−(16L/15a) √(2/a) y⁵`. A preload makes the stay shorter, `−2F/(a + F) √(2/a) y`.
+/// With the deceleration `a = ω²` the stop is deep by `y² − a s²/2`, and its impulse moves the
+/// section in time: `−(4K/3a) √(2/a) y³` and `−(16L/15a) √(2/a) y⁵`. A preload makes the stay
+/// shorter, `−2F/(a + F) √(2/a) y`.
 #[test]
 fn the_order_is_that_of_the_theory() {
     let a = FREQUENCY * FREQUENCY;
@@ -139,7 +141,8 @@ fn maps_agree_with_simulation() {
     }
 }
 
-/// A soft stop changes nothing at once; the branch of the map beyond the grazing is that of the flow.
+/// A soft stop changes nothing at once; the branch of the map beyond the grazing is that of the
+/// flow.
 #[test]
 fn motion_goes_on_at_a_soft_stop() {
     let map = map_of(LINEAR, 5);
@@ -152,7 +155,8 @@ fn motion_goes_on_at_a_soft_stop() {
     assert_eq!(map_of(LINEAR, 1).classified("A"), Err(GrazingError::NoRoot));
 }
 
-/// A stop that lets go elsewhere than it is touched lets go there for an orbit of no speed alike only by chance.
+/// A stop that lets go elsewhere than it is touched lets go there for an orbit of no speed alike
+/// only by chance.
 #[test]
 fn surfaces_that_agree_at_one_point_only_are_refused() {
     let point = grazing_orbit(LINEAR).2;
@@ -162,8 +166,8 @@ fn surfaces_that_agree_at_one_point_only_are_refused() {
     close(*left, 1.0, 1e-6);
 }
 
-/// Near the grazing orbits that press the stop double their period: their local map finds the same place, the nearer the higher
-/// its order.
+/// Near the grazing orbits that press the stop double their period: their local map finds the same
+/// place, the nearer the higher its order.
 #[test]
 fn the_map_follows_the_orbits_of_the_flow() {
     let (mut orbits, free, point) = grazing_orbit([0.0, 100.0, 0.0]);
@@ -179,7 +183,8 @@ fn the_map_follows_the_orbits_of_the_flow() {
         let touch = free.of_kind(Kind::G).next().unwrap().label;
         let run = Continuation::of(&mut points).restart(&free, touch).switch();
         let pressed = run.along("A", -1e-4..=1e-4).trace().unwrap();
-        // No multiplier can be told where both orbits meet, or it is that of the orbit that is free.
+        // No multiplier can be told where both orbits meet, or it is that of the orbit that is
+        // free.
         assert_ne!(pressed.special[0].unstable, Some(1));
         let doubling = pressed.of_kind(Kind::PD).next().unwrap();
         (point.p[0] + doubling.parameters[0] - exact).abs()
@@ -201,8 +206,9 @@ impl Touching for Belt {
     }
 }
 
-/// Where an orbit begins to slide its map is piecewise linear in the penetration, and motion goes on with a stay on the surface
-/// (M. di Bernardo, P. Kowalczyk, A. Nordmark, *Physica D* 170:175, 2002).
+/// Where an orbit begins to slide its map is piecewise linear in the penetration, and motion goes
+/// on with a stay on the surface (M. di Bernardo, P. Kowalczyk, A. Nordmark, *Physica D*
+/// 170:175, 2002).
 #[test]
 fn the_map_of_a_grazing_sliding_has_no_root() {
     let belt = Filippov(Sliding::Friction);

@@ -1,5 +1,6 @@
-//! Promise: jets are Taylor series. Every operation and function agrees with nested dual numbers, and beyond
-//! their order with identities; flows of jets agree with those of linear systems in closed form.
+//! Promise: jets are Taylor series. Every operation and function agrees with nested dual numbers,
+//! and beyond their order with identities; flows of jets agree with those of linear systems in
+//! closed form.
 
 use crate::common::close;
 use num_dual::{Dual3, DualNum, HyperHyperDual64};
@@ -12,7 +13,8 @@ use tangency::core::zero::Names;
 
 type Small = Jet<64>;
 
-/// All functions of one variable, with a number to which they apply for every number between 0 and 1.
+/// All functions of one variable, with a number to which they apply for every number between 0
+/// and 1.
 fn functions<T: Scalar>(x: T) -> Vec<(&'static str, T)> {
     let (sin, cos) = (x * 3.0).sin_cos();
     vec![
@@ -140,8 +142,8 @@ proptest! {
     }
 }
 
-/// A jet that is a constant takes part in everything; a quotient by a variable loses a degree; a space that
-/// is too large is refused.
+/// A jet that is a constant takes part in everything; a quotient by a variable loses a degree; a
+/// space that is too large is refused.
 #[test]
 fn constants_quotients_and_limits() {
     let (x, y) = (variable(2, 4, 0, 0.0), variable(2, 4, 1, 0.0));
@@ -175,8 +177,8 @@ impl VectorField for Oscillator {
     }
 }
 
-/// The flow by initial state, frequency and time to the fourth order: `x cos ωt + v/ω sin ωt`. Steps are
-/// controlled by all coefficients.
+/// The flow by initial state, frequency and time to the fourth order: `x cos ωt + v/ω sin ωt`.
+/// Steps are controlled by all coefficients.
 #[test]
 fn flows_have_the_jets_of_closed_forms() {
     let space = Space::of(4, 4).unwrap();

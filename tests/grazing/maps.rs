@@ -1,5 +1,6 @@
-//! Promise: local maps near grazing have the coefficients of the literature and of closed forms, signs included,
-//! and can be reached from points that were located before, printed, iterated and differentiated.
+//! Promise: local maps near grazing have the coefficients of the literature and of closed forms,
+//! signs included, and can be reached from points that were located before, printed, iterated and
+//! differentiated.
 
 use crate::common::{agree, close};
 use crate::grazing::points::{actuator, oscillator, settings, simulated};
@@ -29,7 +30,8 @@ fn mita(point: &GrazingPoint, order: usize) -> LocalMap {
 /// What vanishes at a codimension-two point, with its derivatives by phase, voltage and frequency.
 type Condition = fn(&LocalMap) -> (f64, [f64; 3]);
 
-/// The derivatives, by phase, voltage and frequency, of a first derivative of the smooth map by a coordinate.
+/// The derivatives, by phase, voltage and frequency, of a first derivative of the smooth map by a
+/// coordinate.
 fn slopes(map: &LocalMap, image: usize, coordinate: usize) -> [f64; 3] {
     [1, 2, 3].map(|variable| {
         let mut powers = [0; 4];
@@ -59,8 +61,8 @@ fn nonhyperbolic(map: &LocalMap) -> (f64, [f64; 3]) {
     (n(0, 0) * n(1, 1) - n(0, 1) * n(1, 0), [rate(0), rate(1), rate(2)])
 }
 
-/// The codimension-two point near a voltage, frequency and phase, by Newton's iteration on the second-order
-/// map.
+/// The codimension-two point near a voltage, frequency and phase, by Newton's iteration on the
+/// second-order map.
 fn codimension_two(mut at: [f64; 3], condition: Condition) -> (GrazingPoint, [f64; 3]) {
     for _ in 0..8 {
         let [voltage, frequency, phase] = at;
@@ -101,9 +103,9 @@ fn codimension_two_points_are_found() {
     }
 }
 
-/// The same points as special ones of the curve of grazings in voltage and frequency, followed as one of
-/// orbits without impacts (II/III) and as one of orbits with an impact of no speed (I/II): the maps there are
-/// the same.
+/// The same points as special ones of the curve of grazings in voltage and frequency, followed as
+/// one of orbits without impacts (II/III) and as one of orbits with an impact of no speed (I/II):
+/// the maps there are the same.
 #[test]
 fn curves_of_grazings_lead_to_maps() {
     let orbit = HybridOrbit::of(Actuator, Itinerary::smooth(Actuator::STICK, 1));
@@ -139,11 +141,12 @@ fn curves_of_grazings_lead_to_maps() {
     }
 }
 
-/// X. Zhao (2004), the coefficients of sections 5.3 and 5.4, of Δq and of Δθ: those of first and second order
-/// of the smooth map, then √-coefficients of the discontinuity map: y² of Δq, and y, y², yΔθ, yΔV, yΔω of Δθ.
+/// X. Zhao (2004), the coefficients of sections 5.3 and 5.4, of Δq and of Δθ: those of first and
+/// second order of the smooth map, then √-coefficients of the discontinuity map: y² of Δq, and y,
+/// y², yΔθ, yΔV, yΔω of Δθ.
 ///
-/// At II/III −0.204935 is printed for y²: that is the coefficient at the six digits of the point that are
-/// printed, as the next test shows; at the point itself it is −0.20493449.
+/// At II/III −0.204935 is printed for y²: that is the coefficient at the six digits of the point
+/// that are printed, as the next test shows; at the point itself it is −0.20493449.
 #[test]
 fn coefficients_are_those_of_the_literature() {
     let smooth_one = [
@@ -206,8 +209,8 @@ fn coefficients_are_those_of_the_literature() {
     }
 }
 
-/// The coefficient of y² at II/III, at the digits printed and at the point, against the time that simulated
-/// motion needs: `Δθ/y` at points that are so deep, extrapolated to none.
+/// The coefficient of y² at II/III, at the digits printed and at the point, against the time that
+/// simulated motion needs: `Δθ/y` at points that are so deep, extrapolated to none.
 #[test]
 fn a_last_digit_depends_on_the_point() {
     let printed = actuator(0.176796, 0.480271, 5.286519);
@@ -255,8 +258,8 @@ fn leading_coefficients_are_closed_forms() {
     close(displacement.coefficient(&[3, 0, 0, 0]), 0.0569, 0.5e-4);
 }
 
-/// The smooth map of the linear oscillator from its solution `x = p(t) + Φ(t − t₀)(x₀ − p(t₀))`, to the fifth
-/// order in displacement, phase and amplitude.
+/// The smooth map of the linear oscillator from its solution `x = p(t) + Φ(t − t₀)(x₀ − p(t₀))`, to
+/// the fifth order in displacement, phase and amplitude.
 #[test]
 fn the_linear_oscillator_has_its_closed_form() {
     let form = ClosedForm::usual(1.2);

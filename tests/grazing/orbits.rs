@@ -1,6 +1,6 @@
-//! Promise: fixed points of local maps, their multipliers, folds and period doublings approach those of the
-//! flow at the order of the map; the scenario of a grazing and the curves that begin at a degenerate one are
-//! those of the literature and of closed forms.
+//! Promise: fixed points of local maps, their multipliers, folds and period doublings approach
+//! those of the flow at the order of the map; the scenario of a grazing and the curves that begin
+//! at a degenerate one are those of the literature and of closed forms.
 
 use crate::common::{close, solved};
 use crate::grazing::points::{actuator, along_grazings, oscillator, settings};
@@ -15,8 +15,8 @@ use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::zero::{Discretised, System};
 use tangency::problems::mita::Actuator;
 
-/// The displacement and the phase of the virtual point of the orbit with one impact of speed `u`, and its
-/// amplitude.
+/// The displacement and the phase of the virtual point of the orbit with one impact of speed `u`,
+/// and its amplitude.
 fn exact(form: &ClosedForm, u: f64) -> [f64; 3] {
     let (amplitude, time) = (form.amplitude(u), form.time(u));
     let [p, v] = form.motion(amplitude, time);
@@ -33,9 +33,9 @@ fn exact(form: &ClosedForm, u: f64) -> [f64; 3] {
     [motion(after)[0], (time + after) * form.frequency, amplitude]
 }
 
-/// Fixed points and the sum of their multipliers, order by order: halving the impact's speed divides the
-/// error of the points by `2^{n+1}`, and that of the multipliers, which are derivatives by `y` over `y`, by
-/// `2^{n−1}`.
+/// Fixed points and the sum of their multipliers, order by order: halving the impact's speed
+/// divides the error of the points by `2^{n+1}`, and that of the multipliers, which are derivatives
+/// by `y` over `y`, by `2^{n−1}`.
 #[test]
 fn fixed_points_have_the_order_of_the_map() {
     let form = ClosedForm::usual(1.2);
@@ -101,7 +101,8 @@ fn from_grazing(map: &LocalMap, order: usize, parameter: &str, range: [f64; 2]) 
         .unwrap()
 }
 
-/// Fixed points of the map without impacts graze at once, and the switch there leads to those with one.
+/// Fixed points of the map without impacts graze at once, and the switch there leads to those with
+/// one.
 #[test]
 fn passing_points_graze_where_impacting_ones_begin() {
     let form = ClosedForm::usual(1.0);
@@ -129,8 +130,8 @@ fn passing_points_graze_where_impacting_ones_begin() {
     assert_eq!(impacting.itinerary, "impact");
 }
 
-/// At a period doubling a branch of two impacts begins, whose points the map takes to each other; its multipliers are
-/// those of the product of the map's derivatives.
+/// At a period doubling a branch of two impacts begins, whose points the map takes to each other;
+/// its multipliers are those of the product of the map's derivatives.
 #[test]
 fn doubled_orbits_are_those_of_the_iterated_map() {
     let form = ClosedForm::usual(resonance(1, 0.1) + 0.004);
@@ -176,7 +177,8 @@ fn doubled_orbits_are_those_of_the_iterated_map() {
     }
 }
 
-/// Folds and period doublings of the oscillator on both sides of a resonance: each order brings digits.
+/// Folds and period doublings of the oscillator on both sides of a resonance: each order brings
+/// digits.
 #[test]
 fn special_points_gain_by_every_order() {
     let resonance = resonance(1, 0.1);
@@ -201,8 +203,8 @@ fn special_points_gain_by_every_order() {
     }
 }
 
-/// The series of the curves of folds and period doublings from the resonance, against closed forms: `A_SN(ω)`
-/// where the speed at the fold is positive, `A_PD(ω)` where that at the doubling is.
+/// The series of the curves of folds and period doublings from the resonance, against closed forms:
+/// `A_SN(ω)` where the speed at the fold is positive, `A_PD(ω)` where that at the doubling is.
 #[test]
 fn curves_from_a_resonance_are_those_of_closed_forms() {
     let origin = resonance(1, 0.1);
@@ -238,8 +240,8 @@ fn curves_from_a_resonance_are_those_of_closed_forms() {
     assert!(matches!(refused, GrazingError::NotDegenerate(_)), "{refused}");
 }
 
-/// X. Zhao (2004), section 5.3: `ΔV = 0.224982 Δω + 17.7774 Δω²` for folds, `Δω > 0`, and `0.224982 Δω +
-/// 1557.35 Δω²` for period doublings, `Δω < 0`.
+/// X. Zhao (2004), section 5.3: `ΔV = 0.224982 Δω + 17.7774 Δω²` for folds, `Δω > 0`, and
+/// `0.224982 Δω + 1557.35 Δω²` for period doublings, `Δω < 0`.
 #[test]
 fn curves_from_the_degenerate_point_are_those_of_the_literature() {
     let names = ["voltage", "frequency"];
@@ -255,8 +257,8 @@ fn curves_from_the_degenerate_point_are_those_of_the_literature() {
     }
 }
 
-/// X. Zhao (2004), chapter 4: types I, II and III at ω = 0.5, 0.485, 0.45. At ω = 0.5 one multiplier is about
-/// 0.123/u.
+/// X. Zhao (2004), chapter 4: types I, II and III at ω = 0.5, 0.485, 0.45. At ω = 0.5 one
+/// multiplier is about 0.123/u.
 #[test]
 fn scenarios_are_those_of_the_literature() {
     for (frequency, voltage, phase, scenario, sides) in [
@@ -298,8 +300,8 @@ fn by_flow(frequency: f64, point: &tangency::core::grazing::GrazingPoint) -> Bra
     run.along("voltage", 0.16..=0.2).trace().unwrap()
 }
 
-/// The fold and the period doubling of the actuator near the degenerate point, map against flow: the third
-/// order gains.
+/// The fold and the period doubling of the actuator near the degenerate point, map against flow:
+/// the third order gains.
 #[test]
 fn special_points_of_the_actuator_approach_those_of_the_flow() {
     for (frequency, kind) in [(0.4888, Kind::LP), (0.4876, Kind::PD)] {

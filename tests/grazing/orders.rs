@@ -1,6 +1,6 @@
-//! Promise: against event-driven simulation the error of the local map of order `n` is of the order above, by
-//! the distance from grazing: with slip after the impact, through other impacts, for a guard that moves and
-//! depends on several states, and without forcing.
+//! Promise: against event-driven simulation the error of the local map of order `n` is of the order
+//! above, by the distance from grazing: with slip after the impact, through other impacts, for a
+//! guard that moves and depends on several states, and without forcing.
 
 use crate::grazing::points::{Touching, actuator, settings, simulated};
 use std::f64::consts::TAU;
@@ -33,7 +33,8 @@ pub struct Case<'a, S> {
 const ROUNDING: f64 = 3e-12;
 
 impl<S: Touching> Case<'_, S> {
-    /// Coordinates on the section, as deviations; the state that the section determines is the second one.
+    /// Coordinates on the section, as deviations; the state that the section determines is the
+    /// second one.
     fn coordinates(&self, (t, x): &(f64, Vec<f64>), turn: f64, p: &[f64]) -> Vec<f64> {
         let states = (0..x.len()).filter(|i| *i != 1).map(|i| x[i] - self.point.x[i]);
         let phase = match self.system.forcing() {
@@ -66,7 +67,8 @@ impl<S: Touching> Case<'_, S> {
         (1..=self.map.space().order()).map(error).collect()
     }
 
-    /// Halving the distance divides the error by `2^{n+1}`, with a half of that for what is of higher order.
+    /// Halving the distance divides the error by `2^{n+1}`, with a half of that for what is of
+    /// higher order.
     pub fn orders_hold(&self, distance: f64) {
         let (far, near) = (self.errors(distance), self.errors(0.5 * distance));
         for (n, (far, near)) in far.iter().zip(&near).enumerate() {
@@ -96,8 +98,9 @@ fn impacts_with_slip() {
     Case { system, point, map, place: &place, parameters: &[0, 1] }.orders_hold(0.02);
 }
 
-/// The orbit with one impact in a period that touches the front stopper a second time, at V = 0.733767719564:
-/// once around leads through an impact and a slip. The touch comes from the branch that ends there.
+/// The orbit with one impact in a period that touches the front stopper a second time, at
+/// V = 0.733767719564: once around leads through an impact and a slip. The touch comes from the branch
+/// that ends there.
 #[test]
 fn through_another_impact() {
     let start = actuator(0.2271775831, 0.5, 5.985512558).located(&Actuator, "voltage").unwrap();
@@ -126,8 +129,8 @@ fn through_another_impact() {
     Case { system, point, map, place: &place, parameters: &[0] }.orders_hold(0.005);
 }
 
-/// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven by the
-/// mass.
+/// A mass on a spring before a stop that moves; a further state, which the stop follows, is driven
+/// by the mass.
 struct Follower;
 
 impl Follower {
@@ -192,8 +195,8 @@ impl Touching for Follower {
     }
 }
 
-/// Where the motion of a system on which it settles comes nearest to a guard, as a touch that is to be
-/// located.
+/// Where the motion of a system on which it settles comes nearest to a guard, as a touch that is to
+/// be located.
 fn settled<S: HybridSystem>(
     system: &S,
     start: &[f64],

@@ -1,4 +1,5 @@
-//! What is correct, before it is changed: scenes, models, and the files that the program itself makes of some.
+//! What is correct, before it is changed: scenes, models, and the files that the program itself
+//! makes of some.
 
 use super::dice::Dice;
 use super::mutate::words;

@@ -6,18 +6,20 @@
 //! cargo test --release --test hostile -- --cases 20000 --seed 1
 //! ```
 //!
-//! prints how they ended, and what is wrong with it. `--kind scene` takes cases of one kind alone, `--case 17` runs one again, and
-//! keeps its files; `--binary PATH` takes another program; `--messages 100` prints as many messages, for a reader to judge
-//! whether they name place, value and remedy.
+//! prints how they ended, and what is wrong with it. `--kind scene` takes cases of one kind alone,
+//! `--case 17` runs one again, and keeps its files; `--binary PATH` takes another program;
+//! `--messages 100` prints as many messages, for a reader to judge whether they name place, value
+//! and remedy.
 //!
 //! What must hold of every case (`verdict.rs`):
 //!
-//! - The exit code is 0, 1 with a message, or 2 for arguments that cannot be understood: no panic, no signal.
+//! - The exit code is 0, 1 with a message, or 2 for arguments that cannot be understood: no panic,
+//!   no signal.
 //! - After two seconds it is interrupted as by Ctrl-C, and then it ends within three.
-//! - A message begins with `error: ` (behind warnings), names the file or the option, has no more than 20 lines, none of them
-//!   of more than 400 characters, and no control characters.
-//! - Inputs are as they were, special files are still what they were, pictures are whole; there are no temporary files, and
-//!   nothing is written elsewhere.
+//! - A message begins with `error: ` (behind warnings), names the file or the option, has no more
+//!   than 20 lines, none of them of more than 400 characters, and no control characters.
+//! - Inputs are as they were, special files are still what they were, pictures are whole; there are
+//!   no temporary files, and nothing is written elsewhere.
 
 mod bases;
 mod cases;

@@ -74,7 +74,8 @@ fn field_end(text: &str, tokens: &[(Token, Range<usize>)]) -> usize {
     text.len()
 }
 
-/// A text with one change that respects its grammar to some extent; `known` are words that may stand in it.
+/// A text with one change that respects its grammar to some extent; `known` are words that may
+/// stand in it.
 pub fn by_grammar(text: &str, known: &[String], dice: &mut Dice) -> String {
     let all = tokens(text);
     let of = |wanted: fn(Token) -> bool| -> Vec<Range<usize>> {

@@ -1,4 +1,5 @@
-//! What motions settle on: cycles and their exponents against multipliers, chaos against exact exponents, chatter.
+//! What motions settle on: cycles and their exponents against multipliers, chaos against exact
+//! exponents, chatter.
 
 use crate::common::{close, solved};
 use crate::hybrid::systems::bouncing_ball::BouncingBall;
@@ -98,8 +99,8 @@ fn the_exponent_of_chaos_is_known() {
     close(value, 2.0_f64.ln(), 4.0 * error);
 }
 
-/// With one impact a period the map's determinant is `e² exp(−cT)`, and where its multipliers are complex the
-/// exponent is half the logarithm.
+/// With one impact a period the map's determinant is `e² exp(−cT)`, and where its multipliers are
+/// complex the exponent is half the logarithm.
 #[test]
 fn the_exponent_of_an_oscillator_is_its_damping() {
     let (frequency, restitution, damping) = (2.2, 0.8, 0.1);
@@ -114,8 +115,8 @@ fn the_exponent_of_an_oscillator_is_its_damping() {
     close(found.exponent.unwrap().value, exact, 1e-10);
 }
 
-/// The exponent of a cycle is the logarithm of the largest multiplier of the orbit that shooting finds from a
-/// simulation of its own: the actuator at ω = 0.5.
+/// The exponent of a cycle is the logarithm of the largest multiplier of the orbit that shooting
+/// finds from a simulation of its own: the actuator at ω = 0.5.
 #[test]
 fn exponents_of_cycles_are_logarithms_of_multipliers() {
     let cycles = [(0.24, 1, 1.0), (0.52, 1, 1.0), (0.57, 2, 2.0), (0.75, 1, 2.0), (0.85, 1, 4.0)];
@@ -158,8 +159,8 @@ fn exponents_tell_chaos_from_windows() {
     assert!(window.periods == Some(1) && window.exponent.unwrap().value < -0.01);
 }
 
-/// Above V = 0.872 impacts accumulate and the block sticks to the stopper: all is forgotten there, and motion is the
-/// same from the first period on. Below there are finitely many.
+/// Above V = 0.872 impacts accumulate and the block sticks to the stopper: all is forgotten there,
+/// and motion is the same from the first period on. Below there are finitely many.
 #[test]
 fn sticking_forgets_everything() {
     for (voltage, impacts, accumulations) in [(0.85, 4.0, 0.0), (0.875, f64::INFINITY, 1.0)] {
@@ -172,7 +173,8 @@ fn sticking_forgets_everything() {
     }
 }
 
-/// Restitution of 0, nearly 1, and 1: one impact and contact; many; and no loss at all. Nothing stalls.
+/// Restitution of 0, nearly 1, and 1: one impact and contact; many; and no loss at all. Nothing
+/// stalls.
 #[test]
 fn chatter_at_any_restitution_neither_stalls_nor_miscounts() {
     let of = |e: f64| {
@@ -311,8 +313,8 @@ fn plans_without_meaning_are_refused() {
     assert!(matches!(refused(&grid), PlanError::Interval { .. }));
 }
 
-/// Downwards, the chaotic band of type III ends in a crisis. X. Zhao (2004) has it at V = 0.2355; chaos lives on for
-/// thousands of periods below, and dies by V = 0.23538.
+/// Downwards, the chaotic band of type III ends in a crisis. X. Zhao (2004) has it at V = 0.2355;
+/// chaos lives on for thousands of periods below, and dies by V = 0.23538.
 #[test]
 fn a_chaotic_band_ends_in_a_crisis() {
     let mut motion = PeriodMap::of(&Actuator, HybridSettings::default(), &[]).unwrap();
@@ -332,8 +334,8 @@ fn a_chaotic_band_ends_in_a_crisis() {
     assert_eq!(refused, StroboscopicError::NoCrisis { from: 0.25, to: 0.24, steps: 1 });
 }
 
-/// Motions followed abreast are on the attractors on which they are alone: at rest from impacts, and with one or more
-/// in a period.
+/// Motions followed abreast are on the attractors on which they are alone: at rest from impacts,
+/// and with one or more in a period.
 #[test]
 fn attractors_found_abreast_are_those_found_one_by_one() {
     let penetration = ["penetration".to_string()];

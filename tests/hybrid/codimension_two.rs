@@ -1,5 +1,5 @@
-//! Promise: points of codimension two on a curve of grazings are found and named whether the curve is held for the orbits
-//! without the event or for those with it.
+//! Promise: points of codimension two on a curve of grazings are found and named whether the curve
+//! is held for the orbits without the event or for those with it.
 
 use crate::common::close;
 use crate::hybrid::systems::impact_oscillator::{ClosedForm, resonance};
@@ -32,9 +32,9 @@ fn from_both_sides(
     })
 }
 
-/// Grazing orbits in two parameters: `A = D(ω) d` to the digits, and the degenerate points at `ω = 2ω_d/n`, where families
-/// with an impact are born upright. Multipliers without impacts are those of free motion, of modulus less than 1, so that
-/// nothing else happens.
+/// Grazing orbits in two parameters: `A = D(ω) d` to the digits, and the degenerate points at
+/// `ω = 2ω_d/n`, where families with an impact are born upright. Multipliers without impacts are
+/// those of free motion, of modulus less than 1, so that nothing else happens.
 #[test]
 fn resonant_grazings_are_degenerate() {
     let form = ClosedForm::usual(1.2);
@@ -61,8 +61,8 @@ fn resonant_grazings_are_degenerate() {
     }
 }
 
-/// The impact oscillator beside a linear oscillator in a frame that turns by half in a period, which has the multipliers
-/// `−e^{2πμ}` and `−e^{−2π}`: the parameters are the amplitude and μ.
+/// The impact oscillator beside a linear oscillator in a frame that turns by half in a period,
+/// which has the multipliers `−e^{2πμ}` and `−e^{−2π}`: the parameters are the amplitude and μ.
 struct Turning;
 
 impl HybridSystem for Turning {
@@ -114,7 +114,8 @@ impl HybridSystem for Turning {
 const FREQUENCY: f64 = 1.2;
 const DAMPING: f64 = 0.1;
 
-/// Where a multiplier is −1 with the impact and without it, at μ = 0, both flips are named, and nothing else is.
+/// Where a multiplier is −1 with the impact and without it, at μ = 0, both flips are named, and
+/// nothing else is.
 #[test]
 fn flips_are_named() {
     let orbit = HybridOrbit::of(Turning, Itinerary::smooth(ImpactOscillator::FLIGHT, 1));

@@ -1,5 +1,6 @@
-//! Promise: where an event begins to be followed by another mode, a branch of orbits ends at a located grazing, the curve of
-//! such points is followed, and the branch of orbits on the other side begins there.
+//! Promise: where an event begins to be followed by another mode, a branch of orbits ends at a
+//! located grazing, the curve of such points is followed, and the branch of orbits on the other
+//! side begins there.
 
 use crate::common::close;
 use crate::hybrid::systems::coulomb::{self, Coulomb};
@@ -11,7 +12,8 @@ use tangency::core::hybrid::{CycleSearch, HybridFlow, HybridSettings, HybridStat
 use tangency::core::orbit::{HybridOrbit, IntoHybrid, Itinerary, from_cycle};
 use tangency::scene::{Scene, execute};
 
-/// Frequency, a friction at which motion does not stop, its amplitude there, and the friction from which on it sticks.
+/// Frequency, a friction at which motion does not stop, its amplitude there, and the friction from
+/// which on it sticks.
 const MOTIONS: [[f64; 4]; 3] = [
     [0.6, 0.2, 1.55060285469, 0.531512540169],
     [0.8, 0.3, 2.62610487572, 0.817406385711],
@@ -96,7 +98,8 @@ fn turned(words: &str) -> Vec<String> {
     legs
 }
 
-/// By symmetry both reversals begin to stick at a time: the branch goes on with both stops, as simulations do.
+/// By symmetry both reversals begin to stick at a time: the branch goes on with both stops, as
+/// simulations do.
 #[test]
 fn orbits_with_stops_begin_where_those_without_end() {
     for [beta, friction, _, sticks] in MOTIONS {
@@ -181,7 +184,8 @@ fn orbits_beyond_a_decision_are_virtual() {
     assert!(branch.points.iter().any(|point| !point.admissible));
 }
 
-/// Of a system without decision functions the change is bracketed between points of the branch, which does not go on beyond.
+/// Of a system without decision functions the change is bracketed between points of the branch,
+/// which does not go on beyond.
 #[test]
 fn what_is_decided_without_a_function_ends_a_branch() {
     for [beta, friction, _, sticks] in MOTIONS {
@@ -208,8 +212,9 @@ fn settled(p: [f64; 2]) -> (BoundarySystem, Vec<f64>) {
     from_cycle(Coulomb, &cycle, &p, Shooting::default(), 2).unwrap()
 }
 
-/// At low frequencies motion stops twice on each way: further stops begin where it touches its stop on the way, and where
-/// rest touches the end of what holds it. On both ways at a time, and in directions in which the equations are singular.
+/// At low frequencies motion stops twice on each way: further stops begin where it touches its stop
+/// on the way, and where rest touches the end of what holds it. On both ways at a time, and in
+/// directions in which the equations are singular.
 #[test]
 fn further_stops_begin_on_both_ways() {
     let beta = 0.22;
@@ -244,7 +249,8 @@ fn further_stops_begin_on_both_ways() {
     }
 }
 
-/// The linear oscillator `x'' + 0.1 x' + x = A cos 0.8 t` in one mode, as text, with what happens at its stops.
+/// The linear oscillator `x'' + 0.1 x' + x = A cos 0.8 t` in one mode, as text, with what happens
+/// at its stops.
 fn oscillator(modes: &str, guards: &str) -> [Branch; 2] {
     let text = format!(
         r#"Scene(

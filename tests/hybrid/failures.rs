@@ -1,5 +1,5 @@
-//! Promise: where a hybrid motion cannot go on, or does not repeat, the error names mode, guard and time, and a motion
-//! that only just touches a surface is not lost.
+//! Promise: where a hybrid motion cannot go on, or does not repeat, the error names mode, guard and
+//! time, and a motion that only just touches a surface is not lost.
 
 use crate::common::close;
 use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
@@ -196,8 +196,8 @@ fn the_mode_of_a_flow_that_ends_is_named() {
     assert!(error.to_string().contains("clearance"), "{error}");
 }
 
-/// The motion that touches the stop exactly goes on as if nothing had happened, whether the last digits make an event
-/// of it or not.
+/// The motion that touches the stop exactly goes on as if nothing had happened, whether the last
+/// digits make an event of it or not.
 #[test]
 fn exact_grazing_changes_nothing() {
     for frequency in [0.7_f64, 1.0, 1.3, 2.2] {
@@ -257,7 +257,8 @@ impl HybridSystem for Widening {
     }
 }
 
-/// States stay what they are where no reset is stated; between modes of different states there is none.
+/// States stay what they are where no reset is stated; between modes of different states there is
+/// none.
 #[test]
 fn a_reset_is_the_identity_unless_it_is_stated() {
     let mut after = [0.0; 2];

@@ -13,8 +13,8 @@ use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
 use tangency::scene::{Scene, execute};
 
-/// Once in `2π`, within about `width`, a guard dips to `−depth`: `1 − (1 + d) exp(−(sin(t/2)/w)²)`. The state follows
-/// `x' = cos t − x`.
+/// Once in `2π`, within about `width`, a guard dips to `−depth`: `1 − (1 + d) exp(−(sin(t/2)/w)²)`.
+/// The state follows `x' = cos t − x`.
 struct Slot {
     width: f64,
 }

@@ -1,5 +1,5 @@
-//! Promise: a branch of hybrid orbits ends in one G where it grazes, neither a fold nor a period doubling
-//! comes with it, and the branch of orbits with the event begins there.
+//! Promise: a branch of hybrid orbits ends in one G where it grazes, neither a fold nor a period
+//! doubling comes with it, and the branch of orbits with the event begins there.
 
 use crate::common::close;
 use crate::hybrid::systems::dry_impact::{self, DryImpact};
@@ -44,8 +44,8 @@ fn value(branch: &Branch, point: &Point, name: &str) -> f64 {
     point.value(branch.column(name).unwrap()).unwrap()
 }
 
-/// Without impacts up to G, at `A = D d` to the digits, and with impacts from there on: through the fold or
-/// the period doubling that closed forms know, and nothing else.
+/// Without impacts up to G, at `A = D d` to the digits, and with impacts from there on: through the
+/// fold or the period doubling that closed forms know, and nothing else.
 #[test]
 fn branches_meet_in_one_grazing() {
     for frequency in [1.0, 1.2, 2.2] {
@@ -140,8 +140,8 @@ fn touches_are_left_out() {
     }
 }
 
-/// The mass that rests, is hit, moves up and down: the branch ends where the spring would move it before it
-/// is hit.
+/// The mass that rests, is hit, moves up and down: the branch ends where the spring would move it
+/// before it is hit.
 #[test]
 fn dry_impacts_end_in_sliding() {
     let form = dry_impact::ClosedForm::new(DryImpact::DEFAULTS);
@@ -194,10 +194,11 @@ impl HybridSystem for Neuron {
     }
 }
 
-/// Where the reset jumps, the orbits with the event are not near that which touches, nor those without it near that whose event has no
-/// speed: `switch()` says so, and there is no local map. In silence `x = I + A sin(ωt − φ)/√(1 + ω²)`, which touches 1 at
-/// `I = 1 − A/√(1 + ω²)`. The neuron that fires once a period at the phase `θ` has no speed there if `I = 1 − A sin θ`, and comes from 0
-/// to 1 if `−A sin(θ + acot ω) ω/√(1 + ω²) = d/(1 − d)` with the decay `d` of a period.
+/// Where the reset jumps, the orbits with the event are not near that which touches, nor those
+/// without it near that whose event has no speed: `switch()` says so, and there is no local map. In
+/// silence `x = I + A sin(ωt − φ)/√(1 + ω²)`, which touches 1 at `I = 1 − A/√(1 + ω²)`. The neuron
+/// that fires once a period at the phase `θ` has no speed there if `I = 1 − A sin θ`, and comes
+/// from 0 to 1 if `−A sin(θ + acot ω) ω/√(1 + ω²) = d/(1 − d)` with the decay `d` of a period.
 #[test]
 fn no_branch_begins_where_a_reset_jumps() {
     let [amplitude, frequency] = [0.5, 4.0_f64];

@@ -1,4 +1,5 @@
-//! Promise: integrals over time are those of the closed form where a period has an impact, in sweeps and on branches.
+//! Promise: integrals over time are those of the closed form where a period has an impact, in
+//! sweeps and on branches.
 
 use crate::common::close;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
@@ -63,8 +64,9 @@ impl HybridSystem for Integrated {
     }
 }
 
-/// Integrated over a period, the equation of motion says `∫ x dt = −(1 + e) u`: the impact changes the velocity by
-/// `(1 + e) u`, and force and damping leave nothing. The norm is that of the closed form by Simpson's rule.
+/// Integrated over a period, the equation of motion says `∫ x dt = −(1 + e) u`: the impact changes
+/// the velocity by `(1 + e) u`, and force and damping leave nothing. The norm is that of the closed
+/// form by Simpson's rule.
 #[test]
 fn integrals_over_an_impact_are_those_of_the_closed_form() {
     let (form, u) = (ClosedForm::usual(2.2), 0.7);

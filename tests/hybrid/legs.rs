@@ -31,7 +31,8 @@ fn at(
     (orbits, x)
 }
 
-/// A forced orbit of legs of different numbers of states, one of equal ones, and one without forcing.
+/// A forced orbit of legs of different numbers of states, one of equal ones, and one without
+/// forcing.
 fn problems() -> [(Reference, &'static str, Vec<f64>); 3] {
     [
         (Reference::DryImpact, "stick:impact up:turn down:turn", DryImpact::DEFAULTS.to_vec()),
@@ -123,7 +124,8 @@ fn derivatives_are_those_of_all_equations() {
     }
 }
 
-/// Solutions with matrix and transposed, for the multipliers 1 and −1, within borders; and the sign of the determinant.
+/// Solutions with matrix and transposed, for the multipliers 1 and −1, within borders; and the sign
+/// of the determinant.
 #[test]
 fn solutions_are_those_of_dense_matrices() {
     for (system, words, p) in problems() {
@@ -174,7 +176,8 @@ fn oscillations_are_those_of_dense_matrices() {
         let matrix = dense(&mut orbits, &x, 1.0);
         let places = returns(&orbits);
         let (column, row, solution) = (wave(1, 2 * n), wave(2, 2 * n), wave(5, 2 * n + 2));
-        // The complex matrix as a real one of twice the size: unknowns and equations, then the border, real parts first.
+        // The complex matrix as a real one of twice the size: unknowns and equations, then the
+        // border, real parts first.
         let half = n + 1;
         let mut all = vec![0.0; 4 * half * half];
         let mut add = |i: usize, j: usize, (re, im): (f64, f64)| {
@@ -202,8 +205,8 @@ fn oscillations_are_those_of_dense_matrices() {
     }
 }
 
-/// Multiple shooting and collocation have the same multipliers on an orbit of several legs, each equal to the eigenvalue of
-/// the dense pencil.
+/// Multiple shooting and collocation have the same multipliers on an orbit of several legs, each
+/// equal to the eigenvalue of the dense pencil.
 #[test]
 fn multipliers_make_the_dense_matrix_singular() {
     let problems = problems();

@@ -1,5 +1,5 @@
-//! Promise: the impact microactuator keeps the laws of mechanics, whatever its parameters and however it starts, and
-//! moves as the literature says.
+//! Promise: the impact microactuator keeps the laws of mechanics, whatever its parameters and
+//! however it starts, and moves as the literature says.
 
 use crate::common::close;
 use proptest::prelude::*;
@@ -12,8 +12,8 @@ use tangency::core::hybrid::{
 use tangency::core::scalar::Scalar;
 use tangency::problems::mita::Actuator;
 
-/// The actuator with one more state in every mode: the work done by the electric force, the damper and friction,
-/// `W' = E u₂ − c u₂² − μ_d N |u₁|`.
+/// The actuator with one more state in every mode: the work done by the electric force, the damper
+/// and friction, `W' = E u₂ − c u₂² − μ_d N |u₁|`.
 struct Ledger;
 
 /// The actuator's part of a state.
@@ -111,8 +111,8 @@ fn settings(tolerance: f64) -> HybridSettings {
     HybridSettings { flow, ..HybridSettings::default() }
 }
 
-/// Whether a motion ends with the typed error that time stands still: once in thousands of random ones, where the
-/// block rests on the stopper just when the force on it vanishes.
+/// Whether a motion ends with the typed error that time stands still: once in thousands of random
+/// ones, where the block rests on the stopper just when the force on it vanishes.
 fn stalls<T>(outcome: &Result<T, HybridError>) -> bool {
     matches!(outcome, Err(HybridError::Standstill { .. }))
 }
@@ -131,8 +131,8 @@ fn parameters() -> impl Strategy<Value = [f64; 9]> {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
 
-    /// An impact conserves momentum and leaves the part `e` of the relative velocity; the energy lost is that of the
-    /// reduced mass.
+    /// An impact conserves momentum and leaves the part `e` of the relative velocity; the energy
+    /// lost is that of the reduced mass.
     #[test]
     fn impacts_conserve_momentum(p in parameters(), u in 0.001..2.0f64, v in 0.0..1.0f64, front: bool) {
         let (mode, sign) = (Actuator::FORWARD, if front { 1.0 } else { -1.0 });
@@ -151,7 +151,8 @@ proptest! {
         prop_assert!(next == Actuator::STICK || (next == Actuator::FORWARD) == (new_v > 0.0));
     }
 
-    /// Between events the energy changes by the work of the electric force, the damper and friction.
+    /// Between events the energy changes by the work of the electric force, the damper and
+    /// friction.
     #[test]
     fn energy_is_balanced(p in parameters(), q in -0.19..0.19f64, u in -0.5..0.5f64, t in 0.0..6.0f64) {
         let mut flow = HybridFlow::new(&Ledger, settings(1e-12)).unwrap();
@@ -163,7 +164,8 @@ proptest! {
         let events = events.unwrap();
         let (mut mode, mut x) = (start.mode, start.x);
         for event in &events {
-            // An accumulation follows the last event of its series from another mode, at once or nearly so.
+            // An accumulation follows the last event of its series from another mode, at once or
+            // nearly so.
             if !event.accumulation {
                 prop_assert_eq!(mode, event.mode);
                 let gain = energy(motion(mode, &event.before), p[7]) - energy(motion(mode, &x), p[7]);
@@ -174,8 +176,8 @@ proptest! {
         }
     }
 
-    /// The frame sticks only while friction can hold it, slips against friction, and the block in contact is pressed
-    /// against its stopper; nothing leaves its frame.
+    /// The frame sticks only while friction can hold it, slips against friction, and the block in
+    /// contact is pressed against its stopper; nothing leaves its frame.
     #[test]
     fn coulombs_inequality_holds(p in parameters(), q in -0.19..0.19f64, u in -0.5..0.5f64, t in 0.0..6.0f64) {
         let holding = p[5] * (p[7] + 1.0) * p[8];
@@ -217,7 +219,8 @@ fn found(voltage: f64, tolerance: f64) -> Cycle {
     search.find(&mut flow, start, &p).unwrap()
 }
 
-/// P(1,1) of type I at ω = 0.5, V = 0.24: the same to nine digits with a hundredth of the tolerance.
+/// P(1,1) of type I at ω = 0.5, V = 0.24: the same to nine digits with a hundredth of the
+/// tolerance.
 #[test]
 fn one_impact_in_a_period() {
     let (cycle, finer) = (found(0.24, 1e-12), found(0.24, 1e-14));
@@ -237,8 +240,8 @@ fn chatter_has_as_many_impacts_as_its_table_says() {
     }
 }
 
-/// Beyond V ≈ 0.872 impacts accumulate in every period: the block rests on the stopper and leaves it where the force
-/// changes its sign.
+/// Beyond V ≈ 0.872 impacts accumulate in every period: the block rests on the stopper and leaves
+/// it where the force changes its sign.
 #[test]
 fn beyond_the_ladder_the_block_sticks_to_the_stopper() {
     for voltage in [0.874, 0.88, 0.9] {

@@ -1,5 +1,5 @@
-//! Promise: hybrid orbits have the places, multipliers, folds and period doublings of their closed forms to
-//! 1e-10, by collocation and by shooting.
+//! Promise: hybrid orbits have the places, multipliers, folds and period doublings of their closed
+//! forms to 1e-10, by collocation and by shooting.
 
 use crate::common::close;
 use crate::hybrid::systems::belt;
@@ -41,7 +41,8 @@ fn impacting_orbits_have_their_speeds_and_multipliers() {
     }
 }
 
-/// Where the impact has no speed the equations are as regular as elsewhere: only a multiplier is infinite.
+/// Where the impact has no speed the equations are as regular as elsewhere: only a multiplier is
+/// infinite.
 #[test]
 fn impacting_orbits_are_regular_where_they_graze() {
     for frequency in [0.7, 2.2] {

@@ -1,5 +1,6 @@
-//! Promise: along branches through a grazing, how far orbits would penetrate the surface is told exactly, and by one
-//! monitor whether they reach it or not; and the multipliers that are kept with points are those of the closed form.
+//! Promise: along branches through a grazing, how far orbits would penetrate the surface is told
+//! exactly, and by one monitor whether they reach it or not; and the multipliers that are kept with
+//! points are those of the closed form.
 
 use crate::common::close;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
@@ -12,8 +13,8 @@ use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::zero::System;
 use tangency::problems::classic::ImpactOscillator;
 
-/// The largest displacement of the motion that has a speed `u` at the stop, as if there were none, less the clearance:
-/// by bisection for its velocity.
+/// The largest displacement of the motion that has a speed `u` at the stop, as if there were none,
+/// less the clearance: by bisection for its velocity.
 fn penetration(form: &ClosedForm, u: f64) -> f64 {
     let motion = |after| form.flight(form.amplitude(u), [form.time(u), u], after);
     let (mut low, mut high) = (0.0, 1.0);
@@ -51,8 +52,9 @@ fn impacting<'a>(orbits: &'a mut dyn System, passing: &Branch) -> Continuation<'
     Continuation::of(orbits).restart(passing, label).switch().along("amplitude", 0.1..=1.0)
 }
 
-/// Orbits of the oscillator from below their grazing to a penetration of 0.01, where that is `−distance` first, and
-/// then that of the closed form at the speed of the impact. Levels of it are found where they are.
+/// Orbits of the oscillator from below their grazing to a penetration of 0.01, where that is
+/// `−distance` first, and then that of the closed form at the speed of the impact. Levels of it are
+/// found where they are.
 #[test]
 fn penetrations_are_those_of_the_closed_form() {
     let (form, mut orbits) = (ClosedForm::usual(1.2), orbits());
@@ -72,9 +74,9 @@ fn penetrations_are_those_of_the_closed_form() {
     }
 }
 
-/// Without an impact `e^{−cT/2}` turned by `√(1 − c²/4) T`; with one those of trace and determinant, but for the other
-/// unknowns of the itinerary; none at the grazing itself, where one is infinite. Where fewer are asked for, the
-/// largest are kept.
+/// Without an impact `e^{−cT/2}` turned by `√(1 − c²/4) T`; with one those of trace and
+/// determinant, but for the other unknowns of the itinerary; none at the grazing itself, where one
+/// is infinite. Where fewer are asked for, the largest are kept.
 #[test]
 fn multipliers_are_kept() {
     let (form, mut system) = (ClosedForm::usual(1.2), orbits());

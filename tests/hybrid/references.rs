@@ -1,5 +1,6 @@
-//! Promise: the hybrid systems that tests refer to are stated right, as far as their closed forms, the digits
-//! printed in the literature, and the equations themselves can tell without any solver of this crate.
+//! Promise: the hybrid systems that tests refer to are stated right, as far as their closed forms,
+//! the digits printed in the literature, and the equations themselves can tell without any solver
+//! of this crate.
 
 use crate::common::close;
 use crate::hybrid::systems::belt::{self, Belt};
@@ -33,7 +34,8 @@ fn the_impact_oscillator_has_its_printed_numbers() {
     assert!(resonant.fold() < 0.0, "the fold at 2.2 is not physical");
 }
 
-/// At the fold a multiplier is 1, at the period doubling one is −1, and the amplitude is extreme at the fold.
+/// At the fold a multiplier is 1, at the period doubling one is −1, and the amplitude is extreme at
+/// the fold.
 #[test]
 fn bifurcations_of_the_impact_oscillator_are_those_of_its_multipliers() {
     for frequency in [0.7, 1.0, 1.2, 1.7, 2.2, 2.6] {
@@ -47,8 +49,9 @@ fn bifurcations_of_the_impact_oscillator_are_those_of_its_multipliers() {
     }
 }
 
-/// Where half a period of free motion fits n times into that of forcing, no impact changes the place after a
-/// period: `Φ₁₂ = 0`, multipliers stay bounded and the family leaves grazing vertically.
+/// Where half a period of free motion fits n times into that of forcing, no impact changes the
+/// place after a period: `Φ₁₂ = 0`, multipliers stay bounded and the family leaves grazing
+/// vertically.
 #[test]
 fn resonant_grazing_is_where_the_square_root_vanishes() {
     for n in 1..=4 {
@@ -71,8 +74,8 @@ fn trace_and_determinant(map: impl Fn([Two; 2]) -> [Two; 2], at: [f64; 2]) -> [f
     [p[0] + q[1], p[0] * q[1] - p[1] * q[0]]
 }
 
-/// One period of the closed form's orbit is a solution of the equations that ends at its impact, and the map
-/// from impact to impact has the multipliers of the closed form.
+/// One period of the closed form's orbit is a solution of the equations that ends at its impact,
+/// and the map from impact to impact has the multipliers of the closed form.
 #[test]
 fn the_impact_oscillator_moves_as_its_closed_form() {
     for (frequency, u) in [(1.0, 0.3), (1.2, 0.8), (2.2, 0.83), (2.2, 2.0), (2.7, 0.1)] {
@@ -115,7 +118,8 @@ fn the_bouncing_ball_has_its_printed_numbers() {
     close(bouncing_ball::doubling(1, 0.8), 1.070836468247907, 4e-15);
 }
 
-/// The ball is thrown from impact to impact as the closed form says, and rests after infinitely many of them.
+/// The ball is thrown from impact to impact as the closed form says, and rests after infinitely
+/// many of them.
 #[test]
 fn the_ball_moves_as_its_closed_form() {
     for (n, gamma, e) in [(1, 0.6, 0.8), (1, 1.0, 0.8), (2, 1.8, 0.6)] {
@@ -221,7 +225,8 @@ fn dry_impacts_have_their_printed_numbers() {
     close(form.fold(), 4.95153555561129, 2e-14);
     let [k] = form.switching_sliding()[..] else { panic!("one point") };
     close(k, 5.57303403997821, 2e-14);
-    // At the fold both orbits are one, with the multiplier 1; at the other place the orbit rests at −F/k.
+    // At the fold both orbits are one, with the multiplier 1; at the other place the orbit rests at
+    // −F/k.
     let at = |k: f64| {
         let [_, rest @ ..] = DryImpact::DEFAULTS;
         let [a, b, c, d, e, f] = rest;
@@ -233,8 +238,8 @@ fn dry_impacts_have_their_printed_numbers() {
     close(at(k).rest()[0], -0.7961 / k, 1e-14);
 }
 
-/// Hit, up, down and at rest again: exact half circles, ended by the system's guards and begun by its resets,
-/// return to the place of rest, with the multiplier of the closed form.
+/// Hit, up, down and at rest again: exact half circles, ended by the system's guards and begun by
+/// its resets, return to the place of rest, with the multiplier of the closed form.
 #[test]
 fn dry_impacts_move_as_their_closed_form() {
     // Of the two orbits at 5.5 the second would rest beyond F/k.

@@ -1,5 +1,6 @@
-//! Promise: a motion that comes to rest on a surface, and is released, is never behind it, however often it is sampled;
-//! rest is periodic and stable, and the state that a support carries does not count against it.
+//! Promise: a motion that comes to rest on a surface, and is released, is never behind it, however
+//! often it is sampled; rest is periodic and stable, and the state that a support carries does not
+//! count against it.
 
 use crate::common::close;
 use crate::hybrid::systems::bouncing_ball::{self, BouncingBall};
@@ -61,7 +62,8 @@ fn cycles_of_the_ball_are_searched_without_errors() {
     }
 }
 
-/// Below Γ = 1 the ball rests; above, without restitution, it is thrown off and lands once a period: all is forgotten.
+/// Below Γ = 1 the ball rests; above, without restitution, it is thrown off and lands once a
+/// period: all is forgotten.
 #[test]
 fn rest_is_periodic_and_stable() {
     for (gamma, e) in [(0.3, 0.0), (0.9, 0.0), (0.3, 0.5), (0.9, 0.5)] {
@@ -72,12 +74,14 @@ fn rest_is_periodic_and_stable() {
     for gamma in accelerations().filter(|gamma| *gamma > 1.0) {
         let found = settled(&BouncingBall, &[gamma, 0.0]);
         assert_eq!((found.periods, found.count("leave")), (Some(1), 1.0), "Γ = {gamma}");
-        // But for rounding, which the release at the top of the table's force magnifies just above Γ = 1.
+        // But for rounding, which the release at the top of the table's force magnifies just above
+        // Γ = 1.
         assert!(found.exponent.unwrap().value < -20.0, "Γ = {gamma}: {found:?}");
     }
 }
 
-/// Chatter ends at rest on the table: the motion after it does not depend on that before, to the last digit.
+/// Chatter ends at rest on the table: the motion after it does not depend on that before, to the
+/// last digit.
 #[test]
 fn chatter_forgets_everything() {
     for gamma in [1.1, 1.2, 1.3, 1.4] {
@@ -117,8 +121,8 @@ const OVER_THE_TABLE: &str = r#"Scene(
     runs: [(name: "rest", start: Simulated(transient: 200), along: [(name: "amplitude", low: 1.05, high: 1.25)])],
 )"#;
 
-/// How long the ball rests in a period, and its velocity over the table before the first impact, by bisection of its flights,
-/// which are parabolas: `h'' = −1 + Γ sin t`.
+/// How long the ball rests in a period, and its velocity over the table before the first impact, by
+/// bisection of its flights, which are parabolas: `h'' = −1 + Γ sin t`.
 fn rests(gamma: f64, e: f64) -> [f64; 2] {
     let leaves = bouncing_ball::leave(gamma);
     let (mut t, mut v, mut first) = (leaves, 0.0, None);
@@ -171,8 +175,9 @@ fn branches_begin_at_orbits_with_an_accumulation() {
     }
 }
 
-/// The same by the height over the ground: just behind its release the ball is on the table to rounding, with its rate and that of
-/// the rate, and does not graze it. The times of the last impacts are known to fewer digits.
+/// The same by the height over the ground: just behind its release the ball is on the table to
+/// rounding, with its rate and that of the rate, and does not graze it. The times of the last
+/// impacts are known to fewer digits.
 #[test]
 fn a_release_over_the_ground_is_no_grazing() {
     for e in [0.05, 0.3, 0.5] {
@@ -200,8 +205,8 @@ fn a_release_over_the_ground_is_no_grazing() {
     }
 }
 
-/// Where the height is that over the ground, rounding tells the times of the last impacts to few digits: a branch that does
-/// not begin says so.
+/// Where the height is that over the ground, rounding tells the times of the last impacts to few
+/// digits: a branch that does not begin says so.
 #[test]
 fn chatter_that_rounding_hides_is_an_error() {
     let (gamma, e) = (1.15, 0.7);
@@ -215,7 +220,8 @@ fn chatter_that_rounding_hides_is_an_error() {
     assert!(matches!(traced, Err(TraceError::Start { .. })), "{traced:?}");
 }
 
-/// The stable orbit with one impact a period attracts in a spiral, and comes near after two periods first.
+/// The stable orbit with one impact a period attracts in a spiral, and comes near after two periods
+/// first.
 #[test]
 fn spirals_are_found_in_their_least_period() {
     let (gamma, e) = (0.95, 0.8);
@@ -233,7 +239,8 @@ fn spirals_are_found_in_their_least_period() {
     }
 }
 
-/// Where motion begins just at an impact, rounding would tell whether one comes in a period, or two, or none.
+/// Where motion begins just at an impact, rounding would tell whether one comes in a period, or
+/// two, or none.
 #[test]
 fn cycles_that_are_sampled_at_an_impact_are_found_in_their_least_period() {
     for (gamma, e) in [(0.6, 0.8), (0.8, 0.8), (1.2, 0.5)] {

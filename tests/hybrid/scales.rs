@@ -1,4 +1,5 @@
-//! Promise: systems move, branch and graze alike in whatever units they are stated, if they state their scales.
+//! Promise: systems move, branch and graze alike in whatever units they are stated, if they state
+//! their scales.
 
 use crate::hybrid::systems::bouncing_ball::BouncingBall;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
@@ -203,8 +204,8 @@ fn branches(orbits: &mut BoundarySystem, form: &ClosedForm) -> Result<[Branch; 2
     Ok([smooth, impacting])
 }
 
-/// Grazings and folds or period doublings of the branches from grazing are where closed forms say, and so is what the
-/// local map says of the grazing.
+/// Grazings and folds or period doublings of the branches from grazing are where closed forms say,
+/// and so is what the local map says of the grazing.
 #[test]
 fn branches_and_local_maps_do_not_depend_on_units() {
     let parameters = ["amplitude"];

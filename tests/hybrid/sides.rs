@@ -1,4 +1,5 @@
-//! Promise: motion of a Filippov system begins where its state says, on either side of the surface or on it.
+//! Promise: motion of a Filippov system begins where its state says, on either side of the surface
+//! or on it.
 
 use crate::common::close;
 use crate::hybrid::systems::sliding::Sliding;
@@ -79,7 +80,8 @@ fn all_starts_settle_on_one_cycle() {
     }
 }
 
-/// The runs of the only sweep of a scene: start values on both axes, the mode in the end and the states there.
+/// The runs of the only sweep of a scene: start values on both axes, the mode in the end and the
+/// states there.
 fn runs(text: &str) -> Vec<Vec<f64>> {
     let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
     let sweeps = sweep(&scene, "t", Part::WHOLE, None, &mut ()).unwrap();
@@ -113,7 +115,8 @@ fn basins_of_sliding_motion_have_both_sides() {
     }
 }
 
-/// Both fields leave the surface: each side is the basin of the orbit `±1 + (cos 2πt + 2π sin 2πt)/(2 + 8π²)`.
+/// Both fields leave the surface: each side is the basin of the orbit
+/// `±1 + (cos 2πt + 2π sin 2πt)/(2 + 8π²)`.
 #[test]
 fn basins_on_both_sides_are_told_apart() {
     let found = runs(

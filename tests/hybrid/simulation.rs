@@ -1,5 +1,5 @@
-//! Promise: simulated hybrid motions are the exact ones, events in their order, tangencies and accumulations
-//! included, and so are their derivatives.
+//! Promise: simulated hybrid motions are the exact ones, events in their order, tangencies and
+//! accumulations included, and so are their derivatives.
 
 use crate::common::close;
 use crate::hybrid::systems::belt::{self, Belt};
@@ -178,8 +178,8 @@ impl HybridSystem for Clockwork {
     }
 }
 
-/// The guard stated first counts; the other, zero and falling, comes at once in the mode that follows. Both times
-/// have the derivatives of what they are the root of.
+/// The guard stated first counts; the other, zero and falling, comes at once in the mode that
+/// follows. Both times have the derivatives of what they are the root of.
 #[test]
 fn events_that_come_together_come_in_order() {
     let mut flow = HybridFlow::new(&Clockwork, settings(1e-13)).unwrap();
@@ -212,7 +212,8 @@ fn chatter_ends_where_its_series_does() {
         assert_eq!(events.iter().filter(|event| event.accumulation).count(), 1);
         let rest = bouncing_ball::rest(0.7, e);
         close(last.time.re, rest, 1e-10);
-        // Flights that rise by less than 1e-13 last 1e-6 at most, and their times have no derivatives.
+        // Flights that rise by less than 1e-13 last 1e-6 at most, and their times have no
+        // derivatives.
         close(last.time.eps, rest / 1.4, 1e-7);
         close(last.before[0].re, 0.0, 1e-12);
         close(last.before[1].re, 0.0, 1e-10);
@@ -248,8 +249,8 @@ fn belts_have_their_period() {
     close(displacements.fold(0.0, f64::max), belt::largest(1.0, 0.6, 0.3), 1e-5);
 }
 
-/// Motion that spirals towards a cycle, here with multipliers `0.8 e^{±iφ}`, is near it first after several returns: the
-/// least of them is its period.
+/// Motion that spirals towards a cycle, here with multipliers `0.8 e^{±iφ}`, is near it first after
+/// several returns: the least of them is its period.
 #[test]
 fn cycles_have_their_least_period() {
     let p = [0.95, 0.8];
@@ -322,7 +323,8 @@ fn impact_oscillators_settle_on_their_orbit() {
     close(cycle.start.rem_euclid(TAU / 2.2), form.time(speed), 1e-9);
 }
 
-/// Where a steady force presses the mass against the stop it chatters to rest there and stays: contact is cheap.
+/// Where a steady force presses the mass against the stop it chatters to rest there and stays:
+/// contact is cheap.
 #[test]
 fn contact_lasts_and_costs_little() {
     let p = [1.5, 1e-9, 0.7, 0.1, 1.0];
@@ -356,8 +358,8 @@ fn nothing_is_allocated_once_the_buffers_are_there() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(48) })]
 
-    /// Two parts of a motion are the whole, wherever it is divided; and energy is lost at impacts only by
-    /// restitution.
+    /// Two parts of a motion are the whole, wherever it is divided; and energy is lost at impacts
+    /// only by restitution.
     #[test]
     fn parts_make_the_whole(x in -1.0..0.95f64, v in -1.0..1.0f64, part in 0.0..1.0f64) {
         let p = [0.4, 1.3, 0.8, 0.1, 1.0];

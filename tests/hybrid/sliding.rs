@@ -1,5 +1,6 @@
-//! Promise: of two fields and a surface the library knows what slides; where sliding orbits change, branches end at points that
-//! are named, are followed, and go on with other orbits; and what branches call stable a simulation settles on.
+//! Promise: of two fields and a surface the library knows what slides; where sliding orbits change,
+//! branches end at points that are named, are followed, and go on with other orbits; and what
+//! branches call stable a simulation settles on.
 
 use crate::common::close;
 use crate::common::settling::settling;
@@ -28,7 +29,8 @@ fn settled(system: Sliding, p: &[f64]) -> (BoundarySystem, Vec<f64>) {
     from_cycle(Filippov(system), &cycle, p, Shooting::default(), 1).unwrap()
 }
 
-/// The branch through the orbit on which a simulation settles at a value of a parameter, marked at twenty places.
+/// The branch through the orbit on which a simulation settles at a value of a parameter, marked at
+/// twenty places.
 pub(super) fn simulated(
     system: Sliding,
     (name, value): (&str, f64),
@@ -82,7 +84,8 @@ pub(super) fn switched(
     marked(run, name, marks).along(name, range[0]..=range[1]).trace().unwrap()
 }
 
-/// The margin by which motion that arrives at the belt in a mode, 0 below its velocity and 1 above, is held there, or passes.
+/// The margin by which motion that arrives at the belt in a mode, 0 below its velocity and 1 above,
+/// is held there, or passes.
 fn margin_on_belt(nu: f64, mode: usize) -> f64 {
     on_belt([nu, 3.0], |motion| {
         let mut last = 0.0;
@@ -107,7 +110,8 @@ fn distance_to_belt(nu: f64) -> f64 {
     })
 }
 
-/// All four kinds come along one parameter; each branch begins where the one before ends, at places that simulations by hand find.
+/// All four kinds come along one parameter; each branch begins where the one before ends, at places
+/// that simulations by hand find.
 #[test]
 fn a_mass_on_a_belt_has_all_sliding_bifurcations() {
     let system = Filippov(Sliding::Friction);
@@ -282,7 +286,8 @@ fn curves_of_sliding_bifurcations_are_followed() {
     }
 }
 
-/// Multipliers against differences of simulations: each segment of sliding takes one direction away.
+/// Multipliers against differences of simulations: each segment of sliding takes one direction
+/// away.
 #[test]
 fn sliding_takes_a_multiplier_away() {
     for (system, value, name, modulo) in [
@@ -317,7 +322,8 @@ fn sliding_takes_a_multiplier_away() {
     }
 }
 
-/// Moduli of the eigenvalues of the map over one period, by central differences of simulations that begin above the surface.
+/// Moduli of the eigenvalues of the map over one period, by central differences of simulations that
+/// begin above the surface.
 fn by_differences(system: Sliding, p: &[f64]) -> Vec<f64> {
     let hybrid = Filippov(system);
     let mut flow = HybridFlow::new(&hybrid, HybridSettings::default()).unwrap();

@@ -1,5 +1,5 @@
-//! Promise: a field of sliding motion that a user states keeps to the surface, or is refused where it does not, with the velocity at
-//! which it leaves.
+//! Promise: a field of sliding motion that a user states keeps to the surface, or is refused where
+//! it does not, with the velocity at which it leaves.
 
 use crate::common::close;
 use tangency::core::continuation::End;
@@ -8,7 +8,8 @@ use tangency::core::hybrid::filippov::{Filippov, FilippovSystem, Side};
 use tangency::core::scalar::Scalar;
 use tangency::scene::{Outcome, Scene, execute};
 
-/// A forced mass on a belt of velocity `V`, `x'' + x = A cos ωt − F sgn(x' − V)`, with a field of sliding.
+/// A forced mass on a belt of velocity `V`, `x'' + x = A cos ωt − F sgn(x' − V)`, with a field of
+/// sliding.
 fn belt(sliding: &str) -> Outcome {
     let text = format!(
         "Scene(title: \"t\", problem: FilippovEquations(
@@ -62,7 +63,8 @@ fn a_branch_ends_where_its_field_leaves_the_surface() {
     assert!((0.05..0.051).contains(&last), "{last}");
 }
 
-/// A surface that moves as `x = sin t`, in units of `size`, with sliding at a rate `share` of its velocity.
+/// A surface that moves as `x = sin t`, in units of `size`, with sliding at a rate `share` of its
+/// velocity.
 struct Tide {
     size: f64,
     share: f64,

@@ -1,4 +1,5 @@
-//! Promise: `switch()` leads over every sliding bifurcation in both directions, to orbits on which simulations settle.
+//! Promise: `switch()` leads over every sliding bifurcation in both directions, to orbits on which
+//! simulations settle.
 
 use super::sliding::{at, ends, simulated, switched};
 use crate::common::close;
@@ -13,7 +14,8 @@ fn slides(branch: &Branch) -> usize {
     branch.itinerary.split(' ').filter(sliding).count()
 }
 
-/// The relay's sliding is interrupted in both directions at a time, where it touches its ends; and again from there.
+/// The relay's sliding is interrupted in both directions at a time, where it touches its ends; and
+/// again from there.
 #[test]
 fn a_relay_adds_slides_and_takes_them_away() {
     let (system, range) = (Filippov(Sliding::Relay), [14.0, 17.0]);

@@ -1,5 +1,5 @@
-//! Promise: torus points of orbits with impacts are where closed forms have them, and there are none where the product of
-//! the multipliers forbids them.
+//! Promise: torus points of orbits with impacts are where closed forms have them, and there are
+//! none where the product of the multipliers forbids them.
 
 use crate::common::close;
 use crate::hybrid::systems::impact_oscillator::ClosedForm;
@@ -7,12 +7,14 @@ use crate::hybrid::systems::orbits::{DIGITS, found, impacting};
 use std::f64::consts::PI;
 use tangency::core::continuation::{Continuation, Kind, Settings};
 
-/// The negative damping `c = (ω/π) ln e` at which the product of the multipliers, `e² e^{−cT}`, is 1.
+/// The negative damping `c = (ω/π) ln e` at which the product of the multipliers, `e² e^{−cT}`,
+/// is 1.
 fn critical(frequency: f64, restitution: f64) -> f64 {
     frequency / PI * restitution.ln()
 }
 
-/// The impact's speed near `u` at which the orbit has an amplitude of forcing, by the secant method.
+/// The impact's speed near `u` at which the orbit has an amplitude of forcing, by the secant
+/// method.
 fn speed(form: &ClosedForm, amplitude: f64, u: f64) -> f64 {
     let [mut a, mut b] = [u, 1.01 * u];
     for _ in 0..20 {
@@ -25,8 +27,8 @@ fn speed(form: &ClosedForm, amplitude: f64, u: f64) -> f64 {
     b
 }
 
-/// The damping at a torus point and the angle of the multipliers there, by both methods; and the curve of torus points in
-/// damping and frequency.
+/// The damping at a torus point and the angle of the multipliers there, by both methods; and the
+/// curve of torus points in damping and frequency.
 #[test]
 fn torus_points_are_exact() {
     let (frequency, restitution, u) = (2.2, 0.8, 1.5);
@@ -54,7 +56,8 @@ fn torus_points_are_exact() {
     }
 }
 
-/// With damping the product of the multipliers is less than 1, at ω = 2 it is 0.467: no torus point, whatever the steps.
+/// With damping the product of the multipliers is less than 1, at ω = 2 it is 0.467: no torus
+/// point, whatever the steps.
 #[test]
 fn no_torus_point_where_multipliers_forbid_it() {
     for frequency in [0.9, 1.4, 1.8, 2.0, 2.5] {

@@ -1,4 +1,5 @@
-//! Promise: branches begin at the grazings of orbits of any multiplier, if segments are short enough for the digits.
+//! Promise: branches begin at the grazings of orbits of any multiplier, if segments are short
+//! enough for the digits.
 
 use crate::common::close;
 use std::f64::consts::{PI, TAU};
@@ -10,10 +11,11 @@ use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::orbit::{HybridOrbit, Itinerary};
 use tangency::core::scalar::Scalar;
 
-/// An inverted oscillator, `x'' = b² x + (1 + b²) a cos(t + φ)`, beside one wall at `x = 1`, or between that and one at `x = −1`, with impacts of
-/// restitution 0.8.
+/// An inverted oscillator, `x'' = b² x + (1 + b²) a cos(t + φ)`, beside one wall at `x = 1`, or
+/// between that and one at `x = −1`, with impacts of restitution 0.8.
 ///
-/// Without impacts `x = −a cos(t + φ)` with the multipliers `e^{±2πb}`: it touches the walls at `a = 1`, at `t + φ = π` and 0.
+/// Without impacts `x = −a cos(t + φ)` with the multipliers `e^{±2πb}`: it touches the walls at
+/// `a = 1`, at `t + φ = π` and 0.
 #[derive(Clone)]
 struct Inverted {
     rate: f64,
@@ -64,7 +66,8 @@ impl HybridSystem for Inverted {
 }
 
 impl Inverted {
-    /// `(1 − e) b` times the factor by which both ends of a leg see each other, `tanh πb` over a period, `coth πb/2` over half of one.
+    /// `(1 − e) b` times the factor by which both ends of a leg see each other, `tanh πb` over a
+    /// period, `coth πb/2` over half of one.
     fn stiffness(&self) -> f64 {
         let ends = if self.walls == 1 {
             (PI * self.rate).tanh()
@@ -74,8 +77,9 @@ impl Inverted {
         (1.0 - RESTITUTION) * self.rate * ends
     }
 
-    /// The amplitude of the orbits that hit each wall once a period at a speed: with `h = 1 + a cos t` at the impact at `x = 1`,
-    /// motion between impacts is `−a cos t` and a sum of exponentials that is `h` at both ends (`−h` at the other one), so that
+    /// The amplitude of the orbits that hit each wall once a period at a speed: with
+    /// `h = 1 + a cos t` at the impact at `x = 1`, motion between impacts is `−a cos t` and a sum
+    /// of exponentials that is `h` at both ends (`−h` at the other one), so that
     /// `(1 + e) a sin t = κ h` and the speed is `2 κ h/(1 − e²)`.
     fn amplitude(&self, speed: f64) -> f64 {
         let stiffness = self.stiffness();
@@ -110,8 +114,8 @@ fn to_grazing(system: &mut BoundarySystem, z: &[f64]) -> Result<(Branch, usize),
     })
 }
 
-/// Multipliers from 3e5 to 2e27, with one wall and with two that are touched at a time, one of them where the orbit begins and ends. The
-/// touch at `t = π` is a node of 20 intervals, and none of 31.
+/// Multipliers from 3e5 to 2e27, with one wall and with two that are touched at a time, one of them
+/// where the orbit begins and ends. The touch at `t = π` is a node of 20 intervals, and none of 31.
 #[test]
 fn impacting_branches_begin_where_unstable_orbits_graze() {
     let collocation = || Method::from(Collocation::new(7).unwrap());
@@ -152,7 +156,8 @@ fn impacting_branches_begin_where_unstable_orbits_graze() {
     }
 }
 
-/// An orbit over two periods, as a doubled one, touches twice, and is that of the branch with an impact in each period.
+/// An orbit over two periods, as a doubled one, touches twice, and is that of the branch with an
+/// impact in each period.
 #[test]
 fn births_are_found_in_all_periods_of_an_orbit() {
     let inverted = Inverted { rate: 2.0, walls: 1, phase: 0.0 };
@@ -169,8 +174,9 @@ fn births_are_found_in_all_periods_of_an_orbit() {
     }
 }
 
-/// With one segment the largest multipliers leave no digits, and others too few for what is singular but for them: for the border of a
-/// matrix, where all velocities among the unknowns vanish, or for the correction at a birth.
+/// With one segment the largest multipliers leave no digits, and others too few for what is
+/// singular but for them: for the border of a matrix, where all velocities among the unknowns
+/// vanish, or for the correction at a birth.
 #[test]
 fn one_segment_says_where_its_digits_end() {
     let of = |rate: f64, phase: f64| {

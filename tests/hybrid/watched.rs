@@ -1,5 +1,5 @@
-//! Promise: a watched function's extrema and its falls through zero are found inside steps, to the accuracy of
-//! the flow, however short the dip, and with their derivatives.
+//! Promise: a watched function's extrema and its falls through zero are found inside steps, to the
+//! accuracy of the flow, however short the dip, and with their derivatives.
 
 use crate::common::close;
 use num_dual::{Dual64, DualNum, HyperDual64};
@@ -64,8 +64,8 @@ fn falls<T: Scalar>(
     found
 }
 
-/// `sin t = 1 − ε` at `t = arccos(−ε + 1)` from the top: the dip of depth ε is `2√(2ε)` long. Where the value
-/// has an error η, that of the place is `η/√(2ε)`.
+/// `sin t = 1 − ε` at `t = arccos(−ε + 1)` from the top: the dip of depth ε is `2√(2ε)` long. Where
+/// the value has an error η, that of the place is `η/√(2ε)`.
 #[test]
 fn dips_are_seen_down_to_the_last_digits() {
     for scheme in ALL {
@@ -110,8 +110,8 @@ fn functions_of_time_are_watched_too() {
     }
 }
 
-/// At a root: a function that rises counts when it falls again, one that falls counts at once, and one that
-/// is zero at a minimum does not count.
+/// At a root: a function that rises counts when it falls again, one that falls counts at once, and
+/// one that is zero at a minimum does not count.
 #[test]
 fn zero_at_the_start() {
     for scheme in ALL {
@@ -162,8 +162,8 @@ fn extrema_of_functions_are_found_with_their_derivatives() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
 
-    /// Every fall of `p + sin 2t − sin t` is found: between two samples of a fine grid there is one where the
-    /// sign changes from positive to negative.
+    /// Every fall of `p + sin 2t − sin t` is found: between two samples of a fine grid there is one
+    /// where the sign changes from positive to negative.
     #[test]
     fn every_fall_is_found(p in -1.0..1.0f64) {
         let h = |t: f64| (2.0 * t).sin() - t.sin() + p;

@@ -38,12 +38,14 @@ pub enum Signal {
 /// Files by their names.
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// A command, what it leaves where nobody kills it, and what another one with the same files leaves.
+/// A command, what it leaves where nobody kills it, and what another one with the same files
+/// leaves.
 pub struct Command {
     pub name: &'static str,
     scene: &'static str,
     more: &'static [&'static str],
-    /// How long it takes, as the machine is just now: this follows from when runs are killed, and end before.
+    /// How long it takes, as the machine is just now: this follows from when runs are killed, and
+    /// end before.
     takes: Cell<Duration>,
     whole: Files,
     old: Files,
@@ -135,7 +137,8 @@ pub struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
-    /// A new folder, with or without an old result. (What a sweep leaves is gone on from: its old results are its own.)
+    /// A new folder, with or without an old result. (What a sweep leaves is gone on from: its old
+    /// results are its own.)
     pub fn new(command: &'a Command, signal: Signal, random: &mut Random) -> Self {
         let folder = command.folder();
         let out = folder.path().join("out");

@@ -1,12 +1,16 @@
-//! The program, killed in the middle: files are whole, belong together, and the same command goes on to the same bytes.
+//! The program, killed in the middle: files are whole, belong together, and the same command goes
+//! on to the same bytes.
 //!
-//! `cargo test --test kill` kills a few runs; `cargo test --test kill -- 300` kills 300, two thirds of them by SIGKILL, the
-//! others by SIGTERM; runs that had ended before are not counted. A second number is the seed. Each case works in a folder of its own: an old result is there or not, one to
-//! three runs of one command are killed in turn, at a random time or when their first temporary file appears, and the
-//! command is then left to end. What must hold:
+//! `cargo test --test kill` kills a few runs; `cargo test --test kill -- 300` kills 300, two thirds
+//! of them by SIGKILL, the others by SIGTERM; runs that had ended before are not counted. A second
+//! number is the seed. Each case works in a folder of its own: an old result is there or not, one
+//! to three runs of one command are killed in turn, at a random time or when their first temporary
+//! file appears, and the command is then left to end. What must hold:
 //!
-//! - After every kill each file is whole, and the picture is the one that the data beside it make: both old or both new.
-//! - After the last run the files have the bytes of a run that nobody killed, and nothing else is in the folder.
+//! - After every kill each file is whole, and the picture is the one that the data beside it make:
+//!   both old or both new.
+//! - After the last run the files have the bytes of a run that nobody killed, and nothing else is
+//!   in the folder.
 
 mod case;
 #[path = "../common/random.rs"]

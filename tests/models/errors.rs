@@ -313,7 +313,8 @@ fn nothing_is_silently_left_out() {
     assert!(refused(&text).to_string().contains("sums and functions in each other"));
 }
 
-/// Periods and lengths must be positive where parameters begin: in the scene, in its runs and its sweeps.
+/// Periods and lengths must be positive where parameters begin: in the scene, in its runs and its
+/// sweeps.
 #[test]
 fn periods_and_lengths_are_positive() {
     says(
@@ -343,7 +344,8 @@ fn periods_and_lengths_are_positive() {
     assert!(error.contains("the period `2/w` is inf at w = 0"), "{error}");
 }
 
-/// A name that nothing has is an error wherever it stands: in a function that nothing calls, in a sum without terms.
+/// A name that nothing has is an error wherever it stands: in a function that nothing calls, in a
+/// sum without terms.
 #[test]
 fn unknown_names_that_nothing_uses() {
     let of = |functions: &str| {
@@ -464,7 +466,8 @@ fn sliding() {
     says(&with("names: [(\"»slide«\", \"stick\")]"), "unknown mode or event `slide`");
     says(&with("names: [(\"sliding\", \"»above«\")]"), "`above` is a mode or an event already");
     says(&with("sliding: [(\"x\", \"»u«\"), (\"y\", \"0\")]"), "unknown name `u`");
-    // What motion needs where it begins: the rates of its mode, on the surface all that decides there.
+    // What motion needs where it begins: the rates of its mode, on the surface all that decides
+    // there.
     let undefined = |rest: &str, x: f64| {
         let text = "FilippovEquations(above: [(\"x\", \"sqrt(x)\"), (\"y\", \"-1\")], below: [(\"x\", \"sqrt(-x)\"), (\"y\", \"1\")]";
         let model = Model::read(&Source::new("", format!("{text}, {rest})")), &[]).unwrap();

@@ -97,7 +97,8 @@ fn nested<T: Scalar>(formula: &str, x: T) -> T {
     f[0]
 }
 
-/// Functions of nested numbers are compositions of their Taylor series: those of `num_dual` go by the chain rule.
+/// Functions of nested numbers are compositions of their Taylor series: those of `num_dual` go by
+/// the chain rule.
 #[test]
 fn functions_of_nested_numbers_have_all_mixed_derivatives() {
     type Number = HyperHyperDual64;
@@ -435,7 +436,8 @@ fn resets_of_arrays() {
     assert_eq!(after, [7.0, 2.5, 6.5, 0.5]);
 }
 
-/// Two fields and a surface: what follows is known from them, and a statement is read back as it is written.
+/// Two fields and a surface: what follows is known from them, and a statement is read back as it is
+/// written.
 #[test]
 fn two_fields_and_a_surface() {
     let text = "FilippovEquations(

@@ -1,5 +1,5 @@
-//! The scenes of the library: the points that they find are those of the literature, of exact formulas, or of programs that
-//! share no code with this one (`docs/models.md`).
+//! The scenes of the library: the points that they find are those of the literature, of exact
+//! formulas, or of programs that share no code with this one (`docs/models.md`).
 
 use crate::common::close;
 use std::f64::consts::PI;
@@ -182,7 +182,8 @@ fn end_without_stops(omega: f64) -> f64 {
     v.abs() / h.hypot(omega.powi(-2))
 }
 
-/// Den Hartog: the functions of `next` are decisions, whose zeros end motion without stops; with two begins there.
+/// Den Hartog: the functions of `next` are decisions, whose zeros end motion without stops; with
+/// two begins there.
 #[test]
 fn dry_friction() {
     let outcome = execute(&dry(), None, &mut ());
@@ -206,7 +207,8 @@ fn dry_friction() {
     assert!(stops.points.iter().all(|point| point.admissible && point.unstable == Some(0)));
 }
 
-/// Where legs vanish, at a grazing, the branch goes on without them: in orbits of another itinerary.
+/// Where legs vanish, at a grazing, the branch goes on without them: in orbits of another
+/// itinerary.
 #[test]
 fn legs_that_vanish_are_left_out() {
     let mut scene = dry();

@@ -1,5 +1,6 @@
-//! The scenes of the library with impacts, switches and steps. Digits without a formula are those of programs that share no
-//! code with this one: COCO's demonstrations, closed flows by numpy and scipy, and the literature (`docs/models.md`).
+//! The scenes of the library with impacts, switches and steps. Digits without a formula are those
+//! of programs that share no code with this one: COCO's demonstrations, closed flows by numpy and
+//! scipy, and the literature (`docs/models.md`).
 
 use super::library::{executed, finds, scene, values};
 use crate::common::close;
@@ -8,7 +9,8 @@ use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
 use tangency::output::Document;
 use tangency::scene::{Scene, Simulated, Start, execute, explore};
 
-/// What a scene of the library finds. Every row of its tables has converged, and so have all branches.
+/// What a scene of the library finds. Every row of its tables has converged, and so have all
+/// branches.
 fn sound(scene: &Scene) -> Document {
     let document = executed(scene);
     for branch in &document.branches {
@@ -26,7 +28,8 @@ fn library(name: &str) -> Document {
     sound(&scene(name))
 }
 
-/// A first diagram of a problem that motion has settled on: the names of its branches, with what they find.
+/// A first diagram of a problem that motion has settled on: the names of its branches, with what
+/// they find.
 fn first_diagram(problem: &str, run: &str) -> Vec<String> {
     let text = format!(
         "Scene(title: \"First diagram\", problem: {problem}, runs: [
@@ -45,8 +48,8 @@ fn first_diagram(problem: &str, run: &str) -> Vec<String> {
     outcome.document.branches.iter().map(told).collect()
 }
 
-/// Two oscillators, each with a stop of its own, graze at one amplitude: orbits that impact at one stop only, or at both, begin
-/// there, and fold at A = 0.0999707536283 (`docs/grazing.md`).
+/// Two oscillators, each with a stop of its own, graze at one amplitude: orbits that impact at one
+/// stop only, or at both, begin there, and fold at A = 0.0999707536283 (`docs/grazing.md`).
 #[test]
 fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
     let scene = |last: usize| {
@@ -95,8 +98,9 @@ fn each_itinerary_that_is_born_at_a_touch_of_two_guards_is_switched_to() {
     assert!(error.contains("no other branch number 3, counted from 0: there are 3"), "{error}");
 }
 
-/// A gear with backlash begins on either side of its play, or in it, and settles where its teeth stay in touch under the load: about
-/// x = 1.1, up to where they part, at `0.1 |1 − ω² + 0.1 iω| = 0.05`.
+/// A gear with backlash begins on either side of its play, or in it, and settles where its teeth
+/// stay in touch under the load: about x = 1.1, up to where they part, at
+/// `0.1 |1 − ω² + 0.1 iω| = 0.05`.
 #[test]
 fn motion_begins_where_the_guards_allow_it() {
     let gear = |start: f64| {
@@ -135,8 +139,9 @@ fn motion_begins_where_the_guards_allow_it() {
     close(touch.value(document.branches[0].column("omega").unwrap()).unwrap(), parts, 1e-10);
 }
 
-/// A pendulum beside a wall. Near the grazing that ends its doubled motion a multiplier grows without bound: its product with
-/// another one passes 1, at a neutral saddle, in the step of a period doubling.
+/// A pendulum beside a wall. Near the grazing that ends its doubled motion a multiplier grows
+/// without bound: its product with another one passes 1, at a neutral saddle, in the step of a
+/// period doubling.
 #[test]
 fn what_begins_at_grazings_is_followed_and_a_neutral_saddle_is_no_torus_point() {
     let pendulum = "HybridEquations(
@@ -150,7 +155,8 @@ fn what_begins_at_grazings_is_followed_and_a_neutral_saddle_is_no_torus_point() 
     assert_eq!(found, expected);
 }
 
-/// The period of a relay's forced motion doubles and comes back: both doublings are ends of one branch, which is followed once.
+/// The period of a relay's forced motion doubles and comes back: both doublings are ends of one
+/// branch, which is followed once.
 #[test]
 fn a_branch_between_two_period_doublings_is_followed_once() {
     let relay = "FilippovEquations(
@@ -195,7 +201,8 @@ fn stick_slip() {
     let doublings = [[0.6939956036083, 0.6139308193098], [0.6000193930193, 0.5817718172902]];
     finds(&document, (grazings, Kind::GP, "omega"), &doublings[0], 1e-11);
     finds(&document, (grazings, Kind::GP, "V"), &doublings[1], 1e-11);
-    // COCO's demonstration does not look for this one: the curve of the orbits with an impact has it as well.
+    // COCO's demonstration does not look for this one: the curve of the orbits with an impact has
+    // it as well.
     finds(&document, (grazings, Kind::GD, "omega"), &[0.613649461804], 1e-10);
     let mut births = scene("stick-slip");
     births.runs[2].start = from("without impacts", Kind::G);
@@ -209,7 +216,8 @@ fn stick_slip() {
     }
 }
 
-/// Fold and grazing are 2e-5 apart, in one step or not: at the grazing one multiplier is outside of the unit circle.
+/// Fold and grazing are 2e-5 apart, in one step or not: at the grazing one multiplier is outside of
+/// the unit circle.
 #[test]
 fn stick_slip_is_unstable_at_its_grazing_at_every_step() {
     let mut scene = only_first("stick-slip", 1);
@@ -239,8 +247,8 @@ fn from(run: &str, kind: Kind) -> Start {
     Start::From { run: run.into(), kind, nth: 0, switch: false, which: 0, unconverged: false }
 }
 
-/// `I = 1/(1 − e^{−T}) ∓ A/√(1 + ω²)`, and the touch at `1 − A/√(1 + ω²)`. The firing family returns to its start one
-/// period later.
+/// `I = 1/(1 − e^{−T}) ∓ A/√(1 + ω²)`, and the touch at `1 − A/√(1 + ω²)`. The firing family
+/// returns to its start one period later.
 #[test]
 fn integrate_and_fire() {
     let (middle, share) = (1.0 / (1.0 - (-TAU / 4.0).exp()), 1.0 / 17.0_f64.sqrt());
@@ -269,7 +277,8 @@ fn integrate_and_fire() {
     close(only(&sound(&strong), "silent", Kind::G, "I"), 0.8787321874818, 1e-12);
 }
 
-/// The amplitude at which the voltage of the upper fold touches 1 before its spike, by bisection on the closed form.
+/// The amplitude at which the voltage of the upper fold touches 1 before its spike, by bisection on
+/// the closed form.
 fn touching(omega: f64) -> f64 {
     let period = TAU / omega;
     let share = 1.0 / omega.hypot(1.0);
@@ -296,7 +305,8 @@ fn touching(omega: f64) -> f64 {
     low
 }
 
-/// Symmetric rocking folds where its closed form says, and both halves of the pitchfork are traced, at several steps.
+/// Symmetric rocking folds where its closed form says, and both halves of the pitchfork are traced,
+/// at several steps.
 #[test]
 fn rocking_block() {
     for max_step in [0.02, 0.05, 0.2] {
@@ -324,7 +334,8 @@ fn rocking_block() {
     }
 }
 
-/// COCO's demonstration. The asymmetric orbits between two of the branch points are a closed curve, traced once.
+/// COCO's demonstration. The asymmetric orbits between two of the branch points are a closed curve,
+/// traced once.
 #[test]
 fn bang_bang() {
     for max_step in [0.1, 0.2] {
@@ -350,7 +361,8 @@ fn bang_bang() {
     }
 }
 
-/// The angle and the rate are those that Garcia et al. print; their doublings are at 0.0151 and 0.0177.
+/// The angle and the rate are those that Garcia et al. print; their doublings are at 0.0151
+/// and 0.0177.
 #[test]
 fn simplest_walker() {
     let document = library("simplest-walker");
@@ -403,7 +415,8 @@ fn two_walls() {
     close(halves[0], halves[1], 1e-10);
 }
 
-/// The amplitude is 1 at the touch, at every frequency. The branch that begins there ends there, if it comes from elsewhere.
+/// The amplitude is 1 at the touch, at every frequency. The branch that begins there ends there, if
+/// it comes from elsewhere.
 #[test]
 fn soft_stop() {
     let mut scene = only_first("soft-stop", 1);

@@ -1,5 +1,5 @@
-//! What branches say of orbits with impacts is what simulations do: motion that is disturbed a little comes back to an orbit
-//! exactly where the orbit is called admissible and stable.
+//! What branches say of orbits with impacts is what simulations do: motion that is disturbed a
+//! little comes back to an orbit exactly where the orbit is called admissible and stable.
 
 use super::library::{executed, scene};
 use crate::common::settling::settling;
@@ -18,8 +18,8 @@ fn mark(run: &mut Run, branch: &Branch) {
     run.marks = (0..20).map(|k| (name.clone(), value(k))).collect();
 }
 
-/// Simulations and branches agree at all marks of all branches of a scene in one parameter. How many orbits attract, how
-/// many are unstable, and how many virtual.
+/// Simulations and branches agree at all marks of all branches of a scene in one parameter. How
+/// many orbits attract, how many are unstable, and how many virtual.
 fn agree(mut scene: Scene) -> [usize; 3] {
     scene.runs.retain(|run| run.along.len() == 1);
     let document = executed(&scene);

@@ -1,5 +1,6 @@
-//! Curves of sliding bifurcations in the library's scenes against motion by hand: at marked points of each, motion that is stepped
-//! with fields, normal velocities and sliding from paper comes back after a period, and is just where the bifurcation is.
+//! Curves of sliding bifurcations in the library's scenes against motion by hand: at marked points
+//! of each, motion that is stepped with fields, normal velocities and sliding from paper comes back
+//! after a period, and is just where the bifurcation is.
 
 use super::library::{executed, scene};
 use crate::common::settling::middle;
@@ -20,8 +21,8 @@ fn marked(name: &str, parameter: &str, values: &[f64]) -> Document {
     executed(&scene)
 }
 
-/// Compares the marked points of a curve, of which there are at least so many, with motion by hand in their parameters: it closes,
-/// and the least size of what a mark shows is zero.
+/// Compares the marked points of a curve, of which there are at least so many, with motion by hand
+/// in their parameters: it closes, and the least size of what a mark shows is zero.
 #[track_caller]
 fn agrees<'a>(
     system: Sliding,

@@ -1,5 +1,6 @@
-//! Promise: branches of boundary-value problems without a period end for the same reasons as others, where they close and
-//! where their mesh is too coarse, and their branch points are found though no eigenvalues are known.
+//! Promise: branches of boundary-value problems without a period end for the same reasons as
+//! others, where they close and where their mesh is too coarse, and their branch points are found
+//! though no eigenvalues are known.
 
 use crate::common::close;
 use crate::orbits::boundary::{Layer, collocated, strings};
@@ -31,7 +32,8 @@ impl BoundaryProblem for Ring {
     }
 }
 
-/// The circle closes after one round with one fold on either side, by both methods, wherever it is entered and with any steps.
+/// The circle closes after one round with one fold on either side, by both methods, wherever it is
+/// entered and with any steps.
 #[test]
 fn closed_curves_of_boundary_values_close() {
     let collocation = || Method::from(Collocation::new(4).unwrap());
@@ -63,8 +65,8 @@ fn closed_curves_of_boundary_values_close() {
     }
 }
 
-/// A layer that becomes too thin for the mesh ends the branch before its numbers lie, and a mesh with more intervals
-/// follows it.
+/// A layer that becomes too thin for the mesh ends the branch before its numbers lie, and a mesh
+/// with more intervals follows it.
 #[test]
 fn layers_end_branches_on_coarse_meshes() {
     for intervals in [2, 30] {
@@ -97,8 +99,8 @@ fn layers_end_branches_on_coarse_meshes() {
     }
 }
 
-/// `u'' + a g(u) = 0`, `v'' + s a g(v) = 0` with `g(u) = u + c u² − u³`, all zero at both ends: branch points on `u = v = 0` at
-/// `a = (kπ)²` and `(kπ)²/s`.
+/// `u'' + a g(u) = 0`, `v'' + s a g(v) = 0` with `g(u) = u + c u² − u³`, all zero at both ends:
+/// branch points on `u = v = 0` at `a = (kπ)²` and `(kπ)²/s`.
 struct Copies {
     s: f64,
     c: f64,
@@ -149,7 +151,8 @@ impl BoundaryProblem for OnRing {
     }
 }
 
-/// Branch points of a trivial branch up to a bound: each with its multiplicity and within its error, none else.
+/// Branch points of a trivial branch up to a bound: each with its multiplicity and within its
+/// error, none else.
 fn branch_points_are(mut system: BoundarySystem, bound: f64, expected: &[(f64, usize)]) {
     let z = system.sampled(&[], |_, _, x| x.fill(0.0));
     for max_step in [0.02, 0.1, 0.5] {
@@ -176,8 +179,9 @@ fn shot(problem: impl BoundaryProblem + 'static) -> BoundarySystem {
     BoundarySystem::new(problem, Shooting::default(), vec![Mesh::uniform(2)]).unwrap()
 }
 
-/// Points at which the determinant keeps its sign, or changes it twice in a step, are found and counted by singular matrices:
-/// also those with odd null vectors, of which generic vectors have a small share.
+/// Points at which the determinant keeps its sign, or changes it twice in a step, are found and
+/// counted by singular matrices: also those with odd null vectors, of which generic vectors have a
+/// small share.
 #[test]
 fn even_branch_points_of_boundary_values_are_found() {
     let squares = |unit: f64, most: usize| (1..=most).map(move |k| (unit * k as f64).powi(2));

@@ -36,7 +36,8 @@ fn bratu_folds() {
     }
 }
 
-/// Branch points on a trivial branch, and the branch that leaves the second one: there `u` has one node.
+/// Branch points on a trivial branch, and the branch that leaves the second one: there `u` has one
+/// node.
 #[test]
 fn branches_are_switched() {
     let mut system = collocated(TrivialBranch, 4, 12);
@@ -73,8 +74,8 @@ fn an_eigenvalue_is_an_unknown() {
     close(system.states(&x, 0, 0.5).unwrap()[0], 2.0_f64.sqrt(), 1e-10);
 }
 
-/// Two segments: `x = exp(a sin t)` reaches 2 at `t = arcsin(ln 2/a)`; with `b = 0` the second is a rotation,
-/// `y = 2 cos t + ½a sin t`.
+/// Two segments: `x = exp(a sin t)` reaches 2 at `t = arcsin(ln 2/a)`; with `b = 0` the second is a
+/// rotation, `y = 2 cos t + ½a sin t`.
 #[test]
 fn two_segments_are_glued() {
     let mut system = collocated(Glued, 5, 8);
@@ -99,7 +100,8 @@ fn two_segments_are_glued() {
     assert_eq!(names, [("x[0]", 41), ("x[1]", 41), ("w", 41), ("d", 1), ("area", 1)]);
 }
 
-/// Van der Pol's period and amplitude at μ = 1, known to many digits: 6.66328685932313, 2.008619860874843.
+/// Van der Pol's period and amplitude at μ = 1, known to many
+/// digits: 6.66328685932313, 2.008619860874843.
 #[test]
 fn periods_are_unknowns() {
     let mut system = collocated(VanDerPol, 7, 40);

@@ -1,5 +1,5 @@
-//! Promise: collocation converges with the orders of theory, its meshes follow the solution, and a mesh that
-//! is too coarse says so.
+//! Promise: collocation converges with the orders of theory, its meshes follow the solution, and a
+//! mesh that is too coarse says so.
 
 use crate::common::{close, ellipse, falls_with_order, solved};
 use crate::orbits::boundary::{FOLD, Glued, Layer, VanDerPol, collocated, strings};
@@ -18,8 +18,8 @@ use tangency::problems::classic::Bratu;
 
 type Collocated = BoundarySystem;
 
-/// The exact lower solution of Bratu's problem: `u = 2 ln(cosh(θ/4) / cosh((t − ½)θ/2))` with `θ = √(2λ)
-/// cosh(θ/4)`.
+/// The exact lower solution of Bratu's problem: `u = 2 ln(cosh(θ/4) / cosh((t − ½)θ/2))` with
+/// `θ = √(2λ) cosh(θ/4)`.
 fn bratu(lambda: f64, t: f64) -> f64 {
     let mut theta = 0.0;
     for _ in 0..200 {
@@ -56,8 +56,8 @@ fn errors(system: &mut Collocated, x: &[f64], exact: impl Fn(f64) -> f64) -> [f6
     largest
 }
 
-/// The errors of Bratu's problem at `m` points in so many equal intervals; the estimate is that of the largest one, and
-/// not below it.
+/// The errors of Bratu's problem at `m` points in so many equal intervals; the estimate is that of
+/// the largest one, and not below it.
 fn estimated(m: usize, intervals: usize) -> [f64; 3] {
     let mut system = collocated(Bratu, m, intervals);
     let z = system.sampled(&[], |_, _, _| {});
@@ -87,7 +87,8 @@ fn superconvergence() {
     }
 }
 
-/// `u'' = 6t`, `u(0) = 0`, `u(1) = 1`: a cubic, for which three points are exact on a single interval.
+/// `u'' = 6t`, `u(0) = 0`, `u(1) = 1`: a cubic, for which three points are exact on a single
+/// interval.
 #[derive(Clone)]
 struct Cubic;
 
@@ -198,8 +199,8 @@ fn adaptation_carries_directions() {
     }
 }
 
-/// Far too few intervals: the branch ends before the fold and says why. Told to go on, the monitor still says so, and the fold's
-/// error covers the truth.
+/// Far too few intervals: the branch ends before the fold and says why. Told to go on, the monitor
+/// still says so, and the fold's error covers the truth.
 #[test]
 fn a_coarse_mesh_says_so() {
     let mut system = collocated(Bratu, 2, 2);
@@ -369,7 +370,8 @@ fn nodes_are_lobatto_points() {
     }
 }
 
-/// The error polynomial of two points is `s(s − ½)(s − 1)/6`, largest at the Gauss points: `√3/216`.
+/// The error polynomial of two points is `s(s − ½)(s − 1)/6`, largest at the Gauss points:
+/// `√3/216`.
 #[test]
 fn error_constant_of_two_points() {
     let constant = Collocation::new(2).unwrap().error_constant();

@@ -1,5 +1,5 @@
-//! Promise: folds, period doublings, torus points and branch points of periodic orbits are located exactly,
-//! and held along curves in two parameters.
+//! Promise: folds, period doublings, torus points and branch points of periodic orbits are located
+//! exactly, and held along curves in two parameters.
 
 use crate::common::{close, ellipse, first, values};
 use crate::orbits::cycles::{
@@ -132,8 +132,8 @@ fn branch_points_of_cycles() {
             assert_eq!(p.unstable, Some(0), "{:?} of {:?}", p, other.points.len());
         }
         let half = first(&other, Kind::UZ);
-        // 1/z² = y solves y' = 2 − 2(μ − 1.04 + cos t) y: linear, so that its periodic solution is an
-        // integral.
+        // 1/z² = y solves y' = 2 − 2(μ − 1.04 + cos t) y: linear, so that its periodic solution is
+        // an integral.
         let names = &other.monitors;
         let largest = names.iter().position(|name| name == "max_z").unwrap();
         let smallest = names.iter().position(|name| name == "min_z").unwrap();
@@ -158,8 +158,8 @@ fn branch_points_of_cycles() {
     }
 }
 
-/// The extremes of `y^{−1/2}` with `y(t) = 2∫₀^∞ exp(−2(a s + sin t − sin(t − s))) ds`, by the trapezoidal
-/// rule.
+/// The extremes of `y^{−1/2}` with `y(t) = 2∫₀^∞ exp(−2(a s + sin t − sin(t − s))) ds`, by the
+/// trapezoidal rule.
 fn extremes_of_the_broken_branch(a: f64) -> (f64, f64) {
     let y = |t: f64| {
         let (step, end) = (1e-3, 45.0);

@@ -1,5 +1,5 @@
-//! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and keeps what
-//! there is.
+//! Promise: where a method of periodic orbits breaks, the error says so, names the quantity, and
+//! keeps what there is.
 
 use crate::common::{close, ellipse, first, solved};
 use crate::orbits::cycles::{Saddle, collocated, collocation, cycle_of, equilibria, label, shot};
@@ -118,7 +118,8 @@ fn relaxation(intervals: usize) -> Branch {
         .unwrap()
 }
 
-/// A mesh too coarse for the orbit: the monitor `mesh_error` and the error of special points say so.
+/// A mesh too coarse for the orbit: the monitor `mesh_error` and the error of special points say
+/// so.
 #[test]
 fn a_coarse_mesh_is_not_trusted() {
     let branch = relaxation(5);
@@ -239,8 +240,8 @@ fn bad_input_is_refused() {
     let outcome = Continuation::of(&mut system).along("alhpa", 0.0..=1.0).trace();
     assert!(outcome.unwrap_err().to_string().contains("did you mean `alpha`"));
 
-    // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point of a
-    // forced one.
+    // A start on another problem's orbit, on an equilibrium that is no Hopf point, at a Hopf point
+    // of a forced one.
     let rest = equilibria(Lure, &[0.0; 3], &[1.2, 1.0], [0.5, 1.5]);
     let restart = |system: &mut dyn System, branch: &Branch, kind: Kind| {
         let outcome = Continuation::of(system)

@@ -1,4 +1,5 @@
-//! Promise: measures mean the same on branches, in sweeps and of equilibria, and have the values of closed forms.
+//! Promise: measures mean the same on branches, in sweeps and of equilibria, and have the values of
+//! closed forms.
 
 use crate::common::{agree, close, difference, dot, ellipse, solved};
 use std::f64::consts::TAU;
@@ -12,7 +13,8 @@ use tangency::core::orbit::{HybridOrbit, Smooth};
 use tangency::core::scalar::Scalar;
 use tangency::core::zero::{Names, System};
 
-/// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a period.
+/// `x'' + x'/5 + x = cos ωt − cos 2ωt`, the displacement of which rises through zero twice in a
+/// period.
 struct Tones;
 
 const DAMPING: f64 = 0.2;
@@ -109,7 +111,8 @@ fn by_both(orbit: &HybridOrbit) -> (BoundarySystem, BoundarySystem) {
     (collocation.unwrap(), shooting.unwrap())
 }
 
-/// The largest displacements, velocities … that rises and extremes have, by bisection in the closed form.
+/// The largest displacements, velocities … that rises and extremes have, by bisection in the closed
+/// form.
 fn rises(frequency: f64, through: usize) -> Vec<[f64; 2]> {
     let (count, period) = (1000, TAU / frequency);
     let at = |t: f64| Tones::closed_form(frequency, t).0;
@@ -125,7 +128,8 @@ fn rises(frequency: f64, through: usize) -> Vec<[f64; 2]> {
     refined.collect()
 }
 
-/// Two rises in a leg of one period, four in one of two: the largest counts on branches as in sweeps.
+/// Two rises in a leg of one period, four in one of two: the largest counts on branches as in
+/// sweeps.
 #[test]
 fn forced_orbits_by_both_methods_and_in_a_period_of_a_sweep() {
     let frequency = 0.4;
@@ -202,7 +206,8 @@ fn gradients(system: &mut dyn System, x: &[f64], monitors: &[&str]) {
     }
 }
 
-/// An autonomous orbit has the norm and the mean of its radius, an equilibrium those of where it is.
+/// An autonomous orbit has the norm and the mean of its radius, an equilibrium those of where it
+/// is.
 #[test]
 fn circles_and_their_centre() {
     let (mu, omega) = (0.5_f64, 1.5);

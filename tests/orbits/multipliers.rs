@@ -1,5 +1,5 @@
-//! Promise: multipliers do not depend on the method, nor on the number of its segments, and telling them
-//! apart is never needed.
+//! Promise: multipliers do not depend on the method, nor on the number of its segments, and telling
+//! them apart is never needed.
 
 use crate::common::{close, ellipse, solved};
 use crate::orbits::cycles::{Saddle, collocated, label, precisely_shot, shot};
@@ -85,9 +85,9 @@ fn multipliers_at(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// The forced saddle has the multipliers exp(±2πλ), over any number of segments that is enough: in each, the
-    /// flow errs by its tolerance of 1e-12 in what grows and in what shrinks by as much. The motion may be so small
-    /// that it is nearly at rest.
+    /// The forced saddle has the multipliers exp(±2πλ), over any number of segments that is enough:
+    /// in each, the flow errs by its tolerance of 1e-12 in what grows and in what shrinks by as
+    /// much. The motion may be so small that it is nearly at rest.
     #[test]
     fn multipliers_of_a_saddle(
         rate in 0.05..4.0_f64, amplitude in -2.0..2.0_f64, digits in 0..14_i32, more in 0..6_usize,

@@ -1,5 +1,5 @@
-//! Promise: periodic orbits, their bifurcations and multipliers, by collocation and by shooting, agree with
-//! published values and with each other.
+//! Promise: periodic orbits, their bifurcations and multipliers, by collocation and by shooting,
+//! agree with published values and with each other.
 
 use crate::common::{close, first};
 use crate::orbits::cycles::{PredatorPrey, collocated, equilibria, label, precisely_shot, shot};
@@ -27,7 +27,8 @@ fn lure_orbits(system: &mut dyn System) -> Branch {
         .unwrap()
 }
 
-/// Every regular point on this side of a value of the first parameter has this many unstable multipliers.
+/// Every regular point on this side of a value of the first parameter has this many unstable
+/// multipliers.
 #[track_caller]
 fn stable_between(branch: &Branch, low: f64, high: f64, unstable: usize) {
     let inside = |p: &&tangency::core::continuation::Point| (low..high).contains(&p.parameters[0]);
@@ -70,8 +71,9 @@ fn lure_by_both_methods() {
     }
 }
 
-/// Where period doublings are not looked for, the multiplier that passes −1 is reported as an unclassified point. Its error includes
-/// that of the mesh: without it, it would be too small by orders of magnitude on 12 intervals.
+/// Where period doublings are not looked for, the multiplier that passes −1 is reported as an
+/// unclassified point. Its error includes that of the mesh: without it, it would be too small by
+/// orders of magnitude on 12 intervals.
 #[test]
 fn an_unclassified_point_knows_the_error_of_its_mesh() {
     for intervals in [12, 20, 40] {
@@ -149,7 +151,8 @@ fn isothermal_cascade() {
     }
 }
 
-/// λ and period at so many period doublings, each found on the branch that the last one gave birth to.
+/// λ and period at so many period doublings, each found on the branch that the last one gave birth
+/// to.
 fn cascade(system: &mut dyn System, rest: &Branch, count: usize) -> Vec<[f64; 2]> {
     let settings = Settings { refinement: 1e-11, ..settings() };
     let mut branch = Continuation::of(system)

@@ -9,7 +9,8 @@ use tangency::core::scalar::Scalar;
 use tangency::core::watch::Observable;
 use tangency::core::zero::{Failure, OutOfDomain};
 
-/// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no effect.
+/// `x'' + c x' + ω² x = a cos t` over a period, as two segments with `k` further parameters of no
+/// effect.
 struct Oscillator(usize);
 
 impl BoundaryProblem for Oscillator {
@@ -77,8 +78,8 @@ fn linearisations_of_all_widths_are_derivatives_of_the_residual() {
     }
 }
 
-/// `x = cos t` (ω = 1, no damping, no force) from the middle of a segment of duration 8: its value within
-/// an interval, its extrema at π and 2π between `t = 2` and `t = 7`, and its rise at 3π/2.
+/// `x = cos t` (ω = 1, no damping, no force) from the middle of a segment of duration 8: its value
+/// within an interval, its extrema at π and 2π between `t = 2` and `t = 7`, and its rise at 3π/2.
 #[test]
 fn values_and_extrema_are_those_of_the_trajectory() {
     let (problem, q) = (Oscillator(0).into_equations(), [1.0, 0.0, 0.0, 4.0]);

@@ -1,5 +1,5 @@
-//! Promise: a stable orbit found by simulation lands on the branch of orbits, and a simulation that finds
-//! none says why.
+//! Promise: a stable orbit found by simulation lands on the branch of orbits, and a simulation that
+//! finds none says why.
 
 use crate::common::{close, first, solved};
 use crate::orbits::cycles::{Saddle, collocation, cycle_of, equilibria, label, precisely_shot};

@@ -1,4 +1,5 @@
-//! What default settings promise of pull-in: loads to 1e-8, deflections to 1e-6, and an honest `error`.
+//! What default settings promise of pull-in: loads to 1e-8, deflections to 1e-6, and an honest
+//! `error`.
 
 use crate::plates::models::{IN_PLANE, assert_close, pull_in, through_pull_in};
 use tangency::core::continuation::{Continuation, Kind, Settings, SpecialPoint};
@@ -79,7 +80,8 @@ fn default_settings_suffice_for_clamped_plates() {
     default_settings_suffice("CCCC", 4);
 }
 
-/// Plates with free edges report the larger error that they have, and no more than fifty times of it.
+/// Plates with free edges report the larger error that they have, and no more than fifty times of
+/// it.
 #[test]
 fn the_error_of_plates_with_free_edges_is_larger_and_honest() {
     for (supports, aspect) in [("SFSF", 2.0), ("CFFF", 1.0), ("CCCF", 1.5)] {
@@ -92,8 +94,8 @@ fn the_error_of_plates_with_free_edges_is_larger_and_honest() {
     }
 }
 
-/// Where spectral convergence turns algebraic the error changes sign, and one change between rungs is small by
-/// accident (6.3e-7, 2.9e-10, 1.0e-10, 1.4e-10): it is not taken for convergence.
+/// Where spectral convergence turns algebraic the error changes sign, and one change between rungs
+/// is small by accident (6.3e-7, 2.9e-10, 1.0e-10, 1.4e-10): it is not taken for convergence.
 #[test]
 fn a_change_that_is_small_by_accident_is_not_relied_on() {
     let (found, [load, _]) = both(usual("CCCC", InPlane::Straight, 2.69), 1.676, 5);

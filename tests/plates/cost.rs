@@ -1,4 +1,5 @@
-//! A trace costs a few residuals, Jacobians, factorisations and spectra for each point, however many unknowns there are.
+//! A trace costs a few residuals, Jacobians, factorisations and spectra for each point, however
+//! many unknowns there are.
 
 use crate::plates::models::{plate, system, through_pull_in};
 use std::sync::{Arc, Mutex};

@@ -18,8 +18,8 @@ fn norm(v: &[f64]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Newton's iteration without damping at a fixed load, from the flat plate: the number of corrections
-/// until one is smaller than 1e-9 of the deflection.
+/// Newton's iteration without damping at a fixed load, from the flat plate: the number of
+/// corrections until one is smaller than 1e-9 of the deflection.
 fn corrections(system: &mut dyn System, load: f64) -> Result<usize, String> {
     let n = system.names().dimension();
     let mut x = vec![0.0; n];
@@ -41,9 +41,9 @@ fn corrections(system: &mut dyn System, load: f64) -> Result<usize, String> {
     Err("no convergence".into())
 }
 
-/// Newton at a fixed load needs ever more corrections on the way to the fold, and none suffice beyond it:
-/// it runs through the electrode, or wanders about. The core's own says so by a typed failure, while
-/// arclength passes the fold in a few steps.
+/// Newton at a fixed load needs ever more corrections on the way to the fold, and none suffice
+/// beyond it: it runs through the electrode, or wanders about. The core's own says so by a typed
+/// failure, while arclength passes the fold in a few steps.
 #[test]
 fn newton_at_a_fixed_load_fails_at_the_fold_that_arclength_passes() {
     let mut system = system(&plate("CCCC", InPlane::Immovable), 1.0);
@@ -83,8 +83,9 @@ fn in_powers(r: usize, xi: f64) -> f64 {
     (0..=(r - 1) / 2).map(term).sum()
 }
 
-/// Summed in powers, Bardell's polynomials lose six digits by order 30 and all by order 50, while the
-/// recurrence keeps them: at the ends, where they vanish, and in the middle, where a single power is left.
+/// Summed in powers, Bardell's polynomials lose six digits by order 30 and all by order 50, while
+/// the recurrence keeps them: at the ends, where they vanish, and in the middle, where a single
+/// power is left.
 #[test]
 fn polynomials_in_powers_lose_their_digits_and_by_recurrence_keep_them() {
     let basis = Basis::transverse([Support::Clamped; 2], false, 56);
@@ -132,8 +133,9 @@ fn points_needed(plate: &Ritz, state: &[f64]) -> usize {
     (2..90).find(fine).unwrap()
 }
 
-/// The load needs more and more points near `w = 1`, and a branch bounded beyond 0.96 ends there with a
-/// reason, before the numbers lie: up to then they agree with those of a finer plate to the error given.
+/// The load needs more and more points near `w = 1`, and a branch bounded beyond 0.96 ends there
+/// with a reason, before the numbers lie: up to then they agree with those of a finer plate to the
+/// error given.
 #[test]
 fn branches_end_with_a_reason_where_the_load_is_no_longer_integrated() {
     for supports in ["SSSS", "CCCC"] {
@@ -178,10 +180,10 @@ fn branches_end_with_a_reason_where_the_load_is_no_longer_integrated() {
     }
 }
 
-/// Where `ω² = 4π⁴ − π²N − 2λ` of a flat supported plate vanishes, a flat plate is a singular start: the
-/// correction is useless, and the trace refuses to begin, by a typed failure. From rest, where it is
-/// regular, the same plate is traced to the pull-in that a curve of folds leads to from one without edge
-/// forces.
+/// Where `ω² = 4π⁴ − π²N − 2λ` of a flat supported plate vanishes, a flat plate is a singular
+/// start: the correction is useless, and the trace refuses to begin, by a typed failure. From rest,
+/// where it is regular, the same plate is traced to the pull-in that a curve of folds leads to from
+/// one without edge forces.
 #[test]
 fn a_singular_start_is_refused() {
     let critical = 4.0 * PI * PI - 2.0 / (PI * PI);
@@ -215,8 +217,8 @@ fn a_singular_start_is_refused() {
     assert_within("pull-in of the compressed plate", one, other, 1e-8 * one);
 }
 
-/// Free edges and their corners are beyond polynomials of the orders provided for: the ladder ends before
-/// the accuracy asked for is met, and `error` says what is met instead.
+/// Free edges and their corners are beyond polynomials of the orders provided for: the ladder ends
+/// before the accuracy asked for is met, and `error` says what is met instead.
 #[test]
 fn functions_that_cannot_meet_the_accuracy_say_so() {
     let mut plate = Ritz::new(RitzSettings::new("CFFF".parse().unwrap())).unwrap();

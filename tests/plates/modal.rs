@@ -157,8 +157,8 @@ fn centre_lines_and_deflections_agree() {
     }
 }
 
-/// Supports, edges in the plane, modes, and how far they leave the load in the direct projection and
-/// in the multiplied one, which has the same limit.
+/// Supports, edges in the plane, modes, and how far they leave the load in the direct projection
+/// and in the multiplied one, which has the same limit.
 #[test]
 fn modal_models_converge_to_the_full_one() {
     for (supports, in_plane, modes, direct, multiplied) in [
@@ -223,7 +223,8 @@ fn frequencies_about_the_deflected_plate() {
     }
 }
 
-/// `∂ω²/∂λ + ∂ω²/∂z · dz/dλ = −2` at rest: exact for any number of modes of a plate that is bent only.
+/// `∂ω²/∂λ + ∂ω²/∂z · dz/dλ = −2` at rest: exact for any number of modes of a plate that is bent
+/// only.
 #[test]
 fn the_squared_frequency_falls_at_first_by_twice_the_load() {
     for gap_ratio in [0.0, 1.0, 2.0] {

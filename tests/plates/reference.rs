@@ -1,5 +1,6 @@
-//! Every reference value of the plate as a special point of a curve that is continued: pull-in as curves
-//! of folds, frequencies and deflections as marks, buckling as branch points that are switched at.
+//! Every reference value of the plate as a special point of a curve that is continued: pull-in as
+//! curves of folds, frequencies and deflections as marks, buckling as branch points that are
+//! switched at.
 
 use crate::plates::models::{
     assert_close, assert_within, at, at_rest, decimals, folds_from, linear, plate, pull_in,
@@ -48,8 +49,8 @@ fn passes_through(what: &str, curve: &Branch, folds: [Fold; 4]) {
     }
 }
 
-/// One curve of folds for each in-plane model passes through the tabulated points of the supported plate: the
-/// load to a relative 1e-9, the deflection to a unit of its last digit.
+/// One curve of folds for each in-plane model passes through the tabulated points of the supported
+/// plate: the load to a relative 1e-9, the deflection to a unit of its last digit.
 #[test]
 fn folds_of_supported_plates_in_gap_ratio() {
     let flat = (52.633290209, 0.4554324767);
@@ -147,7 +148,8 @@ fn folds_of_linear_plates_do_not_depend_on_the_gap_ratio() {
     }
 }
 
-/// The fold curves in aspect ratio of figures 3.8 and 3.9 pass through the table, to a unit of the last digit.
+/// The fold curves in aspect ratio of figures 3.8 and 3.9 pass through the table, to a unit of the
+/// last digit.
 #[test]
 fn folds_of_supported_plates_in_aspect_ratio() {
     for (gap_ratio, folds) in [
@@ -196,8 +198,8 @@ fn folds_of_strips_in_gap_ratio() {
     }
 }
 
-/// A plate four times as long as wide still needs a larger load than the strip, by the printed shares;
-/// one eight times as long, with a large gap, a smaller one.
+/// A plate four times as long as wide still needs a larger load than the strip, by the printed
+/// shares; one eight times as long, with a large gap, a smaller one.
 #[test]
 fn long_plates_approach_strips_from_both_sides() {
     let strip = strip_folds(Ends::Supported);
@@ -230,8 +232,9 @@ fn the_plate_that_was_measured_pulls_in_within_the_figure() {
     assert_within("load of section 3.3", load / 16.0, 10.81, decimals(2));
 }
 
-/// Frequencies about deflected plates, at marks of the load on the stable branch, to a relative 1e-9: the
-/// clamped plate's converge to 34.511800959 and 23.542309663, a little below the digits of the tables.
+/// Frequencies about deflected plates, at marks of the load on the stable branch, to a relative
+/// 1e-9: the clamped plate's converge to 34.511800959 and 23.542309663, a little below the digits
+/// of the tables.
 #[test]
 fn frequencies_about_deflected_plates() {
     for (supports, in_plane, gap_ratio, load, deflection, frequency) in [
@@ -293,8 +296,8 @@ fn the_squared_frequency_falls_with_slope_minus_two_along_the_branch() {
     }
 }
 
-/// Near pull-in the first mode along the centre line differs from the flat plate's by as much as figures
-/// 3.12, 3.13, 3.22 and 3.23 show.
+/// Near pull-in the first mode along the centre line differs from the flat plate's by as much as
+/// figures 3.12, 3.13, 3.22 and 3.23 show.
 #[test]
 fn mode_shapes_near_pull_in() {
     for (supports, in_plane, ratio, gap_ratio, difference) in [
@@ -320,8 +323,8 @@ fn mode_shapes_near_pull_in() {
     }
 }
 
-/// Clamped plates under uniform pressure (`ν = 0.316`, `d = 4h`): `P = pa⁴/(Eh⁴)` against `w/h`, as marks
-/// of a branch continued in the pressure, and within 2.5 % of what Levy printed.
+/// Clamped plates under uniform pressure (`ν = 0.316`, `d = 4h`): `P = pa⁴/(Eh⁴)` against `w/h`, as
+/// marks of a branch continued in the pressure, and within 2.5 % of what Levy printed.
 #[test]
 fn clamped_plates_under_pressure() {
     let levy = [0.237, 0.912, 1.902];
@@ -377,8 +380,8 @@ fn buckling_load(branch: &Branch) -> f64 {
     value(branch, first, &branch.released[0]) / (PI * PI)
 }
 
-/// Buckling loads are branch points of the flat branch; where a branch point is switched at, the plate
-/// buckles both ways, alike.
+/// Buckling loads are branch points of the flat branch; where a branch point is switched at, the
+/// plate buckles both ways, alike.
 #[test]
 fn flat_plates_buckle_at_branch_points() {
     for (supports, force, symmetric, expected, tolerance) in [
@@ -430,8 +433,8 @@ fn flat_plates_buckle_at_branch_points() {
     }
 }
 
-/// Ritz's method bounds buckling loads from above. With ever more functions the clamped plate's fall below
-/// the digits printed in the tables, 10.0739480615 and 5.3036260808, and settle there.
+/// Ritz's method bounds buckling loads from above. With ever more functions the clamped plate's
+/// fall below the digits printed in the tables, 10.0739480615 and 5.3036260808, and settle there.
 #[test]
 fn buckling_loads_of_clamped_plates_are_bounded_below_the_printed_digits() {
     for (force, printed, limit) in
@@ -474,8 +477,9 @@ fn buckled_plates_deflect_as_the_sine_model_says() {
     assert_close("deflection at 60 D/a²", deflections[0], deflections[1], 1e-5);
 }
 
-/// The exact buckling loads of supported plates, `N_x/π² = (1 + 1/α²)²` and `N/π² = 1 + 1/α²` for one half
-/// wave each way, along curves on which the branch point is held while the aspect ratio varies.
+/// The exact buckling loads of supported plates, `N_x/π² = (1 + 1/α²)²` and `N/π² = 1 + 1/α²` for
+/// one half wave each way, along curves on which the branch point is held while the aspect ratio
+/// varies.
 #[test]
 fn curves_of_branch_points_follow_the_exact_buckling_loads() {
     type Load = fn(f64) -> f64;
@@ -505,8 +509,8 @@ fn curves_of_branch_points_follow_the_exact_buckling_loads() {
     }
 }
 
-/// Plates with other edges: a plate pulls in earlier the less its edges are held, and with symmetry given
-/// up at the same load.
+/// Plates with other edges: a plate pulls in earlier the less its edges are held, and with symmetry
+/// given up at the same load.
 #[test]
 fn plates_with_other_edges_pull_in_in_order() {
     let load = |supports: &str, symmetric: bool, settings: Settings| {

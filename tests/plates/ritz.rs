@@ -446,7 +446,8 @@ fn flat_plates_buckle_at_known_edge_forces() {
     for (supports, parameter, expected, tolerance) in [
         ("SSSS", FORCE_X, 4.0, 1e-11),
         ("SSSS", FORCE, 2.0, 1e-11),
-        // A Ritz method's values are upper bounds, and this one's fall to 10.0739479973, 5.3036260666.
+        // A Ritz method's values are upper bounds, and this one's fall
+        // to 10.0739479973, 5.3036260666.
         ("CCCC", FORCE_X, 10.0739480615, 1e-8),
         ("CCCC", FORCE, 5.3036260808, 1e-8),
         ("SCSC", FORCE_X, 7.6912836, 1e-8),
@@ -543,7 +544,8 @@ fn deflected_plates_vibrate_at_known_frequencies() {
     }
 }
 
-/// Uniform pressure on clamped plates (ν = 0.316): `P = pa⁴/(Eh⁴)` against `w/h`, here with a gap of `4h`.
+/// Uniform pressure on clamped plates (ν = 0.316): `P = pa⁴/(Eh⁴)` against `w/h`, here with a gap
+/// of `4h`.
 #[test]
 fn clamped_plates_under_pressure_deflect_as_known() {
     for (in_plane, cases) in [
@@ -736,8 +738,8 @@ fn what_has_no_meaning_is_refused_by_name() {
     assert!(matches!(Ritz::new(settings).err(), Some(PlateError::Count { count: 0, .. })));
 }
 
-/// Projections on the functions are transposed expansions in them: with the load direct, the equations are the
-/// derivative of an energy.
+/// Projections on the functions are transposed expansions in them: with the load direct, the
+/// equations are the derivative of an energy.
 #[test]
 fn the_jacobian_is_symmetric() {
     for (supports, symmetric) in [("SSSS", true), ("CSCF", false)] {

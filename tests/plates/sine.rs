@@ -339,8 +339,8 @@ fn the_multiplied_projection_vibrates_with_the_mass_of_equation_3_26() {
     assert_close("frequency", monitors[2], 28.7671077501, 2e-3);
 }
 
-/// At rest a square plate's frequencies come in pairs; the inertia of the multiplied equations is that of
-/// the direct ones there.
+/// At rest a square plate's frequencies come in pairs; the inertia of the multiplied equations is
+/// that of the direct ones there.
 #[test]
 fn repeated_frequencies_leave_the_lowest_one_known() {
     for modes in [3, 15, 40] {

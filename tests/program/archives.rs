@@ -46,7 +46,8 @@ fn names_in_files_choose_no_paths() {
     refused(at, &["merge", "forged.npz", "--out", "m"], &["names no files"]);
 }
 
-/// C4. A merged result is that of the whole run, the branches in its picture and their document included.
+/// C4. A merged result is that of the whole run, the branches in its picture and their document
+/// included.
 #[test]
 fn merged_results_are_those_of_the_whole_run() {
     let folder = folder();
@@ -97,7 +98,8 @@ fn sizes_are_limited() {
     }
 }
 
-/// A column has one axis: the lengths of several, which may be more than a number holds when they are multiplied, are not read.
+/// A column has one axis: the lengths of several, which may be more than a number holds when they
+/// are multiplied, are not read.
 #[test]
 fn arrays_of_several_axes_are_refused() {
     let folder = folder();
@@ -114,7 +116,8 @@ fn arrays_of_several_axes_are_refused() {
     }
 }
 
-/// A file of an array, with another shape in its header (NumPy's format 1.0: a length of two bytes, and a text).
+/// A file of an array, with another shape in its header (NumPy's format 1.0: a length of two bytes,
+/// and a text).
 fn with_shape(content: &[u8], shape: &str) -> Vec<u8> {
     let end = 10 + usize::from(u16::from_le_bytes([content[8], content[9]]));
     let header = std::str::from_utf8(&content[10..end]).unwrap();
@@ -140,7 +143,8 @@ fn damaged_archives_are_refused() {
     assert!(Sweeps::load(at.join("out/up.npz")).unwrap().sweeps[0].is_complete());
 }
 
-/// Merging and going on need the scene from the archive: what is written there is read as the same scene.
+/// Merging and going on need the scene from the archive: what is written there is read as the same
+/// scene.
 #[test]
 fn scenes_in_archives_are_read_back() {
     use tangency::scene::{BUILT_IN, Catalogue, Scene};
@@ -151,7 +155,8 @@ fn scenes_in_archives_are_read_back() {
     }
 }
 
-/// An archive like another one, but for what is changed in its text `about`: written past all checks.
+/// An archive like another one, but for what is changed in its text `about`: written past all
+/// checks.
 fn forged(folder: &Path, from: &str, to: &str, change: &dyn Fn(&str) -> String) {
     rewritten(folder, from, to, &|name, content| match name {
         "about.npy" => {

@@ -150,8 +150,8 @@ fn scenes_are_listed_one_line_each() {
     }
 }
 
-/// A trace prints a line for each special point, in AUTO's manner, and writes a document and a picture into
-/// `out`; the table of the document has the same points.
+/// A trace prints a line for each special point, in AUTO's manner, and writes a document and a
+/// picture into `out`; the table of the document has the same points.
 #[test]
 fn a_trace_prints_its_special_points_and_writes_two_files() {
     let folder = empty();
@@ -194,7 +194,8 @@ fn a_trace_prints_its_special_points_and_writes_two_files() {
     assert_eq!(names.len(), 2, "nothing but the two files: {names:?}");
 }
 
-/// `--set` and `--out`, and a restart from a labelled point of the result, which finds the same fold.
+/// `--set` and `--out`, and a restart from a labelled point of the result, which finds the same
+/// fold.
 #[test]
 fn a_trace_is_changed_by_name_and_restarted_from_a_label() {
     let folder = empty();
@@ -239,7 +240,8 @@ fn a_grazing_is_printed_with_its_kind() {
     assert_eq!(cells[cells.len() - 3..], ["1", "true", "1"]);
 }
 
-/// A point of an orbit is restarted from its file, by its branch; profiles are drawn of the points asked for.
+/// A point of an orbit is restarted from its file, by its branch; profiles are drawn of the points
+/// asked for.
 #[test]
 fn orbits_are_restarted_and_drawn_from_their_labels() {
     let folder = empty();
@@ -266,8 +268,8 @@ fn orbits_are_restarted_and_drawn_from_their_labels() {
     }
 }
 
-/// What is asked of a trace and cannot be had is answered with the place, the value and the remedy; no file
-/// is written.
+/// What is asked of a trace and cannot be had is answered with the place, the value and the remedy;
+/// no file is written.
 #[test]
 fn a_trace_that_cannot_begin_says_why() {
     let folder = empty();

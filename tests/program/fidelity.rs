@@ -1,4 +1,5 @@
-//! Promise: a scene that states an accuracy is traced with the cheapest discretisation that meets it.
+//! Promise: a scene that states an accuracy is traced with the cheapest discretisation that meets
+//! it.
 
 use crate::program::scenarios::built_in;
 use tangency::core::continuation::{Branch, Kind, SpecialPoint};
@@ -24,8 +25,8 @@ const MITA: &str = r#"Scene(
     ],
 )"#;
 
-/// A number between 0 and 1 from a sequence that covers them evenly: an additive one of the plastic number's kin, for
-/// three dimensions.
+/// A number between 0 and 1 from a sequence that covers them evenly: an additive one of the plastic
+/// number's kin, for three dimensions.
 fn fraction(case: usize, dimension: i32) -> f64 {
     (0.5 + case as f64 * 0.819_172_513_396_164_5_f64.powi(dimension)).fract()
 }
@@ -40,7 +41,8 @@ fn with(text: &str, settings: &[(&str, String)]) -> Scene {
     scene
 }
 
-/// What is said of a scene's accuracy, and the largest true error of parameters and the monitor that settles, by a reference.
+/// What is said of a scene's accuracy, and the largest true error of parameters and the monitor
+/// that settles, by a reference.
 fn chosen_and_true(scene: &Scene, accuracy: f64, reference: &[(&str, String)]) -> (Chosen, f64) {
     let (mut asked, mut exact) = (scene.clone(), scene.clone());
     asked.set("accuracy", &accuracy.to_string()).unwrap();
@@ -129,7 +131,8 @@ fn plates_are_as_accurate_as_asked_and_no_more() {
     count.finish(7);
 }
 
-/// Grazings, folds and period doublings of Mita's actuator by shooting and by collocation, 1e-3 to 1e-9.
+/// Grazings, folds and period doublings of Mita's actuator by shooting and by collocation, 1e-3 to
+/// 1e-9.
 #[test]
 fn orbits_with_impacts_are_as_accurate_as_asked_and_no_more() {
     let mut count = Count::default();

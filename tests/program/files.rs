@@ -1,4 +1,5 @@
-//! Files that are read and written: what is refused, what is replaced, and that results belong together.
+//! Files that are read and written: what is refused, what is replaced, and that results belong
+//! together.
 
 use crate::program::command::{bytes, failure, signal, tangency};
 use std::path::Path;
@@ -45,7 +46,8 @@ pub(super) fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// C2. Devices, FIFOs, sockets and folders are not replaced; symbolic links to regular files are followed.
+/// C2. Devices, FIFOs, sockets and folders are not replaced; symbolic links to regular files are
+/// followed.
 #[cfg(unix)]
 #[test]
 fn only_regular_files_are_replaced() {
@@ -223,7 +225,8 @@ fn nohup_is_respected() {
     assert_eq!(names(&folder.path().join("out")), ["bratu.ron", "bratu.svg"]);
 }
 
-/// A result that another run is writing is refused, with its process; a killed run is in nobody's way.
+/// A result that another run is writing is refused, with its process; a killed run is in nobody's
+/// way.
 #[cfg(unix)]
 #[test]
 fn two_runs_do_not_write_one_result() {
@@ -244,7 +247,8 @@ fn two_runs_do_not_write_one_result() {
     assert_eq!(names(&at.join("out")), all);
 }
 
-/// E2. Temporary files of killed runs are removed by the next run that writes there, those of live ones are not.
+/// E2. Temporary files of killed runs are removed by the next run that writes there, those of live
+/// ones are not.
 #[test]
 fn temporary_files_without_a_writer_are_removed() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Promise: an itinerary without a meaning, one that does not close, and a motion that has none are refused with
-//! what is wrong.
+//! Promise: an itinerary without a meaning, one that does not close, and a motion that has none are
+//! refused with what is wrong.
 
 use crate::common::close;
 use crate::program::scenarios::with;
@@ -40,8 +40,9 @@ fn itineraries_are_read() {
     assert!(unknown.contains("mode `stick` `rest`. Known: front, back"), "{unknown}");
 }
 
-/// A mass that is thrown back, and caught at every other impact: an itinerary in which it is always thrown back
-/// does not close. The equations have a solution all the same, so that nothing but the decision says so.
+/// A mass that is thrown back, and caught at every other impact: an itinerary in which it is always
+/// thrown back does not close. The equations have a solution all the same, so that nothing but the
+/// decision says so.
 #[derive(Clone)]
 struct Catching;
 
@@ -136,8 +137,8 @@ fn complete_chatter_is_an_itinerary() {
     close(last.value(column).unwrap(), fastest, 1e-8);
 }
 
-/// A branch starts from the motion on which a simulation settles: an impact a period, with its fold and its
-/// period doubling.
+/// A branch starts from the motion on which a simulation settles: an impact a period, with its fold
+/// and its period doubling.
 #[test]
 fn simulations_discover_itineraries() {
     let text = r#"Scene(

@@ -1,4 +1,5 @@
-//! Sizes that no machine has, and tables that no scene writes, are refused before anything is allocated.
+//! Sizes that no machine has, and tables that no scene writes, are refused before anything is
+//! allocated.
 
 use crate::program::command::{failure, signal, tangency};
 use std::path::Path;
@@ -165,7 +166,8 @@ fn scenes_of_many_runs_are_read() {
     assert_eq!(Scene::parse(&text).unwrap().runs.len(), 10_000);
 }
 
-/// Work of more than a minute is said before it begins, and ends inside a run when a signal asks for it.
+/// Work of more than a minute is said before it begins, and ends inside a run when a signal asks
+/// for it.
 #[test]
 #[cfg(unix)]
 fn long_work_is_announced_and_can_be_ended() {
@@ -190,7 +192,8 @@ fn long_work_is_announced_and_can_be_ended() {
     assert!(said.contains("interrupted"), "{said}");
 }
 
-/// A run that is ended within its start, by simulation or by correction, has no point; what was done before is kept.
+/// A run that is ended within its start, by simulation or by correction, has no point; what was
+/// done before is kept.
 #[test]
 #[cfg(unix)]
 fn long_starts_can_be_ended() {

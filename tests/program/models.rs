@@ -74,7 +74,8 @@ fn starts_settle_where_they_must() {
     let document = Document::load(path.join("out/lorenz.ron")).unwrap();
     assert!((hopf(&document, 0) - HOPF).abs() < 1e-11);
     assert!(document.branches[0].of_kind(Kind::BP).next().is_some());
-    // At b = 3 the Brusselator oscillates: its orbit is followed back to the Hopf point at b = 1 + a².
+    // At b = 3 the Brusselator oscillates: its orbit is followed back to the Hopf point at b = 1 +
+    // a².
     succeeds(
         path,
         &["trace", "brusselator.ode", "--set", "b=3", "--settle", "300", "--along", "b=1.5..4"],
@@ -169,7 +170,8 @@ fn mistakes_are_shown_in_their_line() {
     assert!(message.contains("did you mean `sigma`?"), "{message}");
 }
 
-/// What is wrong with a file of equations is said of the file, once; what is wrong with a scene, of the scene.
+/// What is wrong with a file of equations is said of the file, once; what is wrong with a scene, of
+/// the scene.
 #[test]
 fn errors_name_the_file_that_is_meant() {
     let folder = folder();
@@ -198,7 +200,8 @@ fn errors_name_the_file_that_is_meant() {
     assert!(message.starts_with("error: models/none.ron cannot be read: "), "{message}");
 }
 
-/// What cannot be is refused before the work: kinds of points without curves, pictures of columns that there are not.
+/// What cannot be is refused before the work: kinds of points without curves, pictures of columns
+/// that there are not.
 #[test]
 fn what_cannot_be_is_refused_before_the_work() {
     let folder = folder();

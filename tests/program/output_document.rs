@@ -1,4 +1,5 @@
-//! Documents: what is saved is what is loaded, and what makes no sense is refused by place and value.
+//! Documents: what is saved is what is loaded, and what makes no sense is refused by place and
+//! value.
 
 use crate::program::scenarios::any_text;
 use proptest::prelude::*;

@@ -1,4 +1,5 @@
-//! Tables and diagrams: every special point is there, and line styles change exactly where they should.
+//! Tables and diagrams: every special point is there, and line styles change exactly where they
+//! should.
 
 use tangency::core::continuation::{Kind, Point};
 use tangency::output::{

@@ -183,7 +183,8 @@ fn a_line_is_cut_where_it_leaves() {
     assert!(pieces.iter().all(|s| s.points.iter().all(|[load, _]| *load <= 0.1 + 1e-12)));
 }
 
-/// Insertions, deletions, replacements and swaps of neighbours count, up to a third of the letters; case does not.
+/// Insertions, deletions, replacements and swaps of neighbours count, up to a third of the letters;
+/// case does not.
 #[test]
 fn names_are_suggested_by_their_distance() {
     assert_eq!(suggest("laod", ["load"]), Some("load"));

@@ -1,4 +1,5 @@
-//! The README says what is so: its code is the files' code, its output is the program's. So do the scripts for clusters.
+//! The README says what is so: its code is the files' code, its output is the program's. So do the
+//! scripts for clusters.
 
 use std::path::Path;
 use std::process::Command;
@@ -96,8 +97,8 @@ fn commands_give_the_output_shown() {
     assert!(compared >= 4, "only {compared} outputs are shown");
 }
 
-/// Whether two texts agree word for word; numbers to a relative 1e-6, with rounding below 1e-5 taken
-/// for zero.
+/// Whether two texts agree word for word; numbers to a relative 1e-6, with rounding below 1e-5
+/// taken for zero.
 fn agree(shown: &str, found: &str) -> bool {
     let words = |text: &str| -> Vec<String> {
         text.split([' ', '\n', ',']).filter(|word| !word.is_empty()).map(String::from).collect()

@@ -1,4 +1,5 @@
-//! Promise: motion without forcing is swept by its returns to an event, and in text systems basins are drawn over two states.
+//! Promise: motion without forcing is swept by its returns to an event, and in text systems basins
+//! are drawn over two states.
 
 use crate::common::close;
 use tangency::core::attractor::{AttractorSearch, ReturnMap, StroboscopicError, StroboscopicMap};
@@ -11,7 +12,8 @@ use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::text::Model;
 use tangency::scene::{Scene, execute, sweep as swept};
 
-/// The simplest walker of the library, with slopes at which its steps repeat after one, two and four.
+/// The simplest walker of the library, with slopes at which its steps repeat after one, two and
+/// four.
 const SLOPES: [(&str, f64, usize); 3] =
     [("walk", 0.009, 1), ("limp", 0.0165, 2), ("four steps", 0.0179, 4)];
 
@@ -91,7 +93,8 @@ fn steps_double_along_a_sweep() {
     assert!(figures(&[], std::slice::from_ref(&found), None, None).is_ok());
 }
 
-/// What has a forcing is sampled by it, what has none at an event, one that there is, and that comes.
+/// What has a forcing is sampled by it, what has none at an event, one that there is, and that
+/// comes.
 #[test]
 fn samples_that_cannot_be_are_refused() {
     let settings = HybridSettings::default();
@@ -188,7 +191,8 @@ impl HybridSystem for Charging {
     }
 }
 
-/// An event that comes late is told from one that does not come, and waited for where that is asked.
+/// An event that comes late is told from one that does not come, and waited for where that is
+/// asked.
 #[test]
 fn events_that_come_late_are_waited_for() {
     let map = || ReturnMap::of(&Charging, HybridSettings::default(), &[], "flash").unwrap();

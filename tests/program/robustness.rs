@@ -1,5 +1,6 @@
-//! Promise: each failure of this library is reported by a typed error or an error estimate, or handed over to a method that
-//! succeeds; only naive methods are silently wrong. The page of robustness maps is what the command prints.
+//! Promise: each failure of this library is reported by a typed error or an error estimate, or
+//! handed over to a method that succeeds; only naive methods are silently wrong. The page of
+//! robustness maps is what the command prints.
 
 use std::path::Path;
 use std::process::Command;

@@ -45,7 +45,8 @@ fn built_in_scenes_run_are_saved_and_drawn() {
     }
 }
 
-/// `--set` reaches parameters, edges, theory, model and discretisation: known loads of pull-in answer.
+/// `--set` reaches parameters, edges, theory, model and discretisation: known loads of pull-in
+/// answer.
 #[test]
 fn changes_by_name_lead_to_the_known_loads() {
     for (changes, load, tolerance) in [
@@ -68,7 +69,8 @@ fn changes_by_name_lead_to_the_known_loads() {
     }
 }
 
-/// Settings of the continuation by name are those the branch is made with, and the document records all.
+/// Settings of the continuation by name are those the branch is made with, and the document records
+/// all.
 #[test]
 fn settings_of_the_continuation_are_set_by_name_and_recorded() {
     let scene = with("plate-supported", &[("max_step", "0.02"), ("refinement", "0")]);
@@ -103,8 +105,8 @@ fn misspelt_names_are_answered_with_a_suggestion() {
     }
 }
 
-/// Values that cannot be read or mean nothing are refused with the name, the value and what to do; a scene
-/// they were refused by is as it was.
+/// Values that cannot be read or mean nothing are refused with the name, the value and what to do;
+/// a scene they were refused by is as it was.
 #[test]
 fn values_out_of_range_are_refused_when_they_are_set() {
     for (name, value) in [
@@ -225,8 +227,8 @@ fn numbers_that_are_not_finite_are_refused_with_their_place() {
     }
 }
 
-/// Texts of another kind, values of the wrong type and unknown names are refused with line and column or
-/// with what was meant.
+/// Texts of another kind, values of the wrong type and unknown names are refused with line and
+/// column or with what was meant.
 #[test]
 fn foreign_texts_and_wrong_types_are_refused_with_their_place() {
     for foreign in ["", "hello", "{\"title\": 3}", "(modes: 3)", "[1, 2]", "Figure(x: 1)"] {
@@ -260,8 +262,8 @@ fn a_document_is_no_scene() {
     refusal(&document.to_ron().unwrap());
 }
 
-/// A restart from a fold or an end reproduces the branch: the same fold, from either side, and the same
-/// end, met by other steps.
+/// A restart from a fold or an end reproduces the branch: the same fold, from either side, and the
+/// same end, met by other steps.
 #[test]
 fn restarts_reproduce_the_branch() {
     let scene = built_in("plate-clamped");
@@ -345,7 +347,8 @@ proptest! {
     }
 }
 
-/// Doubled orbits that come back to the orbit that they are doubles of end there, and do not go round.
+/// Doubled orbits that come back to the orbit that they are doubles of end there, and do not go
+/// round.
 #[test]
 fn doubled_branches_end_at_their_parents() {
     for frequency in ["0.57", "0.571"] {

@@ -1,5 +1,6 @@
-//! Promise: from the command line, local maps near grazing lie beside the flow in one diagram: their fixed points,
-//! multipliers, folds and doublings, and the curves of these that begin at points of codimension two.
+//! Promise: from the command line, local maps near grazing lie beside the flow in one diagram:
+//! their fixed points, multipliers, folds and doublings, and the curves of these that begin at
+//! points of codimension two.
 
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, refusal, traced, with};
@@ -16,7 +17,8 @@ fn one(document: &Document, branch: &str, kind: Kind, name: &str) -> f64 {
     found[0]
 }
 
-/// Column `y` of a branch where its column `x` has a value, by the cubic polynomial through the points around.
+/// Column `y` of a branch where its column `x` has a value, by the cubic polynomial through the
+/// points around.
 fn between(branch: &Branch, x: &str, y: &str, at: f64) -> f64 {
     let (x, y) = (branch.column(x).unwrap(), branch.column(y).unwrap());
     let points: Vec<(f64, f64)> =
@@ -30,8 +32,9 @@ fn between(branch: &Branch, x: &str, y: &str, at: f64) -> f64 {
     (0..4).map(|k| weight(k) * four[k].1).sum()
 }
 
-/// Grazings of the flow are the sheet's, and its fold and doublings by `mita-type-2` and the curve of grazings. Those of
-/// the map of second order miss them by so much, and those of the third order by less.
+/// Grazings of the flow are the sheet's, and its fold and doublings by `mita-type-2` and the curve
+/// of grazings. Those of the map of second order miss them by so much, and those of the third order
+/// by less.
 #[test]
 fn maps_approach_the_flow() {
     let (flow, map) =
@@ -58,8 +61,9 @@ fn maps_approach_the_flow() {
     }
 }
 
-/// At the degenerate point itself, to six digits, the map is as good as the flow (figure 5.10): penetrations agree to
-/// a hundredth where the voltage is 1e-4 beyond grazing, and so do both multipliers, a complex pair.
+/// At the degenerate point itself, to six digits, the map is as good as the flow (figure 5.10):
+/// penetrations agree to a hundredth where the voltage is 1e-4 beyond grazing, and so do both
+/// multipliers, a complex pair.
 #[test]
 fn virtual_points_and_multipliers_agree() {
     let document = traced(&with("mita-near-grazing-1", &[("frequency", "0.487809")]));
@@ -75,8 +79,8 @@ fn virtual_points_and_multipliers_agree() {
     close(pair("eigenvalue[0].imaginary"), -pair("eigenvalue[1].imaginary"), 1e-12);
 }
 
-/// The curves of both begin at the sheet's points; a small way from there they are apart by as much as the map's
-/// second order leaves out.
+/// The curves of both begin at the sheet's points; a small way from there they are apart by as much
+/// as the map's second order leaves out.
 #[test]
 fn curves_of_maps_begin_at_points_of_codimension_two() {
     let document = traced(&built_in("mita-local-curves"));
@@ -107,8 +111,9 @@ fn curves_of_maps_begin_at_points_of_codimension_two() {
     }
 }
 
-/// Beside the curves of folds and doublings that begin at the degenerate point: their Taylor series with the coefficients
-/// that X. Zhao (2004) prints in section 5.3, on the sides where there are such orbits.
+/// Beside the curves of folds and doublings that begin at the degenerate point: their Taylor series
+/// with the coefficients that X. Zhao (2004) prints in section 5.3, on the sides where there are
+/// such orbits.
 #[test]
 fn series_lie_beside_their_curves() {
     let document = traced(&built_in("mita-local-curves"));
@@ -128,8 +133,8 @@ fn series_lie_beside_their_curves() {
     }
 }
 
-/// What motion settles on, as the penetration of its virtual points: the orbits with an impact of the branch, and those
-/// of the map.
+/// What motion settles on, as the penetration of its virtual points: the orbits with an impact of
+/// the branch, and those of the map.
 #[test]
 fn attractors_lie_on_branches() {
     let scene = with("mita-near-grazing-1", &[("count", "3"), ("order", "3")]);
@@ -148,8 +153,8 @@ fn attractors_lie_on_branches() {
     }
 }
 
-/// Periodic points: doubled ones from the doubling, and those that impact in every second period, both to 2e-8 of the
-/// flow's in fourth order; they end in the same grazing.
+/// Periodic points: doubled ones from the doubling, and those that impact in every second period,
+/// both to 2e-8 of the flow's in fourth order; they end in the same grazing.
 #[test]
 fn periodic_points_are_followed() {
     let flow = "along: [(name: \"voltage\", low: 0.17, high: 0.18)]";
@@ -202,8 +207,8 @@ fn branches_of_maps_are_restarted() {
     close(before, again, 1e-9);
 }
 
-/// A sweep of the map beside one of the motion: before grazing and behind the doubling both settle on the same cycle,
-/// with the same exponent; a parameter that is none of the map's is refused.
+/// A sweep of the map beside one of the motion: before grazing and behind the doubling both settle
+/// on the same cycle, with the same exponent; a parameter that is none of the map's is refused.
 #[test]
 fn maps_are_swept() {
     let few =
@@ -226,8 +231,8 @@ fn maps_are_swept() {
     assert!(refused.contains("a parameter of the map: voltage, frequency"), "{refused}");
 }
 
-/// Panels leave out branches without their columns, deviations are measured from a point that must be there, and
-/// nothing is drawn outside of a range.
+/// Panels leave out branches without their columns, deviations are measured from a point that must
+/// be there, and nothing is drawn outside of a range.
 #[test]
 fn diagrams_show_deviations_and_ranges() {
     let mut document = traced(&built_in("mita-near-grazing-2"));

@@ -1,5 +1,5 @@
-//! Promise: the scenes of Mita's actuator with impacts have their published values, whatever the method; where
-//! two branches meet in a grazing it has one row.
+//! Promise: the scenes of Mita's actuator with impacts have their published values, whatever the
+//! method; where two branches meet in a grazing it has one row.
 
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, traced, with};
@@ -18,8 +18,9 @@ fn values(document: &Document, branch: &str, kind: Kind, name: &str, expected: &
     }
 }
 
-/// The types of switching: grazing, fold, period doublings, and the second contact, where the branch ends. The
-/// grazing points are the sheet's; folds and period doublings have nine digits there.
+/// The types of switching: grazing, fold, period doublings, and the second contact, where the
+/// branch ends. The grazing points are the sheet's; folds and period doublings have nine digits
+/// there.
 #[test]
 fn types_of_switching_have_their_points() {
     const NINE: f64 = 6e-10;
@@ -63,12 +64,14 @@ fn methods_agree() {
         assert!(a.len() == 1 && b.len() == 1, "{branch}, {kind}: {a:?} {b:?}");
         close(a[0], b[0], 1e-10);
     }
-    // P(2,2) loses contact where a third impact begins: the sheet's 0.580286 is 0.580285066 by both methods.
+    // P(2,2) loses contact where a third impact begins: the sheet's 0.580286 is 0.580285066 by both
+    // methods.
     close(column(&shooting, "P(2,2)", Kind::G, "voltage")[0], 0.580285065648, 1e-10);
 }
 
-/// Frequency responses, with the fold of the nonimpacting orbits and those of the impacting ones; the grazing in
-/// which both end has one row, and what goes on as if there were no stoppers is virtual.
+/// Frequency responses, with the fold of the nonimpacting orbits and those of the impacting ones;
+/// the grazing in which both end has one row, and what goes on as if there were no stoppers is
+/// virtual.
 #[test]
 fn frequency_responses_have_their_points() {
     let document = traced(&built_in("mita-frequency"));
@@ -92,7 +95,8 @@ fn frequency_responses_have_their_points() {
     close(fastest, 3.2325e-5, 2e-7);
 }
 
-/// An impacting orbit is born on a surface that it touches, and is as far from the next contact by one method as by the other.
+/// An impacting orbit is born on a surface that it touches, and is as far from the next contact by
+/// one method as by the other.
 #[test]
 fn distances_are_known_at_births() {
     let changes = [
@@ -112,7 +116,8 @@ fn distances_are_known_at_births() {
     }
 }
 
-/// On the curve of births one leg has no length. Its mesh causes no error, and the curve goes on to its bounds by both methods.
+/// On the curve of births one leg has no length. Its mesh causes no error, and the curve goes on to
+/// its bounds by both methods.
 #[test]
 fn births_have_one_curve() {
     let mut scene = with("mita-near-grazing-1", &[]);
@@ -142,7 +147,8 @@ fn starts_on_bounds_state_their_error() {
     }
 }
 
-/// Where an impact vanishes with the leg behind it the branch ends for one reason, whatever the steps.
+/// Where an impact vanishes with the leg behind it the branch ends for one reason, whatever the
+/// steps.
 #[test]
 fn ends_have_one_name() {
     for step in ["0.01", "0.05", "0.1", "0.25"] {
@@ -154,8 +160,8 @@ fn ends_have_one_name() {
     }
 }
 
-/// Codimension-two points on the grazing curve, from both sides; and the curves of folds and of period doublings
-/// end in them.
+/// Codimension-two points on the grazing curve, from both sides; and the curves of folds and of
+/// period doublings end in them.
 #[test]
 fn curves_meet_in_codimension_two_points() {
     let degenerate = [0.487808700440, 0.171066688958];
@@ -181,8 +187,8 @@ fn curves_meet_in_codimension_two_points() {
     near(&document, "PD of P(1,1), birth", Kind::G, degenerate);
 }
 
-/// `c_n`, where `P(n, 1)` becomes stable: `c_4` to its printed digits, the others below what simulations print,
-/// with errors below 1e-9; and the ratios of their distances.
+/// `c_n`, where `P(n, 1)` becomes stable: `c_4` to its printed digits, the others below what
+/// simulations print, with errors below 1e-9; and the ratios of their distances.
 #[test]
 fn the_ladder_of_chatter_has_its_rungs() {
     let document = traced(&built_in("mita-ladder"));

@@ -1,5 +1,5 @@
-//! Promise: the scenes of periodic orbits and of boundary-value problems have their published values by both
-//! methods, and are changed and restarted by name.
+//! Promise: the scenes of periodic orbits and of boundary-value problems have their published
+//! values by both methods, and are changed and restarted by name.
 
 use crate::common::close;
 use crate::program::scenarios::{built_in, column, refusal, traced, with};
@@ -7,8 +7,8 @@ use tangency::core::continuation::Kind;
 use tangency::output::Document;
 use tangency::scene::{BUILT_IN, Scene, SceneError, StartPoint, execute};
 
-/// The nonimpacting branch of Mita's actuator has its published fold and grazings, by both methods, and goes
-/// on behind them.
+/// The nonimpacting branch of Mita's actuator has its published fold and grazings, by both methods,
+/// and goes on behind them.
 #[test]
 fn mita_has_its_fold_and_grazings_by_both_methods() {
     for method in ["collocation", "shooting"] {
@@ -32,9 +32,9 @@ fn mita_has_its_fold_and_grazings_by_both_methods() {
     }
 }
 
-/// At every frequency from 0.3 to 0.6 and by both methods the branch reaches the bound of the displacement:
-/// through one fold far below the cusp's frequency, through two just below it, and through one beyond it, where
-/// the period doubles twice.
+/// At every frequency from 0.3 to 0.6 and by both methods the branch reaches the bound of the
+/// displacement: through one fold far below the cusp's frequency, through two just below it, and
+/// through one beyond it, where the period doubles twice.
 #[test]
 fn mita_is_followed_through_every_fold() {
     for method in ["collocation", "shooting"] {
@@ -200,8 +200,8 @@ fn discretisations_that_cannot_be_are_refused_with_a_reason() {
     assert!(said.contains("starts from point 0 of kind LP"), "{said}");
 }
 
-/// A point of an orbit goes on with the run of orbits, not with the scene's first run, also where its branch
-/// has another name, and by another method.
+/// A point of an orbit goes on with the run of orbits, not with the scene's first run, also where
+/// its branch has another name, and by another method.
 #[test]
 fn points_of_orbits_start_runs_of_orbits() {
     let scene = built_in("lure");

@@ -1,4 +1,5 @@
-//! `tangency sweep` and `tangency merge` as a user meets them: files that others read, interruption, parts.
+//! `tangency sweep` and `tangency merge` as a user meets them: files that others read,
+//! interruption, parts.
 
 use crate::common::close;
 use crate::program::command::{bytes, failure, tangency};
@@ -36,7 +37,8 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// On one thread or two, killed in the middle and resumed, or in parts that are merged: the same bytes.
+/// On one thread or two, killed in the middle and resumed, or in parts that are merged: the same
+/// bytes.
 #[test]
 fn a_sweep_has_the_same_bytes_however_it_was_done() {
     let folder = folder();
@@ -126,8 +128,8 @@ fn a_terminated_sweep_is_saved_and_resumed() {
     is_resumed(folder.path());
 }
 
-/// Independent runs divide evenly into any number of parts; strands go on being dealt from sweep to sweep, and where there are
-/// too few of them, `--part` says so and how many would do.
+/// Independent runs divide evenly into any number of parts; strands go on being dealt from sweep to
+/// sweep, and where there are too few of them, `--part` says so and how many would do.
 #[test]
 fn parts_are_even_or_say_why_not() {
     let folder = tempfile::tempdir().unwrap();
@@ -262,9 +264,10 @@ fn bad_input_is_explained() {
     assert_eq!(merge(vec![whole, wrong]), Err(contradiction));
 }
 
-/// What the bifurcation diagram at ω = 0.5 shows, by branches to their digits, by brute force to those of its grid:
-/// P(2,2) ends where it grazes; chaos, where P(2,1) begins at its fold; P(3,1) where it grazes; P(4,1) is stable
-/// from its doubling on; above V = 0.872 impacts are infinitely many.
+/// What the bifurcation diagram at ω = 0.5 shows, by branches to their digits, by brute force to
+/// those of its grid: P(2,2) ends where it grazes; chaos, where P(2,1) begins at its fold; P(3,1)
+/// where it grazes; P(4,1) is stable from its doubling on; above V = 0.872 impacts are infinitely
+/// many.
 #[test]
 fn the_diagram_shows_its_events() {
     let scene = built_in("mita-diagram");
@@ -293,7 +296,8 @@ fn the_diagram_shows_its_events() {
         let columns = ["periods", "front", "accumulations"].map(column);
         [0, count - 1].map(|run| columns.map(|column| table.rows[&run].values[column]))
     };
-    // Beyond its grazing the doubled orbit is gone; P(3,2), with three impacts in two periods, is there before.
+    // Beyond its grazing the doubled orbit is gone; P(3,2), with three impacts in two periods, is
+    // there before.
     let [before, beyond] = at([0.579, 0.5805], 2, Order::Up);
     assert_eq!((before[0], beyond[0], beyond[1]), (2.0, 2.0, 3.0));
     let [chaos, cycle] = at([0.7168, 0.7185], 2, Order::Up);
@@ -307,9 +311,9 @@ fn the_diagram_shows_its_events() {
     assert_eq!((infinite[0], infinite[1], infinite[2]), (1.0, f64::INFINITY, 1.0));
 }
 
-/// Every built-in sweep runs, coarsely, and is drawn.
-/// Crises at two frequencies, where bisection at one of them has V = 0.2353 (`tests/hybrid/attractors.rs`), as dots; where
-/// there is none, a run says so.
+/// Every built-in sweep runs, coarsely, and is drawn. Crises at two frequencies, where bisection at
+/// one of them has V = 0.2353 (`tests/hybrid/attractors.rs`), as dots; where there is none, a run
+/// says so.
 #[test]
 fn crises_are_found_by_sweeps() {
     let text = "Scene(title: \"Crises\", problem: Mita(), plot: (x: \"frequency\", y: \"voltage\"), sweeps: [
@@ -356,8 +360,8 @@ fn built_in_sweeps_run_and_are_drawn() {
     }
 }
 
-/// Basins at ω = 0.5, V = 0.2: the orbit without impacts and P(1,1) attract, beside each other, with the same bytes on
-/// one thread and two.
+/// Basins at ω = 0.5, V = 0.2: the orbit without impacts and P(1,1) attract, beside each other,
+/// with the same bytes on one thread and two.
 #[test]
 fn basins_have_both_attractors_on_any_number_of_threads() {
     let mut scene = built_in("mita-basins");
@@ -387,7 +391,8 @@ fn basins_have_both_attractors_on_any_number_of_threads() {
     assert!(saved(1, &found) == saved(2, &on(2)));
 }
 
-/// A linear oscillator in two modes, above and below its middle; its distance from there is a monitor of either mode.
+/// A linear oscillator in two modes, above and below its middle; its distance from there is a
+/// monitor of either mode.
 struct Halves {
     measured: &'static str,
 }
@@ -435,8 +440,8 @@ impl HybridSystem for Halves {
     }
 }
 
-/// Monitors of one's own, defined mode by mode, are columns of branches and of sweeps, with one meaning: of a
-/// sinusoid with the amplitude A, `mean |x| = 2A/π` and `max |x| = A`.
+/// Monitors of one's own, defined mode by mode, are columns of branches and of sweeps, with one
+/// meaning: of a sinusoid with the amplitude A, `mean |x| = 2A/π` and `max |x| = A`.
 #[test]
 fn monitors_of_several_modes_are_columns_of_branches_and_sweeps() {
     let scene = "Scene(

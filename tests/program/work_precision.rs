@@ -1,4 +1,5 @@
-//! Promise: the errors of work-precision diagrams, orders of convergence included, are those of their page.
+//! Promise: the errors of work-precision diagrams, orders of convergence included, are those of
+//! their page.
 
 use crate::common::falls_with_order;
 use std::path::{Path, PathBuf};
@@ -98,8 +99,8 @@ fn finite_differences_have_their_orders_and_never_reach_dual_numbers() {
     }
 }
 
-/// The fold needs derivatives of derivatives. Its voltage is stationary along the curve of orbits, so that the error of
-/// differences is squared there; in the state it is as it is.
+/// The fold needs derivatives of derivatives. Its voltage is stationary along the curve of orbits,
+/// so that the error of differences is squared there; in the state it is as it is.
 #[test]
 fn a_fold_by_differences_needs_a_lucky_step_and_dual_numbers_none() {
     let [voltage, state] = [2, 3].map(|k| panel("derivatives", k));
@@ -238,7 +239,8 @@ fn the_page_is_what_the_command_has_printed() {
     }
 }
 
-/// The settings that scenes have by default, in the words of the diagrams: panels with the method and setting of each.
+/// The settings that scenes have by default, in the words of the diagrams: panels with the method
+/// and setting of each.
 fn defaults() -> Vec<(&'static str, usize, String, String)> {
     let scene = Scene::parse(
         "Scene(title: \"a\", problem: Mita(), parameters: [], \
@@ -279,8 +281,8 @@ fn defaults() -> Vec<(&'static str, usize, String, String)> {
     defaults
 }
 
-/// No other setting has half of the error for as much work. Orbits by collocation count unknowns, those by shooting
-/// evaluations.
+/// No other setting has half of the error for as much work. Orbits by collocation count unknowns,
+/// those by shooting evaluations.
 #[test]
 fn scenes_have_the_recommended_settings_by_default() {
     let family = |name: &str| name.split(',').next().map(String::from);

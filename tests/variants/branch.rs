@@ -5,8 +5,8 @@ use tangency::core::continuation::{Branch, End, Kind, SpecialPoint};
 /// The monitor that states the error of a mesh.
 pub const MESH_ERROR: &str = "mesh_error";
 
-/// Whether a special point is one of the last before a homoclinic orbit, which have not converged, or the end itself: it does
-/// not claim to be there.
+/// Whether a special point is one of the last before a homoclinic orbit, which have not converged,
+/// or the end itself: it does not claim to be there.
 pub fn is_unresolved(branch: &Branch, index: usize) -> bool {
     let behind = |s: &SpecialPoint| !s.converged || matches!(s.kind, Kind::MX | Kind::ND);
     let one = |end: &End| matches!(end, End::LongPeriod { .. });

@@ -16,7 +16,8 @@ pub const ESTIMATE: f64 = 2.0;
 /// How far columns without a stated error may differ, in units of their ranges.
 pub const OTHER: f64 = 1e-6;
 
-/// How far points of a local map may differ, in units of the range: their errors are those on the map, and not the map's.
+/// How far points of a local map may differ, in units of the range: their errors are those on the
+/// map, and not the map's.
 pub const LOCAL_MAP: f64 = 1e-9;
 
 /// An ordinary point this near to a special one says nothing about stability.
@@ -107,7 +108,8 @@ struct Pair<'a> {
     ranges: Vec<f64>,
     /// The column of the continued parameter.
     first: usize,
-    /// Columns that say something of the solution and not of its discretisation, as positions on `a` and on `b`.
+    /// Columns that say something of the solution and not of its discretisation, as positions on
+    /// `a` and on `b`.
     columns: Vec<[usize; 2]>,
 }
 
@@ -248,7 +250,8 @@ impl<'a> Pair<'a> {
         pairs
     }
 
-    /// What is nearest to a special point that has no partner, and in which column they differ most.
+    /// What is nearest to a special point that has no partner, and in which column they differ
+    /// most.
     fn nearest(&self, a: &SpecialPoint) -> String {
         let others = self.b.special.iter().filter(|b| b.kind == a.kind);
         let nearest = others.min_by(|x, y| self.apart(a, x).total_cmp(&self.apart(a, y)));
@@ -365,7 +368,8 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The counts on ordinary points before, between and behind those special points that have partners.
+    /// The counts on ordinary points before, between and behind those special points that have
+    /// partners.
     fn counts(
         &self,
         (branch, own): (&Branch, bool),

@@ -1,24 +1,32 @@
-//! Built-in scenes under other settings, and at other parameters: the same answers, whatever the settings.
+//! Built-in scenes under other settings, and at other parameters: the same answers, whatever the
+//! settings.
 //!
-//! `cargo test --release --test variants` traces the quick scenes under a few variants of their settings, and some random
-//! sets of parameters. Arguments after `--` choose scenes by parts of their names, and trace them under every variant;
-//! `random` the random sets; `all` takes everything. With `TANGENCY_SHOW` every row is printed, not only sums.
+//! `cargo test --release --test variants` traces the quick scenes under a few variants of their
+//! settings, and some random sets of parameters. Arguments after `--` choose scenes by parts of
+//! their names, and trace them under every variant; `random` the random sets; `all` takes
+//! everything. With `TANGENCY_SHOW` every row is printed, not only sums.
 //!
 //! What must hold of two traces, `a` and `b`, of a scene (`compare.rs`):
 //!
 //! - Each branch is there in both. It ends for the same reasons, at the same bounds.
-//! - Each special point of `a` has one partner in `b`: of the same kind, the nearest in all columns, each in units of its
-//!   range on the branch; at most [`SAME_POINT`](compare::SAME_POINT) away. What has none is missing or extra.
-//! - The continued parameter differs by no more than [`ESTIMATE`](compare::ESTIMATE) times the sum of both stated errors. Other
-//!   columns, of which no error is stated, by no more than [`OTHER`](compare::OTHER) of their range.
-//! - Points of a local map state their error on that map: they differ by no more than [`LOCAL_MAP`](compare::LOCAL_MAP) besides.
-//! - The last special points before a homoclinic orbit, where they have not converged, need no partners, nor does the end there.
+//! - Each special point of `a` has one partner in `b`: of the same kind, the nearest in all
+//!   columns, each in units of its range on the branch; at most [`SAME_POINT`](compare::SAME_POINT)
+//!   away. What has none is missing or extra.
+//! - The continued parameter differs by no more than [`ESTIMATE`](compare::ESTIMATE) times the sum
+//!   of both stated errors. Other columns, of which no error is stated, by no more than
+//!   [`OTHER`](compare::OTHER) of their range.
+//! - Points of a local map state their error on that map: they differ by no more than
+//!   [`LOCAL_MAP`](compare::LOCAL_MAP) besides.
+//! - The last special points before a homoclinic orbit, where they have not converged, need no
+//!   partners, nor does the end there.
 //! - A special point that has converged in one has converged in the other.
-//! - `unstable` is the same at partners, and on ordinary points between the same two special points.
+//! - `unstable` is the same at partners, and on ordinary points between the same two special
+//!   points.
 //!
-//! Variants that change what is claimed say so in [`Claim`](variant::Claim): kinds that are not looked for are not expected, and an
-//! error that leaves the discretisation out is compared with the mesh error that the branch states. Nothing is skipped
-//! in silence: an error of a scene, an interruption (after [`LONGEST`]) and a variant that cannot be set are failures.
+//! Variants that change what is claimed say so in [`Claim`](variant::Claim): kinds that are not
+//! looked for are not expected, and an error that leaves the discretisation out is compared with
+//! the mesh error that the branch states. Nothing is skipped in silence: an error of a scene, an
+//! interruption (after [`LONGEST`]) and a variant that cannot be set are failures.
 
 mod branch;
 mod compare;
@@ -74,7 +82,8 @@ fn traced(scene: &Scene) -> Traced {
     (outcome.document.branches, outcome.error.map(|error| error.to_string()))
 }
 
-/// Traces a scene under a variant, and compares; `None` where the variant means nothing to the scene.
+/// Traces a scene under a variant, and compares; `None` where the variant means nothing to the
+/// scene.
 fn under(scene: &Scene, reference: &Traced, variant: &Variant) -> Option<Comparison> {
     let mut total = Comparison::default();
     match (variant.change)(scene) {

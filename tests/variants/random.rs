@@ -38,7 +38,8 @@ const TURNS: [&str; 6] = [
 /// Parameters go this far from those of the scene, as a part of them.
 const FAR: f64 = 0.2;
 
-/// A scene with all its parameters changed, those that it does not vary by itself; and what was changed, in words.
+/// A scene with all its parameters changed, those that it does not vary by itself; and what was
+/// changed, in words.
 fn drawn(scene: &Scene, random: &mut Random) -> (Scene, String) {
     let mut drawn = scene.clone();
     let mut words = Vec::new();

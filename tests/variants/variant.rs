@@ -184,7 +184,8 @@ fn on(scene: &Scene, by: &str, values: &[(&str, &str)]) -> Change {
     }
 }
 
-/// Each branch that is traced both ways, backward alone and forward alone, after all runs before it.
+/// Each branch that is traced both ways, backward alone and forward alone, after all runs before
+/// it.
 fn each_way(scene: &Scene) -> Change {
     let mut halves = Vec::new();
     for (index, run) in scene.runs.iter().enumerate() {
@@ -201,7 +202,8 @@ fn each_way(scene: &Scene) -> Change {
     Change::Halves(halves)
 }
 
-/// The branch of which these are the halves. Where it is closed, or starts one way only, each is the whole of it.
+/// The branch of which these are the halves. Where it is closed, or starts one way only, each is
+/// the whole of it.
 pub fn joined(name: &str, back: &[Branch], ahead: &[Branch]) -> Vec<Vec<Branch>> {
     let named = |all: &[Branch]| all.iter().find(|branch| branch.name == name).cloned();
     let (Some(mut whole), Some(ahead)) = (named(back), named(ahead)) else {

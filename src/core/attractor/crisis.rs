@@ -5,14 +5,17 @@ use super::search::{Attractor, AttractorSearch};
 use super::stroboscopic::StroboscopicMap;
 use crate::core::hybrid::{HybridState, Member};
 
-/// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves it for good.
+/// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves
+/// it for good.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crisis {
-    /// The parameter at which motion was still on it after the transient, and that at which it had left.
+    /// The parameter at which motion was still on it after the transient, and that at which it had
+    /// left.
     pub between: [f64; 2],
     /// The attractor at the first of them.
     pub attractor: Attractor,
-    /// The cycle on which motion settled beyond, by its number of periods; `None` if motion ended there.
+    /// The cycle on which motion settled beyond, by its number of periods; `None` if motion ended
+    /// there.
     pub beyond: Option<usize>,
 }
 
@@ -56,10 +59,11 @@ fn is_lost(outcome: &Outcome) -> bool {
 impl AttractorSearch {
     /// Where the attractor is lost that motion from a state is on, if it is no cycle.
     ///
-    /// The parameter goes on in steps, each from where the one before ended, which takes it over windows of cycles.
-    /// The step after the last one in which motion does not settle on a cycle is halved until it is no longer than the
-    /// tolerance, where several states of the attractor must leave it. The transient is how long an attractor must last to count: beyond a crisis motion stays near it for
-    /// a time that grows without bound towards the crisis.
+    /// The parameter goes on in steps, each from where the one before ended, which takes it over
+    /// windows of cycles. The step after the last one in which motion does not settle on a cycle is
+    /// halved until it is no longer than the tolerance, where several states of the attractor must
+    /// leave it. The transient is how long an attractor must last to count: beyond a crisis motion
+    /// stays near it for a time that grows without bound towards the crisis.
     ///
     /// ```
     /// use tangency::core::attractor::{CrisisSearch, AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
@@ -76,8 +80,8 @@ impl AttractorSearch {
     /// ```
     ///
     /// # Errors
-    /// [`StroboscopicError::NoCrisis`] if motion settles on cycles only, or on none where the search ends; another one if
-    /// it ends where the search begins.
+    /// [`StroboscopicError::NoCrisis`] if motion settles on cycles only, or on none where the
+    /// search ends; another one if it ends where the search begins.
     pub fn crisis(
         &self,
         motion: &mut dyn StroboscopicMap,

@@ -10,8 +10,8 @@ use num_dual::Dual64;
 pub struct Exponent {
     /// The exponent; `−∞` where motion forgets its past completely.
     pub value: f64,
-    /// Its standard error: of the means of 20 batches, or, of a periodic motion, what the last improvement of the
-    /// orbit has changed.
+    /// Its standard error: of the means of 20 batches, or, of a periodic motion, what the last
+    /// improvement of the orbit has changed.
     pub error: f64,
 }
 
@@ -20,7 +20,8 @@ const BATCHES: usize = 20;
 
 /// The growth of a tangent vector, period by period, from which the exponent is found.
 pub(super) struct Growth {
-    /// The periods in a batch. The vector turns into the direction of fastest growth in one more batch before.
+    /// The periods in a batch. The vector turns into the direction of fastest growth in one more
+    /// batch before.
     batch: usize,
     periods: usize,
     means: [f64; BATCHES],
@@ -35,7 +36,8 @@ impl Growth {
         Growth { batch, periods: 0, means: [0.0; BATCHES], forgotten: false }
     }
 
-    /// Takes in a tangent vector after a period, and gives it the length 1; false with the last period.
+    /// Takes in a tangent vector after a period, and gives it the length 1; false with the last
+    /// period.
     pub fn push(&mut self, x: &mut [Dual64]) -> bool {
         let growth = x.iter().map(|x| x.eps * x.eps).sum::<f64>().sqrt();
         self.forgotten = growth == 0.0;
@@ -81,8 +83,8 @@ pub(super) fn with_tangent(
 pub(super) struct Monodromy {
     /// The states `F^q(x)`.
     pub end: Vec<f64>,
-    /// The states that are not neutral. A neutral one is carried along by the motion and changes no other: that of a body
-    /// at rest on a support that moves, for instance.
+    /// The states that are not neutral. A neutral one is carried along by the motion and changes no
+    /// other: that of a body at rest on a support that moves, for instance.
     pub coupled: Vec<usize>,
     /// `∂F^q/∂x` of the coupled states, one row after the other.
     matrix: Vec<f64>,
@@ -121,8 +123,8 @@ impl Monodromy {
         Some(if size < FORGOTTEN { f64::NEG_INFINITY } else { size.ln() / q as f64 })
     }
 
-    /// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method, of the coupled states only, by which the motion `missed` its
-    /// start; `None` if the matrix is singular.
+    /// The step `(1 − M)⁻¹ (F^q(x) − x)` of Newton's method, of the coupled states only, by which
+    /// the motion `missed` its start; `None` if the matrix is singular.
     pub fn correction(&self, missed: &[f64]) -> Option<Vec<f64>> {
         let n = self.coupled.len();
         let left = |i: usize, j: usize| unit(i, j) - self.matrix[i * n + j];

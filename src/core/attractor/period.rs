@@ -214,7 +214,8 @@ impl<'a> Recorder<'a> {
         Period { start: self.start, events: self.events, measures }
     }
 
-    /// How far motion would go beyond the surface of an event; not a number if it does not turn within a time.
+    /// How far motion would go beyond the surface of an event; not a number if it does not turn
+    /// within a time.
     fn beyond(&self, Slow { guard, at, .. }: &Slow, within: f64, p: &[f64]) -> f64 {
         let turn =
             virtual_point(self.of.system, (*guard, at.mode), (at.time, &at.x[..]), p, within);

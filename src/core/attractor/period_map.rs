@@ -45,8 +45,8 @@ impl<'a> PeriodMap<'a> {
     /// [`penetration`](crate::core::measure::Measure::Penetration).
     ///
     /// # Errors
-    /// [`StroboscopicError::NoMeasure`] if the system has no such measure or a measure no such scalar, [`StroboscopicError::Hybrid`] if a setting has
-    /// no meaning.
+    /// [`StroboscopicError::NoMeasure`] if the system has no such measure or a measure no such
+    /// scalar, [`StroboscopicError::Hybrid`] if a setting has no meaning.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,

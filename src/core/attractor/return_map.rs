@@ -22,8 +22,9 @@ const MOVED: f64 = 1e-9;
 /// The longest time for which a return is waited for, in units of its scale, unless it is set.
 const LONGEST: f64 = 10_000.0;
 
-/// The motion of a hybrid system without forcing, sampled just after every event of a name: its Poincaré map there. What else
-/// is said of periods is said of returns: cycles are counted, and exponents are, per return.
+/// The motion of a hybrid system without forcing, sampled just after every event of a name: its
+/// Poincaré map there. What else is said of periods is said of returns: cycles are counted, and
+/// exponents are, per return.
 ///
 /// ```
 /// use tangency::core::attractor::{AttractorSearch, ReturnMap};
@@ -76,8 +77,8 @@ impl<'a> ReturnMap<'a> {
     /// The motion of a system, of which these measures are taken in every return to an event.
     ///
     /// # Errors
-    /// [`StroboscopicError::Forced`] if the system has a forcing, by whose period it is sampled; `NoMeasure` if it has no such
-    /// event, or measure; `Hybrid` if a setting has no meaning.
+    /// [`StroboscopicError::Forced`] if the system has a forcing, by whose period it is sampled;
+    /// `NoMeasure` if it has no such event, or measure; `Hybrid` if a setting has no meaning.
     pub fn of(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -97,7 +98,8 @@ impl<'a> ReturnMap<'a> {
         })
     }
 
-    /// Sets the longest time for which the event is waited for, in units of the scale of time: 10 000 by default.
+    /// Sets the longest time for which the event is waited for, in units of the scale of time: 10
+    /// 000 by default.
     pub fn waiting(mut self, longest: f64) -> Self {
         self.longest = longest;
         self

@@ -26,15 +26,17 @@ pub struct AttractorSearch {
     pub recorded_periods: usize,
     /// The largest number of periods in a cycle.
     pub max_period: usize,
-    /// A motion may be periodic when it comes back this near, in units of its largest state. The periodic point is
-    /// then improved by Newton's method, and counts if it is stable.
+    /// A motion may be periodic when it comes back this near, in units of its largest state. The
+    /// periodic point is then improved by Newton's method, and counts if it is stable.
     pub tolerance: f64,
-    /// Over how many periods the exponent of a motion that is not periodic is averaged; 0 for no exponent.
+    /// Over how many periods the exponent of a motion that is not periodic is averaged; 0 for no
+    /// exponent.
     pub lyapunov_periods: usize,
 }
 
 impl Default for AttractorSearch {
-    /// A transient of 300 periods, then 200, up to 16 in a cycle, a tolerance of 1e-5, exponents over 2000.
+    /// A transient of 300 periods, then 200, up to 16 in a cycle, a tolerance of 1e-5, exponents
+    /// over 2000.
     fn default() -> Self {
         AttractorSearch {
             transient: 300,
@@ -53,8 +55,8 @@ pub struct Attractor {
     pub periods: Option<usize>,
     /// One cycle, or all periods recorded.
     pub records: Vec<Period>,
-    /// The events by name, and how often each came in a cycle (in a period, if there is no cycle): infinitely often
-    /// where they accumulate.
+    /// The events by name, and how often each came in a cycle (in a period, if there is no cycle):
+    /// infinitely often where they accumulate.
     pub events: Vec<(String, f64)>,
     /// How often infinitely many events came in a finite time, likewise.
     pub accumulations: f64,
@@ -71,15 +73,16 @@ impl Attractor {
     }
 }
 
-/// A periodic point counts if Newton's method ends there, with steps below this in units of the largest state …
+/// A periodic point counts if Newton's method ends there, with steps below this in units of the
+/// largest state …
 const CONVERGED: f64 = 1e-11;
 /// … after at most this number of iterations …
 const ROUNDS: usize = 8;
 /// … no farther away than this.
 const NEAR: f64 = 0.03;
 
-/// Motion of a smaller size is rest, as far as coming back is concerned: a state that is carried by a support is zero at
-/// some phase, and what it is then is rounding.
+/// Motion of a smaller size is rest, as far as coming back is concerned: a state that is carried by
+/// a support is zero at some phase, and what it is then is rounding.
 const REST: f64 = 1e-6;
 /// A neutral state of a cycle drifts by no more than this in it, in the units of coming back.
 const DRIFT: f64 = 1e-5;
@@ -241,7 +244,8 @@ impl Following<'_> {
 }
 
 impl AttractorSearch {
-    /// Follows a motion and finds the attractor that it is on. It begins in the mode that the system says
+    /// Follows a motion and finds the attractor that it is on. It begins in the mode that the
+    /// system says
     /// ([`HybridSystem::initial_mode`](crate::core::hybrid::HybridSystem::initial_mode)).
     ///
     /// # Errors
@@ -255,7 +259,8 @@ impl AttractorSearch {
         self.follow_while(map, Member { state, p: p.to_vec() }, &|| true)
     }
 
-    /// Follows a motion while `goes_on`, as [`follow_all`](Self::follow_all) does: if it ends before, nothing is known.
+    /// Follows a motion while `goes_on`, as [`follow_all`](Self::follow_all) does: if it ends
+    /// before, nothing is known.
     pub(in crate::core) fn follow_while(
         &self,
         map: &mut dyn StroboscopicMap,
@@ -268,8 +273,9 @@ impl AttractorSearch {
         run.finish(map.layout())
     }
 
-    /// Follows many motions abreast ([`StroboscopicMap::advance_all`]), while `goes_on`: if it ends before, nothing
-    /// is known of any of them. What is found of a motion does not depend on the others, to the last bit.
+    /// Follows many motions abreast ([`StroboscopicMap::advance_all`]), while `goes_on`: if it ends
+    /// before, nothing is known of any of them. What is found of a motion does not depend on the
+    /// others, to the last bit.
     ///
     /// # Errors
     /// For each motion, as [`follow`](Self::follow).
@@ -321,9 +327,9 @@ fn counts(layout: &Layout, records: &[Period], cycles: usize) -> (Vec<(String, f
     (events, mean(all().filter(|e| e.accumulation).count()))
 }
 
-/// The stable point of period `q` near a state of a motion of this size, and its exponent, by Newton's method; `None` if
-/// there is none. A motion that ends on the way says no more than that. Neutral states, which the motion carries along,
-/// stay as they are.
+/// The stable point of period `q` near a state of a motion of this size, and its exponent, by
+/// Newton's method; `None` if there is none. A motion that ends on the way says no more than that.
+/// Neutral states, which the motion carries along, stay as they are.
 fn improved(
     map: &mut dyn StroboscopicMap,
     near: &Member<f64>,

@@ -6,22 +6,23 @@ use crate::core::hybrid::{HybridState, Member};
 use num_dual::Dual64;
 use std::ops::ControlFlow;
 
-/// Sees a period of one of many trajectories: the trajectory's number, the period if periods are recorded, and the
-/// state at its end. The trajectory goes on or ends.
+/// Sees a period of one of many trajectories: the trajectory's number, the period if periods are
+/// recorded, and the state at its end. The trajectory goes on or ends.
 pub type EachPeriod<'a> =
     dyn FnMut(usize, Option<Period>, &HybridState<f64>) -> ControlFlow<()> + 'a;
 
-/// Sees the image of state and tangent vector after a period of one of many trajectories, by its number; may scale
-/// the tangent vector. The trajectory goes on or ends.
+/// Sees the image of state and tangent vector after a period of one of many trajectories, by its
+/// number; may scale the tangent vector. The trajectory goes on or ends.
 pub type EachTangent<'a> = dyn FnMut(usize, &mut HybridState<Dual64>) -> ControlFlow<()> + 'a;
 
 /// What becomes of each of many trajectories.
 pub type Outcomes = Vec<Result<(), StroboscopicError>>;
 
-/// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a map in itself.
+/// A map from state to state: a motion sampled stroboscopically, once a forcing period, or a map in
+/// itself.
 ///
-/// States are those of a hybrid system, whose time is that of the sample: a map in itself has one mode, and its time
-/// is zero.
+/// States are those of a hybrid system, whose time is that of the sample: a map in itself has one
+/// mode, and its time is zero.
 pub trait StroboscopicMap {
     /// The names of modes, events and measures.
     fn layout(&self) -> &Layout;
@@ -40,12 +41,13 @@ pub trait StroboscopicMap {
     /// Follows the motion for one period and keeps what happens in it.
     fn record(&mut self, member: &mut Member<f64>) -> Result<Period, StroboscopicError>;
 
-    /// Follows the motion for one period with a tangent vector, the derivatives of the state, which becomes its
-    /// image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
+    /// Follows the motion for one period with a tangent vector, the derivatives of the state, which
+    /// becomes its image: `v ↦ ∂F/∂x v`. Parameters have no derivatives.
     fn push_forward(&mut self, member: &mut Member<Dual64>) -> Result<(), StroboscopicError>;
 
-    /// Follows many trajectories period by period, each until `each` ends it. What becomes of a trajectory does not
-    /// depend on the others, to the last bit. By default they are followed one by one.
+    /// Follows many trajectories period by period, each until `each` ends it. What becomes of a
+    /// trajectory does not depend on the others, to the last bit. By default they are followed one
+    /// by one.
     fn advance_all(
         &mut self,
         members: &mut [Member<f64>],

@@ -20,8 +20,9 @@ impl Kind {
 /// ```
 ///
 /// with two rows `C`, the branch point is `F + β b = 0, g₁ = g₂ = 0`, and `∇gᵢ = −∇ₓ(wᵀ F_x ζᵢ)`:
-/// two equations and one unknown of its own, so it can be held along a curve like any other condition
-/// (where the branch point persists, as pitchforks of symmetric problems do, `β` stays zero).
+/// two equations and one unknown of its own, so it can be held along a curve like any other
+/// condition (where the branch point persists, as pitchforks of symmetric problems do, `β` stays
+/// zero).
 pub struct BranchPoint(NullVectors);
 
 impl BranchPoint {

@@ -1,5 +1,6 @@
-//! The catalogue of bifurcations: a row for each kind says which curves it lies on, how it is noticed there, and what
-//! defines it. A further kind is a file with its defining system, and a row here.
+//! The catalogue of bifurcations: a row for each kind says which curves it lies on, how it is
+//! noticed there, and what defines it. A further kind is a file with its defining system, and a row
+//! here.
 
 use super::grazing::GrazingBifurcation;
 use super::{BranchPoint, DegenerateFold, Fold, Hopf};
@@ -19,8 +20,8 @@ pub(crate) type Make = fn(usize) -> Box<dyn Condition>;
 /// A kind of bifurcation.
 pub(crate) struct Bifurcation {
     pub kind: Kind,
-    /// Its defining system, which together with the branch is regular at the point; `None` where the branch's own
-    /// equations are singular there, and its values are limits.
+    /// Its defining system, which together with the branch is regular at the point; `None` where
+    /// the branch's own equations are singular there, and its values are limits.
     pub defined_by: Option<Make>,
     /// The eigenvalues or multipliers that are critical there.
     pub critical: Critical,
@@ -53,7 +54,8 @@ pub(crate) enum Solutions {
 pub(crate) enum Beyond {
     /// It does.
     Further,
-    /// It ends. The conditions held along it are singular there, and this one stands in their place.
+    /// It ends. The conditions held along it are singular there, and this one stands in their
+    /// place.
     End(Make),
     /// It goes back over itself, as its own mirror image, and so ends.
     Mirror,
@@ -135,8 +137,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
         critical: Critical::None,
         seen: &[
             seen(&[Kind::LP], Equilibria, "Bogdanov–Takens point", Test::Condition),
-            // Where the frequency, the own unknown of Hopf points, vanishes: beyond, the curve would be traced back with
-            // negative frequency.
+            // Where the frequency, the own unknown of Hopf points, vanishes: beyond, the curve
+            // would be traced back with negative frequency.
             Sighting {
                 held: &[Kind::HB],
                 of: Equilibria,
@@ -196,7 +198,8 @@ pub(crate) static CATALOGUE: [Bifurcation; 14] = [
 
 /// Kinds at which curves of periodic orbits end as their own mirror images.
 impl Kind {
-    /// `GH`: a generalised Hopf (Bautin) point, where a curve of folds of cycles ends on a curve of Hopf points.
+    /// `GH`: a generalised Hopf (Bautin) point, where a curve of folds of cycles ends on a curve of
+    /// Hopf points.
     pub const GH: Kind = Kind::new("GH", "generalised Hopf point");
     /// `R1`: a resonance 1:1, where a curve of torus points ends with a double multiplier 1.
     pub const R1: Kind = Kind::new("R1", "resonance 1:1");
@@ -219,7 +222,8 @@ pub(crate) fn of_curves() -> Vec<Kind> {
 }
 
 impl Bifurcation {
-    /// Why such points of a system's solutions cannot be held along a curve on which others are held; `None` if they can.
+    /// Why such points of a system's solutions cannot be held along a curve on which others are
+    /// held; `None` if they can.
     pub fn why_not_held(&self, dynamics: Dynamics, others: &[Kind]) -> Option<String> {
         let passed = self.seen.iter().filter(|it| matches!(it.beyond, Beyond::Further));
         let fits =

@@ -1,4 +1,5 @@
-//! The directions of the branches that cross at a branch point: the algebraic bifurcation equations.
+//! The directions of the branches that cross at a branch point: the algebraic bifurcation
+//! equations.
 
 use super::null::NullVectors;
 use crate::core::condition::{At, Failure};
@@ -38,18 +39,20 @@ impl NullVectors {
     }
 }
 
-/// Forms that are smaller than this, compared with the second derivatives they are parts of, vanish but for rounding.
+/// Forms that are smaller than this, compared with the second derivatives they are parts of, vanish
+/// but for rounding.
 const VANISHES: f64 = 1e-9;
 
-/// The tangents, as directions of `x`, of the branches that cross at a branch point where `m` eigenvalues vanish: the
-/// directions `t = Σ αᵢ ζᵢ` in the null space of `[F_z  F_p]` that solve the algebraic bifurcation equations
+/// The tangents, as directions of `x`, of the branches that cross at a branch point where `m`
+/// eigenvalues vanish: the directions `t = Σ αᵢ ζᵢ` in the null space of `[F_z  F_p]` that solve
+/// the algebraic bifurcation equations
 ///
 /// ```text
 ///     Σ wⱼᵀ F_xx[ζᵢ, ζₖ] αᵢ αₖ = 0,    j = 1 … m
 /// ```
 ///
-/// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977). For `m = 1` that is one
-/// quadratic equation with two roots.
+/// (H. B. Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1977). For
+/// `m = 1` that is one quadratic equation with two roots.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] where it has no two real solutions: the point is isolated or
@@ -105,8 +108,8 @@ fn quadratic(form: &DMatrix<f64>) -> Vec<Vec<f64>> {
 /// How many directions Newton's iteration starts from, for each unknown.
 const STARTS: usize = 60;
 
-/// The isolated real directions in which several quadratic forms vanish, by Newton's iteration on the unit sphere from
-/// many directions.
+/// The isolated real directions in which several quadratic forms vanish, by Newton's iteration on
+/// the unit sphere from many directions.
 fn intersection(forms: &[DMatrix<f64>]) -> Vec<Vec<f64>> {
     let count = forms.len() + 1;
     let mut roots: Vec<DVector<f64>> = Vec::new();

@@ -24,8 +24,8 @@ impl Kind {
     pub const BT: Kind = Kind::new("BT", "Bogdanov–Takens point");
 }
 
-/// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a Bogdanov–Takens point,
-/// where `c = wᵀ v = 0` and the eigenvalue zero is double.
+/// A degenerate point of a curve of folds: a cusp, where `a = wᵀ F_zz[v, v] = 0`, or a
+/// Bogdanov–Takens point, where `c = wᵀ v = 0` and the eigenvalue zero is double.
 pub struct DegenerateFold {
     kind: Kind,
     null: NullVectors,

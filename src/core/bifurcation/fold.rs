@@ -12,8 +12,9 @@ impl Kind {
     pub const PD: Kind = Kind::new("PD", "period doubling");
 }
 
-/// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`, taken with the sign of
-/// the bordered determinant: `g` is the ratio of `det F_z` to that, which may change sign far from any fold.
+/// A fold: `F_z` is singular. One equation, `g(z, p) = 0`, with `∇g = −∇ₓ(wᵀ F_z v)`, taken with
+/// the sign of the bordered determinant: `g` is the ratio of `det F_z` to that, which may change
+/// sign far from any fold.
 ///
 /// A period doubling is the same of the linearisation with antiperiodic boundary conditions,
 /// `v(1) = −v(0)`, which differs from `F_z` by a constant.

@@ -10,18 +10,23 @@ use crate::core::zero::{Across, Border, Form};
 impl Kind {
     /// `GD`: a degenerate grazing: orbits with the event begin there at a fold, `∂P/∂θ = 0`.
     pub const GD: Kind = Kind::new("GD", "degenerate grazing");
-    /// `GF`: a degenerate grazing of flip type: a period doubling of the orbits with the event ends there.
+    /// `GF`: a degenerate grazing of flip type: a period doubling of the orbits with the event ends
+    /// there.
     pub const GF: Kind = Kind::new("GF", "degenerate grazing of flip type");
-    /// `GL`: a nonhyperbolic grazing of fold type: the orbit without the event has the multiplier 1.
+    /// `GL`: a nonhyperbolic grazing of fold type: the orbit without the event has the
+    /// multiplier 1.
     pub const GL: Kind = Kind::new("GL", "nonhyperbolic grazing of fold type");
-    /// `GP`: a nonhyperbolic grazing of flip type: the orbit without the event has the multiplier −1.
+    /// `GP`: a nonhyperbolic grazing of flip type: the orbit without the event has the multiplier
+    /// −1.
     pub const GP: Kind = Kind::new("GP", "nonhyperbolic grazing of flip type");
 }
 
-/// A point of codimension two on a curve of grazings. The grazing orbit is one of two families, with the event that it
-/// touches and without it, and of each the linearisation `F_z` is singular somewhere along the curve: of the orbits with the
-/// event where the grazing is *degenerate*, of those without it where it is *nonhyperbolic*. The curve is one of either
-/// family; where the singular orbits are the others ([`System::across`](crate::core::zero::System::across)), their fold (or period doubling) is stated for them.
+/// A point of codimension two on a curve of grazings. The grazing orbit is one of two families,
+/// with the event that it touches and without it, and of each the linearisation `F_z` is singular
+/// somewhere along the curve: of the orbits with the event where the grazing is *degenerate*, of
+/// those without it where it is *nonhyperbolic*. The curve is one of either family; where the
+/// singular orbits are the others ([`System::across`](crate::core::zero::System::across)), their
+/// fold (or period doubling) is stated for them.
 pub(super) struct GrazingBifurcation {
     kind: Kind,
     fold: Fold,
@@ -33,7 +38,8 @@ pub(super) struct GrazingBifurcation {
 }
 
 impl GrazingBifurcation {
-    /// The point of a kind: a fold (`GD`, `GL`) or a period doubling (`GF`, `GP`) of the singular orbits.
+    /// The point of a kind: a fold (`GD`, `GL`) or a period doubling (`GF`, `GP`) of the singular
+    /// orbits.
     pub fn of(kind: Kind) -> Self {
         let fold = match [Kind::GF, Kind::GP].contains(&kind) {
             true => Fold::antiperiodic(),
@@ -51,8 +57,8 @@ impl GrazingBifurcation {
         Ok(At { system, x, released })
     }
 
-    /// The orbits that are singular, at a later point than the start. Others than there are refused: along the curve more
-    /// than one surface may come to be touched.
+    /// The orbits that are singular, at a later point than the start. Others than there are
+    /// refused: along the curve more than one surface may come to be touched.
     fn same_orbits<'a>(&self, at: At<'a>) -> Result<At<'a>, Failure> {
         let at = self.orbits(at)?;
         match at.system.names().dimension() == self.unknowns {
@@ -63,8 +69,9 @@ impl GrazingBifurcation {
         }
     }
 
-    /// The gradient by the released parameters of the fold's left side for the other orbits. These are determined by the
-    /// parameters: `F_z δz + F_p δp = 0`, while the monitor that vanishes at a grazing stays zero.
+    /// The gradient by the released parameters of the fold's left side for the other orbits. These
+    /// are determined by the parameters: `F_z δz + F_p δp = 0`, while the monitor that vanishes at
+    /// a grazing stays zero.
     fn gradient_across(&mut self, At { system, x, released }: At) -> Result<Vec<f64>, Failure> {
         let n = system.names().dimension();
         let Some(touched) = system.touched(x)? else { return Err(no_other()) };

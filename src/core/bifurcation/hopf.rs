@@ -17,9 +17,9 @@ impl Kind {
 /// A Hopf point: `F_z` has the eigenvalue `iω`, `ω > 0` an unknown of the condition's own. On a
 /// periodic orbit the same is a torus point: it has the multiplier `e^{iω}`.
 ///
-/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered as at a
-/// fold; the multiplier `g = −w* L v` is complex, so there are two equations, `Re g = Im g = 0`, with
-/// `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
+/// The complex matrix `L(ω)` ([`Form::Oscillation`]; `F_z − iω` for an equilibrium) is bordered as
+/// at a fold; the multiplier `g = −w* L v` is complex, so there are two equations,
+/// `Re g = Im g = 0`, with `δg = −w* δF_z v − w* (∂L/∂ω) v δω`.
 pub struct Hopf {
     null: NullVectors,
     /// Whether solutions are periodic orbits.
@@ -111,8 +111,8 @@ impl Condition for Hopf {
     }
 }
 
-/// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair of
-/// multipliers nearest to the unit circle.
+/// The imaginary part of the complex pair nearest to the imaginary axis, or the angle of the pair
+/// of multipliers nearest to the unit circle.
 fn crossing_frequency(at: &mut At) -> Result<f64, Failure> {
     let spectrum = at.system.spectrum(at.x)?.unwrap_or_default();
     let dynamics = at.system.dynamics();

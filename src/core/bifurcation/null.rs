@@ -5,21 +5,22 @@ use crate::core::linear::Factors;
 use crate::core::vector::{dot, generic, normalise, orthogonalise};
 use crate::core::zero::{Border, Form};
 
-/// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a bordered matrix
-/// of size `N` that is regular there:
+/// The right and left null vectors of a matrix `J` near a point where its rank falls by `m`, from a
+/// bordered matrix of size `N` that is regular there:
 ///
 /// ```text
 ///     M = ⎡ J  B ⎤        M ⎡ ζᵢ ⎤ = eₙ₊ᵢ,       Mᵀ ⎡ wⱼ ⎤ = e_(N−m+j)
 ///         ⎣ C  0 ⎦          ⎣ hᵢ ⎦                  ⎣ ·  ⎦
 /// ```
 ///
-/// `J` is `F_z` (or that with antiperiodic boundary conditions), with `m` right null vectors, or `[F_z  F_p]` with a
-/// parameter `p`, with `m + 1` of them. For `m = 1` the last components `gᵢ` of `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly
-/// where the rank of `J` falls. In a complex form ([`Form::Oscillation`]) all vectors are real parts, then imaginary parts.
+/// `J` is `F_z` (or that with antiperiodic boundary conditions), with `m` right null vectors, or
+/// `[F_z  F_p]` with a parameter `p`, with `m + 1` of them. For `m = 1` the last components `gᵢ` of
+/// `hᵢ`, which are `−wᵀ J ζᵢ`, vanish exactly where the rank of `J` falls. In a complex form
+/// ([`Form::Oscillation`]) all vectors are real parts, then imaginary parts.
 #[derive(Default)]
 pub(super) struct NullVectors {
-    /// The right null vectors as directions of `x`: zero in all parameters but `p`. Of complex ones the real part, then the
-    /// imaginary part.
+    /// The right null vectors as directions of `x`: zero in all parameters but `p`. Of complex ones
+    /// the real part, then the imaginary part.
     pub right: Vec<Vec<f64>>,
     /// The left null vectors.
     pub left: Vec<Vec<f64>>,

@@ -1,17 +1,18 @@
 //! Collocation at Gauss points.
 //!
-//! On an interval of length `h` the trajectory is a polynomial of degree `m`, given by its values `x_j` at
-//! the `m + 1` Lobatto nodes, that satisfies the differential equation at the `m` Gauss points `ρ_c`:
+//! On an interval of length `h` the trajectory is a polynomial of degree `m`, given by its values
+//! `x_j` at the `m + 1` Lobatto nodes, that satisfies the differential equation at the `m` Gauss
+//! points `ρ_c`:
 //!
 //! ```text
 //!     Σ_j ℓ_j'(ρ_c) x_j − h L f(t_c, Σ_j ℓ_j(ρ_c) x_j, q) = 0,    c = 1 … m
 //! ```
 //!
 //! Its error is `h^{m+1} x^{(m+1)} P(s) + O(h^{m+2})` with `P(s) = ∫₀ˢ Π_c (t − ρ_c) dt / m!`, and
-//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian points*, 1973;
-//! U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary
-//! Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto nodes: the values there are
-//! better by an order than those between them.
+//! `O(h^{2m})` at the ends of intervals (C. de Boor and B. Swartz, *Collocation at Gaussian
+//! points*, 1973; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of Boundary Value
+//! Problems for Ordinary Differential Equations*, 1988, section 5.4). `P` vanishes at the Lobatto
+//! nodes: the values there are better by an order than those between them.
 
 mod basis;
 mod linearise;
@@ -89,13 +90,15 @@ impl<T> Default for CollocationWork<T> {
     }
 }
 
-/// An interval is looked at in so many places for each of its nodes, for extrema of functions of its states.
+/// An interval is looked at in so many places for each of its nodes, for extrema of functions of
+/// its states.
 const PLACES: usize = 4;
 /// The place of an extremum is improved this often at most.
 const ROUNDS: usize = 60;
 
 impl Collocation {
-    /// A scalar of the interpolating polynomials, its slope and its curvature at a place of an interval.
+    /// A scalar of the interpolating polynomials, its slope and its curvature at a place of an
+    /// interval.
     fn sight(&self, interval: &Interval<f64>, observable: Observable, place: f64) -> Dual2_64 {
         let (nodes, place) = (&self.basis.nodes, Dual2_64::new(place, 1.0, 0.0));
         let n = interval.nodes.len() / nodes.len();
@@ -109,8 +112,8 @@ impl Collocation {
         interval.watching(observable).value_in(t, &x, &q)
     }
 
-    /// Visits the ends of an interval and the local extrema of a function of its states: where its slope
-    /// changes sign between two of many places.
+    /// Visits the ends of an interval and the local extrema of a function of its states: where its
+    /// slope changes sign between two of many places.
     fn extrema_of(
         &self,
         interval: &Interval<f64>,

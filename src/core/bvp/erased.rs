@@ -1,8 +1,9 @@
 //! Boundary-value problems behind one object-safe face.
 //!
-//! Users write a [`BoundaryProblem`](super::BoundaryProblem) generically. Discretisations see it through
-//! [`Equations`], one scalar at a time, so that they are compiled once and not for every problem. [`Number`]
-//! lists the scalars in which residuals are evaluated, [`WatchNumber`] those of watched scalars.
+//! Users write a [`BoundaryProblem`](super::BoundaryProblem) generically. Discretisations see it
+//! through [`Equations`], one scalar at a time, so that they are compiled once and not for every
+//! problem. [`Number`] lists the scalars in which residuals are evaluated, [`WatchNumber`] those of
+//! watched scalars.
 
 use super::derivatives::Derivatives;
 use super::terms::{Ends, Legs, Monitor, Return, Watched};
@@ -18,7 +19,8 @@ use std::sync::Arc;
 
 /// The residual of a problem in one scalar.
 pub trait Residual<T: Scalar>: Fields<T> {
-    /// The field of a segment, whose numbers are `q`, at time `t` from its beginning, and how many of them it depends on.
+    /// The field of a segment, whose numbers are `q`, at time `t` from its beginning, and how many
+    /// of them it depends on.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T>;
 
     /// The duration of a segment.
@@ -27,8 +29,9 @@ pub trait Residual<T: Scalar>: Fields<T> {
     /// The left sides of the boundary conditions, written into `b`.
     fn boundary_in(&self, ends: Ends<T>, q: &[T], b: &mut [T]);
 
-    /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for problems with [`Legs`]: the
-    /// states with which the next one begins are written into `after`; what is returned vanishes.
+    /// Where a leg that begins at a time, and ends after another with the states `x`, leads, for
+    /// problems with [`Legs`]: the states with which the next one begins are written into `after`;
+    /// what is returned vanishes.
     fn leg_end_in(
         &self,
         _segment: usize,
@@ -73,7 +76,8 @@ pub trait WatchNumber: Scalar {
     fn watches(problem: &dyn Equations) -> &dyn Watches<Self>;
 }
 
-/// Hands the methods of [`Equations`] that are those of a [`BoundaryProblem`](super::BoundaryProblem) to a macro, with what follows its name.
+/// Hands the methods of [`Equations`] that are those of a
+/// [`BoundaryProblem`](super::BoundaryProblem) to a macro, with what follows its name.
 macro_rules! methods {
     ($macro:ident; $($rest:tt)*) => {
         $macro! {
@@ -104,8 +108,8 @@ macro_rules! methods {
 
 pub(super) use methods;
 
-/// Declares [`Equations`]: its methods, and the scalars in which residuals, watched scalars and functions of the ends are
-/// evaluated; and the traits by which generic code selects a scalar.
+/// Declares [`Equations`]: its methods, and the scalars in which residuals, watched scalars and
+/// functions of the ends are evaluated; and the traits by which generic code selects a scalar.
 macro_rules! equations {
     (
         $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*
@@ -115,7 +119,8 @@ macro_rules! equations {
         further: { $($further:tt)* }
     ) => {
         /// A boundary-value problem in the scalars that discretisations need. Every
-        /// [`BoundaryProblem`](super::BoundaryProblem) is one; its documentation says what each method means.
+        /// [`BoundaryProblem`](super::BoundaryProblem) is one; its documentation says what each
+        /// method means.
         pub trait Equations:
             $(Residual<$number> +)* $(Watches<$watch> +)* $(EndFunctions<$end> +)* Any + Send + Sync
         {
@@ -148,22 +153,23 @@ methods! { equations;
         fn legs(&self) -> Option<Legs> {
             None
         }
-        /// The longest step in time, of a flow along a segment, in which nothing that is watched there changes much.
+        /// The longest step in time, of a flow along a segment, in which nothing that is watched
+        /// there changes much.
         fn longest_step(&self, _segment: usize) -> f64 {
             f64::INFINITY
         }
-        /// The problem of which one duration is as long as several of this, as a mesh that ends there has them, and its
-        /// numbers from those of this one; `None` if there is none.
+        /// The problem of which one duration is as long as several of this, as a mesh that ends
+        /// there has them, and its numbers from those of this one; `None` if there is none.
         fn spanning(&self, _durations: f64, _q: &[f64]) -> Option<(Arc<dyn Equations>, Vec<f64>)> {
             None
         }
-        /// The extras of a solution that begins with a later segment instead, and at a time near that of others that are
-        /// given; `None` if that is no solution of this problem.
+        /// The extras of a solution that begins with a later segment instead, and at a time near
+        /// that of others that are given; `None` if that is no solution of this problem.
         fn rotated(&self, _segments: usize, _q: &[f64], _near: &[f64]) -> Option<Vec<f64>> {
             None
         }
-        /// The name in the field of the point where a monitor of [`grazings`](Self::grazings) vanishes, if it has one of its
-        /// own.
+        /// The name in the field of the point where a monitor of [`grazings`](Self::grazings)
+        /// vanishes, if it has one of its own.
         fn kind_of_grazing(
             &self,
             _monitor: usize,
@@ -172,15 +178,16 @@ methods! { equations;
         ) -> Option<&'static str> {
             None
         }
-        /// Whether solutions [with the event](Self::with_touched) are linearised otherwise than the one that touches: not
-        /// where the event changes nothing there.
+        /// Whether solutions [with the event](Self::with_touched) are linearised otherwise than the
+        /// one that touches: not where the event changes nothing there.
         fn touch_matters(&self, _known: &[Trajectory], _q: &[f64]) -> Result<bool, Failure> {
             Ok(true)
         }
     }
 }
 
-/// Statements that can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations that are behind their face already.
+/// Statements that can be discretised: a [`BoundaryProblem`](super::BoundaryProblem), or equations
+/// that are behind their face already.
 pub trait IntoEquations {
     /// The equations behind their object-safe face.
     fn into_equations(self) -> Arc<dyn Equations>;
@@ -216,8 +223,8 @@ impl Watchable<f64> for Watching<'_> {
     }
 }
 
-/// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated cycle: that one by
-/// its trajectories.
+/// Solutions of a problem that emanate from a known one, such as a grazing solution or a simulated
+/// cycle: that one by its trajectories.
 pub struct Birth<P = Arc<dyn Equations>> {
     /// The problem that they solve.
     pub problem: P,
@@ -225,8 +232,8 @@ pub struct Birth<P = Arc<dyn Equations>> {
     pub trajectories: Vec<Trajectory>,
     /// The extras.
     pub extras: Vec<f64>,
-    /// Trajectories and extras of a neighbour to first order, which gives the direction of the branch where the equations are
-    /// singular; `None` where they determine it.
+    /// Trajectories and extras of a neighbour to first order, which gives the direction of the
+    /// branch where the equations are singular; `None` where they determine it.
     pub beside: Option<(Vec<Trajectory>, Vec<f64>)>,
 }
 

@@ -33,7 +33,8 @@ pub enum BoundaryError {
         /// Integral conditions, and the phase condition.
         closing: usize,
     },
-    /// Returns of a periodic problem that refer to nothing, or do not go with integral or phase conditions.
+    /// Returns of a periodic problem that refer to nothing, or do not go with integral or phase
+    /// conditions.
     #[error(
         "return {position} (of {count}, counted from 0) has no meaning: it names one of {boundary} boundary \
          conditions and an unknown of a start, and with {closing} integral and phase conditions all returns \

@@ -84,7 +84,8 @@ pub struct Block<'a> {
     pub numbers: &'a mut [f64],
 }
 
-/// Functions monitored along an interval, numbered from the first extremum to the last upward crossing.
+/// Functions monitored along an interval, numbered from the first extremum to the last upward
+/// crossing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MonitoredFunctions<'a> {
     /// Scalars whose extrema are wanted.

@@ -1,7 +1,7 @@
 //! Meshes of segments.
 
-/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1; to the
-/// number of periods where a solution is followed over several of them.
+/// The mesh of a segment: increasing breakpoints in units of the segment's duration, from 0 to 1;
+/// to the number of periods where a solution is followed over several of them.
 ///
 /// ```
 /// use tangency::core::bvp::Mesh;
@@ -70,8 +70,8 @@ impl Mesh {
         Mesh { points: (0..=count).map(|k| k as f64 / count as f64).collect() }
     }
 
-    /// All breakpoints multiplied by a number: the mesh of several periods, for example. A number that is
-    /// not finite or not above 0 changes nothing.
+    /// All breakpoints multiplied by a number: the mesh of several periods, for example. A number
+    /// that is not finite or not above 0 changes nothing.
     pub fn stretched(mut self, factor: f64) -> Self {
         if factor.is_finite() && factor > 0.0 {
             self.points.iter_mut().for_each(|point| *point *= factor);
@@ -90,8 +90,9 @@ impl Mesh {
         Mesh { points }
     }
 
-    /// The mesh on which an integral is the same over every interval: its density is constant, and given, on
-    /// each interval of this mesh (C. de Boor, *Good approximation by splines with variable knots II*, 1974).
+    /// The mesh on which an integral is the same over every interval: its density is constant, and
+    /// given, on each interval of this mesh (C. de Boor, *Good approximation by splines with
+    /// variable knots II*, 1974).
     ///
     /// Densities that are not finite, or all zero, leave a uniform mesh.
     pub fn equidistributed(&self, density: &[f64], intervals: usize) -> Self {
@@ -141,7 +142,8 @@ impl Mesh {
         self.points[self.intervals()]
     }
 
-    /// The interval that holds `tau`, and the place in it (from 0 to 1); the ends if it lies outside.
+    /// The interval that holds `tau`, and the place in it (from 0 to 1); the ends if it lies
+    /// outside.
     pub fn locate(&self, tau: f64) -> (usize, f64) {
         let above = self.points.partition_point(|point| *point <= tau);
         let interval = above.clamp(1, self.intervals()) - 1;

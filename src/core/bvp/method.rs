@@ -8,8 +8,8 @@ use crate::core::failure::Failure;
 use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
 
-/// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one shared
-/// with the next interval, and `m·n` equations.
+/// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one
+/// shared with the next interval, and `m·n` equations.
 #[derive(Clone)]
 pub enum Method {
     /// Polynomials through the nodes.
@@ -43,8 +43,8 @@ impl<T: Scalar> Default for MethodWork<T> {
 }
 
 impl Method {
-    /// Whether extrema come from the same work as the residual and its derivatives, so that they are best
-    /// asked for together.
+    /// Whether extrema come from the same work as the residual and its derivatives, so that they
+    /// are best asked for together.
     pub(super) fn watches_with_residual(&self) -> bool {
         matches!(self, Method::Shooting(_))
     }
@@ -87,8 +87,8 @@ impl Method {
         }
     }
 
-    /// What the nonlinear parts of an interval's equations depend on, as combinations of the values at its nodes: one row
-    /// of `m + 1` coefficients for each.
+    /// What the nonlinear parts of an interval's equations depend on, as combinations of the values
+    /// at its nodes: one row of `m + 1` coefficients for each.
     pub(super) fn arguments(&self) -> &[f64] {
         match self {
             Method::Collocation(method) => method.arguments(),
@@ -96,9 +96,10 @@ impl Method {
         }
     }
 
-    /// The nonlinear part of the equations that belong to one of the [`arguments`](Self::arguments), and of the integral
-    /// conditions' share, summed with weights. The interval has the argument's value at its first node; `r` has room for
-    /// all states, and for all integrands.
+    /// The nonlinear part of the equations that belong to one of the
+    /// [`arguments`](Self::arguments), and of the integral conditions' share, summed with weights.
+    /// The interval has the argument's value at its first node; `r` has room for all states, and
+    /// for all integrands.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -113,8 +114,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start on, for
-    /// drawing.
+    /// Calls `visit` with the states at `count` places in an interval, evenly spread from its start
+    /// on, for drawing.
     pub(super) fn trajectory(
         &self,
         interval: Interval<f64>,
@@ -154,9 +155,9 @@ impl Method {
         }
     }
 
-    /// From now on residuals, their derivatives and extrema may err by as much as this: what is asked for is on
-    /// the way to a solution. 0 asks for the method's own accuracy. Returns whether what is computed meanwhile
-    /// serves on the way only.
+    /// From now on residuals, their derivatives and extrema may err by as much as this: what is
+    /// asked for is on the way to a solution. 0 asks for the method's own accuracy. Returns whether
+    /// what is computed meanwhile serves on the way only.
     pub(super) fn allow(&mut self, error: f64) -> bool {
         match self {
             Method::Collocation(_) => false,
@@ -164,8 +165,9 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with number, place (from 0 to 1) and value of what is watched: at every local extremum inside
-    /// an interval and at its ends, and at every rise. Shooting writes the residual, where that is asked for.
+    /// Calls `visit` with number, place (from 0 to 1) and value of what is watched: at every local
+    /// extremum inside an interval and at its ends, and at every rise. Shooting writes the
+    /// residual, where that is asked for.
     pub(super) fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -182,8 +184,8 @@ impl Method {
         }
     }
 
-    /// Calls `visit` with weight (in time), time since the segment's beginning and states at the places of a
-    /// quadrature over an interval that is as accurate as the trajectory.
+    /// Calls `visit` with weight (in time), time since the segment's beginning and states at the
+    /// places of a quadrature over an interval that is as accurate as the trajectory.
     pub(super) fn quadrature<T: Number>(
         &self,
         interval: Interval<T>,
@@ -199,9 +201,9 @@ impl Method {
         }
     }
 
-    /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m` through the
-    /// nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`; `None` where the mesh
-    /// causes no error.
+    /// The constant `C` of a method that replaces the trajectory by the polynomial of degree `m`
+    /// through the nodes, so that its error in an interval of length `h` is `C hᵐ⁺¹ |x⁽ᵐ⁺¹⁾|`;
+    /// `None` where the mesh causes no error.
     pub(super) fn error_constant(&self) -> Option<f64> {
         match self {
             Method::Collocation(method) => Some(method.error_constant()),
@@ -209,8 +211,8 @@ impl Method {
         }
     }
 
-    /// By how much deviations grow over an interval, from its derivatives by the nodes of `n` states; 1 where equations
-    /// hold inside intervals.
+    /// By how much deviations grow over an interval, from its derivatives by the nodes of `n`
+    /// states; 1 where equations hold inside intervals.
     pub(super) fn growth(&self, nodes: &[f64], n: usize) -> f64 {
         match self {
             Method::Collocation(_) => 1.0,

@@ -1,9 +1,9 @@
 //! Boundary-value zero problems: segments of trajectories with conditions at their ends.
 //!
-//! A [`BoundaryProblem`] states the equations once. A [`Method`], [`Collocation`] or [`Shooting`], replaces each
-//! trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A [`BoundarySystem`] puts all
-//! intervals and conditions together into a [`System`](crate::core::zero::System), which is continued
-//! like any other.
+//! A [`BoundaryProblem`] states the equations once. A [`Method`], [`Collocation`] or [`Shooting`],
+//! replaces each trajectory by values at nodes and equations on the intervals of a [`Mesh`]. A
+//! [`BoundarySystem`] puts all intervals and conditions together into a
+//! [`System`](crate::core::zero::System), which is continued like any other.
 
 mod collocation;
 mod derivatives;

@@ -16,9 +16,9 @@ use std::sync::Arc;
 ///     Σ_s ∫ g_s(t, x_s, q) dt = 0
 /// ```
 ///
-/// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. There are as
-/// many boundary and integral conditions (and a phase condition, where [`phase`](Self::phase) is free)
-/// as states of all segments and further unknowns.
+/// with `q = (p, e)`: the parameters, and further unknown numbers `e` such as a period. There are
+/// as many boundary and integral conditions (and a phase condition, where [`phase`](Self::phase) is
+/// free) as states of all segments and further unknowns.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundaryProblem, BoundarySystem, Collocation, Ends, Mesh};
@@ -92,8 +92,8 @@ pub trait BoundaryProblem: Send + Sync {
         false
     }
 
-    /// The conditions by which a period leads to the next, if solutions are periodic: they have multipliers
-    /// then. Empty by default.
+    /// The conditions by which a period leads to the next, if solutions are periodic: they have
+    /// multipliers then. Empty by default.
     fn returns(&self) -> Vec<Return> {
         Vec::new()
     }
@@ -108,8 +108,8 @@ pub trait BoundaryProblem: Send + Sync {
         T::zero()
     }
 
-    /// Which monitors, by position, are positive on admissible solutions: where one vanishes, a solution
-    /// grazes.
+    /// Which monitors, by position, are positive on admissible solutions: where one vanishes, a
+    /// solution grazes.
     fn grazings(&self) -> Vec<usize> {
         Vec::new()
     }
@@ -119,8 +119,8 @@ pub trait BoundaryProblem: Send + Sync {
         1.0
     }
 
-    /// The typical size of a scalar along a segment, which tolerances are relative to: by default that of a state, and 1
-    /// for functions.
+    /// The typical size of a scalar along a segment, which tolerances are relative to: by default
+    /// that of a state, and 1 for functions.
     fn watch_scale(&self, watched: Watched, q: &[f64]) -> f64 {
         let scale = |i: usize| self.scales(watched.segment, q).get(i).copied();
         watched.observable.state().and_then(scale).unwrap_or(1.0)
@@ -136,8 +136,8 @@ pub trait BoundaryProblem: Send + Sync {
         Vec::new()
     }
 
-    /// What solutions go through, in words that are saved with branches; empty if all solutions go through
-    /// the same.
+    /// What solutions go through, in words that are saved with branches; empty if all solutions go
+    /// through the same.
     fn itinerary(&self) -> String {
         String::new()
     }
@@ -150,18 +150,19 @@ pub trait BoundaryProblem: Send + Sync {
         Err(Failure::Unsupported(format!("the problem has no itinerary `{words}`")))
     }
 
-    /// The problem whose solutions go through everything twice, segments and their extras one time after the
-    /// other (the extras before those of the segments only once); `None` if a solution of two periods is one
-    /// on a mesh twice as long.
+    /// The problem whose solutions go through everything twice, segments and their extras one time
+    /// after the other (the extras before those of the segments only once); `None` if a solution of
+    /// two periods is one on a mesh twice as long.
     fn doubled(&self) -> Option<Arc<dyn Equations>> {
         None
     }
 
-    /// One of the branches that emanate where a solution touches a surface, counted from 0, given its trajectory on each segment
-    /// and the numbers `q`.
+    /// One of the branches that emanate where a solution touches a surface, counted from 0, given
+    /// its trajectory on each segment and the numbers `q`.
     ///
     /// # Errors
-    /// [`Failure`] if nothing can be told, and [`Failure::no_branch`] for a number that there is not.
+    /// [`Failure`] if nothing can be told, and [`Failure::no_branch`] for a number that there is
+    /// not.
     fn born_at_grazing(
         &self,
         _known: &[Trajectory],
@@ -171,8 +172,8 @@ pub trait BoundaryProblem: Send + Sync {
         Ok(None)
     }
 
-    /// The solutions with an event, where one that does not pass it touches a surface; `None` where none are known. A branch
-    /// of them begins there ([`born_at_grazing`](Self::born_at_grazing)).
+    /// The solutions with an event, where one that does not pass it touches a surface; `None` where
+    /// none are known. A branch of them begins there ([`born_at_grazing`](Self::born_at_grazing)).
     ///
     /// # Errors
     /// [`Failure`] if they cannot be found.
@@ -180,7 +181,8 @@ pub trait BoundaryProblem: Send + Sync {
         Ok(None)
     }
 
-    /// The solutions without an event, where one that passes it touches a surface there; `None` where none does.
+    /// The solutions without an event, where one that passes it touches a surface there; `None`
+    /// where none does.
     ///
     /// # Errors
     /// [`Failure`] if they cannot be found.
@@ -188,8 +190,8 @@ pub trait BoundaryProblem: Send + Sync {
         Ok(None)
     }
 
-    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass, as the speed of an
-    /// impact does; others are distances to what they do not pass.
+    /// Whether a monitor of [`grazings`](Self::grazings) belongs to an event that solutions pass,
+    /// as the speed of an impact does; others are distances to what they do not pass.
     fn is_of_event(&self, _monitor: usize) -> bool {
         false
     }
@@ -202,7 +204,8 @@ pub trait BoundaryProblem: Send + Sync {
         Ok(())
     }
 
-    /// Typical sizes of the states of a segment, which the absolute tolerance of flows is relative to; all 1 by default.
+    /// Typical sizes of the states of a segment, which the absolute tolerance of flows is relative
+    /// to; all 1 by default.
     fn scales(&self, _segment: usize, _q: &[f64]) -> Vec<f64> {
         Vec::new()
     }

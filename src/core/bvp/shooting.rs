@@ -17,13 +17,14 @@ const DRAWN: f64 = 1e-8;
 /// Tolerances are not made smaller than this: rounding errors of a flow are of this size.
 const SMALLEST_TOLERANCE: f64 = 1e-14;
 
-/// Shooting: the residual of an interval is `φ(x_left) − x_right`, with the flow `φ` from its start to its
-/// end. Several intervals make it multiple shooting, for trajectories along which errors grow.
+/// Shooting: the residual of an interval is `φ(x_left) − x_right`, with the flow `φ` from its start
+/// to its end. Several intervals make it multiple shooting, for trajectories along which errors
+/// grow.
 ///
-/// Derivatives by the left states and all active numbers come from one flow of dual numbers that takes the
-/// same steps as that of real numbers, so that residual and Jacobian belong together. So do the extrema that
-/// monitors ask for. On the way to a solution the flow may err more than its settings say, by as much as
-/// Newton's iteration allows.
+/// Derivatives by the left states and all active numbers come from one flow of dual numbers that
+/// takes the same steps as that of real numbers, so that residual and Jacobian belong together. So
+/// do the extrema that monitors ask for. On the way to a solution the flow may err more than its
+/// settings say, by as much as Newton's iteration allows.
 ///
 /// ```
 /// use tangency::core::bvp::Shooting;
@@ -92,11 +93,12 @@ impl Clone for Shooting {
     }
 }
 
-/// A segment over which a deviation grows by more leaves but one or two digits: rounding grows alike.
+/// A segment over which a deviation grows by more leaves but one or two digits: rounding grows
+/// alike.
 const LARGEST_GROWTH: f64 = 1e14;
 
-/// By how much deviations grow over a segment, from its derivatives by the nodes; by those of states by themselves, which have no
-/// unit.
+/// By how much deviations grow over a segment, from its derivatives by the nodes; by those of
+/// states by themselves, which have no unit.
 pub(super) fn growth(nodes: &[f64], n: usize) -> f64 {
     let own = nodes.chunks_exact(2 * n).enumerate().map(|(i, row)| row[i].abs());
     own.fold(0.0, f64::max)
@@ -125,7 +127,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// The end of the flow from a left end, and the share of the integral conditions on its way, summed with weights.
+    /// The end of the flow from a left end, and the share of the integral conditions on its way,
+    /// summed with weights.
     pub(super) fn nonlinear<T: Number>(
         &self,
         interval: Interval<T>,
@@ -192,8 +195,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// The residual of an interval with its derivatives by the nodes and by the active components of `q`, and
-    /// with what [`extrema`](Self::extrema) visits.
+    /// The residual of an interval with its derivatives by the nodes and by the active components
+    /// of `q`, and with what [`extrema`](Self::extrema) visits.
     pub fn linearise(
         &mut self,
         interval: Interval<f64>,
@@ -233,8 +236,8 @@ impl Shooting {
         error > 0.0
     }
 
-    /// Visits extrema and crossings of monitored functions, by number, at places from 0 to 1; computes the residual
-    /// if it is given.
+    /// Visits extrema and crossings of monitored functions, by number, at places from 0 to 1;
+    /// computes the residual if it is given.
     pub fn extrema(
         &mut self,
         interval: Interval<f64>,
@@ -279,8 +282,8 @@ impl Shooting {
         Ok(())
     }
 
-    /// The same tolerance by steps of a hundredth of an interval at most: where rounding leaves no finer method, its errors
-    /// are others.
+    /// The same tolerance by steps of a hundredth of an interval at most: where rounding leaves no
+    /// finer method, its errors are others.
     pub(super) fn by_other_steps(&self) -> Self {
         let settings = Settings { largest_step: 0.01, ..self.settings };
         Shooting { settings, ..Shooting::default() }

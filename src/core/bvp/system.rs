@@ -37,19 +37,20 @@ use std::sync::Arc;
 
 /// No segment is refined beyond this number of intervals: rounding would take over.
 const MOST_INTERVALS: usize = 4096;
-/// Nor is it refined more often than this: with every rung of a ladder of high order come many digits, so
-/// that what has not settled by then is rounding.
+/// Nor is it refined more often than this: with every rung of a ladder of high order come many
+/// digits, so that what has not settled by then is rounding.
 const MOST_REFINEMENTS: usize = 5;
 
 /// A boundary-value problem, discretised by a method on one mesh for each segment.
 ///
-/// Unknowns `z`: for each segment and each state a group of values at the segment's nodes (`N·m + 1` of them
-/// for `N` intervals with `m` nodes beyond the first), then one scalar group for each extra. Equations:
-/// those of all intervals, boundary conditions, integral conditions, the phase condition. The Jacobian is
-/// never formed: chains of intervals are condensed to their ends at a cost linear in the number of
-/// intervals.
+/// Unknowns `z`: for each segment and each state a group of values at the segment's nodes
+/// (`N·m + 1` of them for `N` intervals with `m` nodes beyond the first), then one scalar group for
+/// each extra. Equations: those of all intervals, boundary conditions, integral conditions, the
+/// phase condition. The Jacobian is never formed: chains of intervals are condensed to their ends
+/// at a cost linear in the number of intervals.
 ///
-/// Monitors are those of the problem and, where the mesh causes an error, its estimate `mesh_error`.
+/// Monitors are those of the problem and, where the mesh causes an error, its estimate
+/// `mesh_error`.
 ///
 /// ```
 /// use tangency::core::bvp::{BoundarySystem, Collocation, Mesh};
@@ -74,7 +75,8 @@ pub struct BoundarySystem {
     pencil: [Vec<f64>; 2],
     /// The count of the assembly that the pencil was reduced from; 0 for none.
     pencil_of: usize,
-    /// How the returns depend on each other, one row after the other, and the right side of a solution.
+    /// How the returns depend on each other, one row after the other, and the right side of a
+    /// solution.
     returned: Vec<f64>,
     right: Vec<f64>,
     /// The sign of the leading coefficient of the multipliers' polynomial.
@@ -104,7 +106,8 @@ impl BoundarySystem {
     /// The system of a problem on one mesh for each segment.
     ///
     /// # Errors
-    /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit together.
+    /// [`BoundaryError`] if numbers of segments, states, conditions and unknowns do not fit
+    /// together.
     pub fn new(
         problem: impl IntoEquations,
         method: impl Into<Method>,
@@ -150,8 +153,8 @@ impl BoundarySystem {
         &self.equations.meshes
     }
 
-    /// The unknowns `z` of trajectories that are given: `states` writes the states of a segment at a time in
-    /// units of the segment's duration.
+    /// The unknowns `z` of trajectories that are given: `states` writes the states of a segment at
+    /// a time in units of the segment's duration.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};
@@ -181,7 +184,8 @@ impl BoundarySystem {
     /// The states of a segment at a time in units of the segment's duration.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field, or if there is no such segment.
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field, or if there is
+    /// no such segment.
     pub fn states(&mut self, x: &[f64], segment: usize, tau: f64) -> Result<Vec<f64>, Failure> {
         let layout = &self.equations.layout;
         let Some(s) = layout.segments.get(segment) else {
@@ -201,8 +205,8 @@ impl BoundarySystem {
         BoundarySystem::new(self.problem().clone(), self.equations.method.clone(), meshes)
     }
 
-    /// Makes a solution the reference of the phase condition. Without one, it is the first point at which the
-    /// equations are evaluated.
+    /// Makes a solution the reference of the phase condition. Without one, it is the first point at
+    /// which the equations are evaluated.
     ///
     /// # Errors
     /// [`Failure::OutOfDomain`] where the field has no meaning at the nodes.
@@ -211,9 +215,9 @@ impl BoundarySystem {
         self.equations.set_reference(x, &mut self.plain)
     }
 
-    /// The equations of the first segment, assembled last, condensed to its ends: `P δx(0) + Q δx(1) = 0`
-    /// with `n × n` matrices `P` and `Q`, one row after the other. The multipliers of a periodic solution
-    /// are those of this pencil.
+    /// The equations of the first segment, assembled last, condensed to its ends:
+    /// `P δx(0) + Q δx(1) = 0` with `n × n` matrices `P` and `Q`, one row after the other. The
+    /// multipliers of a periodic solution are those of this pencil.
     ///
     /// # Errors
     /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
@@ -249,8 +253,8 @@ impl BoundarySystem {
     }
 }
 
-/// Names of unknowns, parameters and monitors. States of several segments that share a name are told
-/// apart by the segment's number.
+/// Names of unknowns, parameters and monitors. States of several segments that share a name are
+/// told apart by the segment's number.
 fn names_of(problem: &dyn Equations, method: &Method, layout: &Layout) -> Names {
     let segments = problem.segments();
     let mut unknowns = Vec::new();

@@ -17,7 +17,8 @@ pub struct Ends<'a, T> {
 pub struct Watched {
     /// The segment.
     pub segment: usize,
-    /// The scalar; functions are those of [`BoundaryProblem::watch`](super::BoundaryProblem::watch).
+    /// The scalar; functions are those of
+    /// [`BoundaryProblem::watch`](super::BoundaryProblem::watch).
     pub observable: Observable,
 }
 
@@ -33,7 +34,8 @@ impl Watched {
     }
 }
 
-/// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not of the mesh.
+/// A scalar of a solution that is recorded along a branch. Extremes are those of the solution, not
+/// of the mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Monitor {
@@ -45,20 +47,21 @@ pub enum Monitor {
     Minimum(Vec<Watched>),
     /// The difference between the largest and the smallest value.
     Range(Vec<Watched>),
-    /// The least local minimum inside segments, or at a segment's end: a distance that vanishes where a
-    /// trajectory touches. Without any, the largest value. It is said of each scalar whether it vanishes in
-    /// the events that begin and end the segment. Then neither that end counts, nor a minimum to which the
-    /// scalar falls from the beginning, or from which it rises to the end, at once: that is one with the
-    /// event.
+    /// The least local minimum inside segments, or at a segment's end: a distance that vanishes
+    /// where a trajectory touches. Without any, the largest value. It is said of each scalar
+    /// whether it vanishes in the events that begin and end the segment. Then neither that end
+    /// counts, nor a minimum to which the scalar falls from the beginning, or from which it rises
+    /// to the end, at once: that is one with the event.
     Distance(Vec<(Watched, [bool; 2])>),
     /// Less the same: how far a trajectory would penetrate a surface that is not there.
     Penetration(Vec<(Watched, [bool; 2])>),
-    /// The largest value of a scalar where another one rises through zero, for pairs of the one that rises and the
-    /// one that is taken, on the same segment; 0 where none rises.
+    /// The largest value of a scalar where another one rises through zero, for pairs of the one
+    /// that rises and the one that is taken, on the same segment; 0 where none rises.
     Rising(Vec<(Watched, Observable)>),
     /// An integral over time of several scalars together, on all segments that have any of them.
     Integral(Integral, Vec<Watched>),
-    /// A function of the states at the ends and the numbers ([`BoundaryProblem::of_ends`](super::BoundaryProblem::of_ends)), by number.
+    /// A function of the states at the ends and the numbers
+    /// ([`BoundaryProblem::of_ends`](super::BoundaryProblem::of_ends)), by number.
     Ends(usize),
 }
 
@@ -89,8 +92,9 @@ impl Monitor {
     }
 }
 
-/// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's start must be
-/// what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong to the multiplier `μ`.
+/// A condition by which a period leads to the next, `y − Y = 0`: an unknown `y` of the period's
+/// start must be what the period leads to, `Y`. About the solution, perturbations `μ y = Y` belong
+/// to the multiplier `μ`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Return {
     /// Which boundary condition it is.
@@ -106,13 +110,13 @@ impl Return {
     }
 }
 
-/// Segments that follow one another in time, each up to an event that leads to the next one, the last to the first: the
-/// legs of a periodic orbit.
+/// Segments that follow one another in time, each up to an event that leads to the next one, the
+/// last to the first: the legs of a periodic orbit.
 ///
-/// Extras are the time of the start (under forcing) and the durations. A segment depends on parameters, the time at which
-/// it begins, and its duration: these are the numbers `q` with which its equations are evaluated. Conditions are what
-/// `leg_end_in` of a problem says: the states at which segments begin, what vanishes where they
-/// end, and under forcing `cycle − Σ durations`.
+/// Extras are the time of the start (under forcing) and the durations. A segment depends on
+/// parameters, the time at which it begins, and its duration: these are the numbers `q` with which
+/// its equations are evaluated. Conditions are what `leg_end_in` of a problem says: the states at
+/// which segments begin, what vanishes where they end, and under forcing `cycle − Σ durations`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Legs {
     /// Whether the time of the start is unknown.

@@ -4,8 +4,8 @@ use crate::core::flow::{Flow, FlowError};
 use crate::core::scalar_field::FieldIn;
 use std::ops::Range;
 
-/// A trajectory on a segment, by its states at nodes. From each node it is flowed to the next one only: where motion is
-/// unstable, errors would grow from the beginning of the segment to its end.
+/// A trajectory on a segment, by its states at nodes. From each node it is flowed to the next one
+/// only: where motion is unstable, errors would grow from the beginning of the segment to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     /// Times since the beginning of the segment, rising from 0 on.

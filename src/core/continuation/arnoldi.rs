@@ -1,10 +1,10 @@
 //! Where the matrix of a curve is singular, where no eigenvalues are known.
 //!
-//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If it changes linearly, it is singular in between as
-//! often as `M₁⁻¹ M₀` has negative eigenvalues. Those differ from 1, which the eigenvalues of two neighbouring
-//! discretised operators crowd around, so that a few of Arnoldi's vectors find them. With the derivative `M'` along the
-//! tangent, `M + d M'` is singular at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the nearest ones
-//! dominate.
+//! Along a step the matrix `M = [F_z F_p; row]` goes from `M₀` to `M₁`. If it changes linearly, it
+//! is singular in between as often as `M₁⁻¹ M₀` has negative eigenvalues. Those differ from 1,
+//! which the eigenvalues of two neighbouring discretised operators crowd around, so that a few of
+//! Arnoldi's vectors find them. With the derivative `M'` along the tangent, `M + d M'` is singular
+//! at the distances `d = −1/λ` with the eigenvalues `λ` of `M⁻¹ M'`: the nearest ones dominate.
 
 use super::stepper::{Crossings, Place, Stepper};
 use crate::core::condition::Failure;
@@ -14,26 +14,30 @@ use crate::core::vector::{difference, dot, generic, orthogonalise};
 use crate::core::zero::Refinement;
 use nalgebra::{Complex, DMatrix, Schur};
 
-/// If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a vector at least `ℓ/d` times its share
-/// of the null vector long: from the length follows how far away any singular matrix is. A solution of a problem with generic
-/// right sides has a larger share than this of all null vectors but those that oscillate fast. (A generic vector itself has
-/// not, if it has many components.)
+/// If `M` is singular at the arclength `d` beyond a step of length `ℓ`, `M₁⁻¹ M₀ − 1` makes a
+/// vector at least `ℓ/d` times its share of the null vector long: from the length follows how far
+/// away any singular matrix is. A solution of a problem with generic right sides has a larger share
+/// than this of all null vectors but those that oscillate fast. (A generic vector itself has not,
+/// if it has many components.)
 const SHARE: f64 = 0.02;
 
-/// The most lengths of a step that are looked ahead: farther away matrices may have changed in another way.
+/// The most lengths of a step that are looked ahead: farther away matrices may have changed in
+/// another way.
 const AHEAD: f64 = 12.0;
 
 /// The most vectors spent on counting.
 const VECTORS: usize = 10;
 
-/// Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that is still missing, whose distance from 1 is
-/// more than 1, would make it larger.
+/// Vectors whose new part is smaller than this have been spent: an eigenvalue below zero that is
+/// still missing, whose distance from 1 is more than 1, would make it larger.
 const SPENT: f64 = 1e-2;
 
-/// A matrix that makes generic vectors larger than this, compared with a neighbouring one, is singular but for rounding.
+/// A matrix that makes generic vectors larger than this, compared with a neighbouring one, is
+/// singular but for rounding.
 const SINGULAR: f64 = 1e8;
 
-/// The number of vectors that distances are looked for from: one vector shows one of several equal ones.
+/// The number of vectors that distances are looked for from: one vector shows one of several equal
+/// ones.
 const BLOCK: usize = 6;
 
 /// The most iterations for the eigenvalues of a small matrix.
@@ -54,8 +58,8 @@ impl Factored<'_, '_> {
         solution
     }
 
-    /// Makes a vector orthogonal to others of scaled length 1, and of that length itself; its overlaps with them, and the length
-    /// of what was left of it.
+    /// Makes a vector orthogonal to others of scaled length 1, and of that length itself; its
+    /// overlaps with them, and the length of what was left of it.
     fn orthogonal(&self, v: &mut [f64], others: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let product = |a: &[f64], b: &[f64]| -> f64 {
             a.iter().zip(b).zip(self.weights).map(|((a, b), w)| a * b * w).sum()
@@ -64,8 +68,8 @@ impl Factored<'_, '_> {
         (overlaps, scale_to_one(v, self.weights))
     }
 
-    /// The eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), whose dimension is at most `most`; none
-    /// where the operator has no meaning.
+    /// The eigenvalues of an operator on the Krylov space of some vectors (Arnoldi), whose
+    /// dimension is at most `most`; none where the operator has no meaning.
     fn ritz_values(
         &mut self,
         starts: Vec<Vec<f64>>,
@@ -133,7 +137,8 @@ impl Factored<'_, '_> {
         Ok(out)
     }
 
-    /// The distances along the curve from a point, with this tangent, to the nearest singular matrices, the nearest first.
+    /// The distances along the curve from a point, with this tangent, to the nearest singular
+    /// matrices, the nearest first.
     fn distances(mut self, unknowns: &[f64], tangent: &[f64]) -> Result<Vec<f64>, Failure> {
         let row: Vec<f64> = tangent.iter().zip(self.weights).map(|(t, w)| t * w).collect();
         self.equations.assemble(unknowns)?;
@@ -149,8 +154,8 @@ impl Factored<'_, '_> {
 }
 
 impl<'a> Stepper<'a> {
-    /// The branch points in a step to a place, if they are looked for and eigenvalues do not tell. The matrix factored last is
-    /// that of the place, with this row.
+    /// The branch points in a step to a place, if they are looked for and eigenvalues do not tell.
+    /// The matrix factored last is that of the place, with this row.
     pub fn crossings(&mut self, from: &Place, row: &[f64], step: f64, to: &mut Place) -> Crossings {
         let looked_for = self.branch_points().is_some() && self.held.is_empty();
         if !looked_for || to.spectrum.is_some() {
@@ -184,14 +189,15 @@ impl<'a> Stepper<'a> {
         Factored { equations: &mut self.equations, weights: &self.weights }
     }
 
-    /// The distances along the curve from a place to the nearest branch points, the nearest first; `None` if they are not
-    /// known.
+    /// The distances along the curve from a place to the nearest branch points, the nearest first;
+    /// `None` if they are not known.
     pub fn distances(&mut self, place: &Place) -> Option<Vec<f64>> {
         self.factored().distances(&place.unknowns, &place.tangent).ok()
     }
 
-    /// The distance between the nearest branch point of this multiplicity and the same one on a finer discretisation, as seen
-    /// from a place: 0 for equations that are exact as they stand, or if the error of the discretisation is not asked for.
+    /// The distance between the nearest branch point of this multiplicity and the same one on a
+    /// finer discretisation, as seen from a place: 0 for equations that are exact as they stand, or
+    /// if the error of the discretisation is not asked for.
     pub fn shift_on_finer(&mut self, place: &Place, count: usize) -> Option<f64> {
         let mean = |distances: Vec<f64>| {
             (distances.len() >= count)

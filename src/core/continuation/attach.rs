@@ -7,8 +7,8 @@ use num_dual::Dual64;
 use std::sync::Arc;
 
 impl Continuation<'_> {
-    /// Records a function of points as a further monitor, which can be marked and bounded by its name. Without a gradient it
-    /// cannot be held; its levels are located by bracketing.
+    /// Records a function of points as a further monitor, which can be marked and bounded by its
+    /// name. Without a gradient it cannot be held; its levels are located by bracketing.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Kind};
@@ -33,8 +33,9 @@ impl Continuation<'_> {
         self
     }
 
-    /// As [`monitor`](Self::monitor), a function `f(z, p)` of the unknowns and all parameters on dual numbers: with its
-    /// gradient, levels are special points like others, and can be held along a curve.
+    /// As [`monitor`](Self::monitor), a function `f(z, p)` of the unknowns and all parameters on
+    /// dual numbers: with its gradient, levels are special points like others, and can be held
+    /// along a curve.
     ///
     /// ```
     /// use tangency::core::continuation::Continuation;
@@ -59,15 +60,15 @@ impl Continuation<'_> {
     }
 
     /// Holds the condition of a kind of special point along the curve; one more parameter must be
-    /// released. `LP`, `BP` and `HB` are known to the core; `CP` and `BT` are, too, for curves on which `LP`
-    /// is held already.
+    /// released. `LP`, `BP` and `HB` are known to the core; `CP` and `BT` are, too, for curves on
+    /// which `LP` is held already.
     pub fn hold(mut self, kind: Kind) -> Self {
         self.held.push((kind, None));
         self
     }
 
-    /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter must be
-    /// released.
+    /// Holds a parameter or a monitor at a level along the curve, as at a mark; one more parameter
+    /// must be released.
     pub fn hold_level(mut self, name: &str, level: f64) -> Self {
         let no_gradient = || TraceError::NoGradient(name.into());
         let held = self.quantity(name).and_then(|quantity| {

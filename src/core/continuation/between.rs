@@ -7,7 +7,8 @@ use super::stepper::{AT_START, Place, Step};
 use crate::core::test_function::Test;
 
 impl Tracer<'_> {
-    /// All events in a step, in the order in which the branch meets them, but for those of the start.
+    /// All events in a step, in the order in which the branch meets them, but for those of the
+    /// start.
     pub fn events_between(
         &mut self,
         from: &Place,
@@ -30,7 +31,8 @@ impl Tracer<'_> {
             // At a pitchfork the parameter turns as well.
             let turns = at_start && self.from_branch_point && event.kind == Kind::LP;
             let noise = self.is_noise(index, from, to);
-            // A flat fold changes stability and converges, what rounding does on a vertical branch does not.
+            // A flat fold changes stability and converges, what rounding does on a vertical branch
+            // does not.
             let flat = event.test == Test::Fold && from.point.unstable != to.point.unstable;
             if turns || noise && !flat {
                 continue;
@@ -49,8 +51,9 @@ impl Tracer<'_> {
         found
     }
 
-    /// The events without Hopf and torus points that did not converge, if the others explain the change of stability: at a neutral
-    /// saddle two real eigenvalues make their test function vanish.
+    /// The events without Hopf and torus points that did not converge, if the others explain the
+    /// change of stability: at a neutral saddle two real eigenvalues make their test function
+    /// vanish.
     pub fn without_neutral_saddles(
         &self,
         from: &Place,
@@ -85,16 +88,16 @@ impl Tracer<'_> {
         let near = |other: &Located| (other.along - it.along).abs() < 1e-3 * length;
         let mut others = found.iter();
         match it.special.kind {
-            // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is one
-            // branch point, and no fold, whose defining system is singular there.
+            // Where a pitchfork is crossed on its curved branch the parameter turns, too: that is
+            // one branch point, and no fold, whose defining system is singular there.
             Kind::LP | Kind::CP => {
                 let same = |other: &Located| !it.special.converged || near(other);
                 // So it is where the curve ends as its own mirror image.
                 let turns = [Kind::BP, Kind::HB, Kind::GH, Kind::R1, Kind::R2];
                 others.any(|other| turns.contains(&other.special.kind) && same(other))
             }
-            // Where impacting orbits are born vertically every multiplier solves the equations: that is one
-            // point, the degenerate grazing.
+            // Where impacting orbits are born vertically every multiplier solves the equations:
+            // that is one point, the degenerate grazing.
             Kind::GF => others.any(|other| other.special.kind == Kind::GD && near(other)),
             _ => false,
         }

@@ -24,8 +24,9 @@ pub(super) struct Bracket {
 }
 
 impl Bracket {
-    /// Where the test function would vanish if it were linear; the middle if only its sign counts. At a fold
-    /// it is the slope of the parameter (at this position in `X`), which a cubic knows better.
+    /// Where the test function would vanish if it were linear; the middle if only its sign counts.
+    /// At a fold it is the slope of the parameter (at this position in `X`), which a cubic knows
+    /// better.
     pub fn guess(&self, test: Test, parameter: usize) -> Vec<f64> {
         let [low, high] = self.tests;
         let length = self.high - self.low;
@@ -55,8 +56,8 @@ impl Bracket {
     }
 }
 
-/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval from 0 to 1, and
-/// ends with this `slope`.
+/// Where a parabola vanishes that goes from `low` to `high`, of the other sign, on the interval
+/// from 0 to 1, and ends with this `slope`.
 fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
     // high + slope (s − 1) + c (s − 1)²
     let c = low - high + slope;
@@ -65,8 +66,8 @@ fn zero_of_parabola(low: f64, high: f64, slope: f64) -> f64 {
     1.0 - 2.0 * high / (slope + root.copysign(high - low))
 }
 
-/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the interval
-/// from 0 to 1, with this `mean`.
+/// Where the slope of a cubic vanishes that goes from `low` to `high`, of the other sign, on the
+/// interval from 0 to 1, with this `mean`.
 fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
     // low (1 − s) + high s + 6 c s (1 − s), the integral of which is the mean.
     let c = mean - 0.5 * (low + high);
@@ -77,7 +78,8 @@ fn turn_of_cubic(low: f64, high: f64, mean: f64) -> f64 {
 }
 
 impl Stepper<'_> {
-    /// Cuts the bracket at a corrected point of the branch, this far behind the place; false if that fails.
+    /// Cuts the bracket at a corrected point of the branch, this far behind the place; false if
+    /// that fails.
     pub fn narrow(
         &mut self,
         index: usize,
@@ -104,9 +106,9 @@ impl Stepper<'_> {
         bracket.high - bracket.low > POINT * bracket.high
     }
 
-    /// The point at which a test function vanishes that has no defining system, by the ITP method (I. F. D. Oliveira and
-    /// R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as the secant method, and never slower than bisection
-    /// but for one evaluation.
+    /// The point at which a test function vanishes that has no defining system, by the ITP method
+    /// (I. F. D. Oliveira and R. H. C. Takahashi, ACM Trans. Math. Softw. 47:5, 2020): as fast as
+    /// the secant method, and never slower than bisection but for one evaluation.
     pub fn bracketed(
         &mut self,
         index: usize,

@@ -16,13 +16,13 @@ pub struct Point {
     pub monitors: Vec<f64>,
     /// The number of unstable eigenvalues; `None` where stability is not meant.
     pub unstable: Option<usize>,
-    /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real part, imaginary
-    /// part): those that decide stability, by falling real parts. Empty at the branch's ends, where one is infinite
-    /// (at a grazing), and where stability is not meant.
+    /// As many of the eigenvalues or multipliers as [`Settings::eigenvalues`] asks for, as (real
+    /// part, imaginary part): those that decide stability, by falling real parts. Empty at the
+    /// branch's ends, where one is infinite (at a grazing), and where stability is not meant.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// Whether the equations say something about the world there: a solution beyond a grazing, which passes
-    /// through a surface, is virtual.
+    /// Whether the equations say something about the world there: a solution beyond a grazing,
+    /// which passes through a surface, is virtual.
     #[serde(default = "yes", skip_serializing_if = "bool::clone")]
     pub admissible: bool,
 }
@@ -58,20 +58,23 @@ pub struct SpecialPoint {
     pub parameters: Vec<f64>,
     /// All monitors, in the order of [`Branch::monitors`].
     pub monitors: Vec<f64>,
-    /// The number of unstable eigenvalues, without those that are critical there; `None` where stability is not meant.
+    /// The number of unstable eigenvalues, without those that are critical there; `None` where
+    /// stability is not meant.
     pub unstable: Option<usize>,
-    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a [`Point`].
+    /// The leading eigenvalues or multipliers, at most [`SpecialPoint::EIGENVALUES`], as those of a
+    /// [`Point`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Spectrum,
-    /// Numbers that belong to such a point, by name: the frequency of a Hopf point, the angle of a torus point.
+    /// Numbers that belong to such a point, by name: the frequency of a Hopf point, the angle of a
+    /// torus point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<(String, f64)>,
     /// How many eigenvalues vanish at a branch point, where it is more than one.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub multiplicity: usize,
-    /// The estimated absolute error of the continued parameter (of the first released one on a curve
-    /// of events), from Newton's last correction, rounding, and the discretisation where the problem
-    /// can be refined.
+    /// The estimated absolute error of the continued parameter (of the first released one on a
+    /// curve of events), from Newton's last correction, rounding, and the discretisation where the
+    /// problem can be refined.
     pub error: f64,
     /// Values of the continued parameter at the two points of the branch that enclose it.
     pub bracket: [f64; 2],
@@ -79,8 +82,8 @@ pub struct SpecialPoint {
     pub converged: bool,
     /// The unknowns `z` on the branch's own discretisation, from which the branch can be restarted.
     pub state: Vec<f64>,
-    /// The direction of the branch there, from its first point to its last: `(z, released parameters)`,
-    /// of scaled length 1.
+    /// The direction of the branch there, from its first point to its last:
+    /// `(z, released parameters)`, of scaled length 1.
     pub tangent: Vec<f64>,
     /// The mesh that the unknowns are values on; empty if they are on none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -176,7 +179,8 @@ pub enum End {
 
 /// A branch: a curve of zeros with what was recorded along it.
 ///
-/// Points run from one end to the other; `ends[0]` belongs to the first point, `ends[1]` to the last.
+/// Points run from one end to the other; `ends[0]` belongs to the first point, `ends[1]` to the
+/// last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Branch {
@@ -184,8 +188,8 @@ pub struct Branch {
     pub name: String,
     /// What the curve is made of: `None` for solutions, `Some(LP)` for a curve of folds, and so on.
     pub condition: Option<Kind>,
-    /// What solutions go through, in words, where that is not the same for all solutions of the problem: the
-    /// itinerary of hybrid orbits.
+    /// What solutions go through, in words, where that is not the same for all solutions of the
+    /// problem: the itinerary of hybrid orbits.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub itinerary: String,
     /// Groups of unknowns, in the order of the states.
@@ -222,8 +226,9 @@ impl Branch {
         self.special.iter().find(|point| point.label == label)
     }
 
-    /// The solution at a special point, for [`Discretised::resume_from`](crate::core::zero::Discretised::resume_from): a
-    /// trace does not change the system of the caller, which may have another mesh, period or itinerary.
+    /// The solution at a special point, for
+    /// [`Discretised::resume_from`](crate::core::zero::Discretised::resume_from): a trace does not
+    /// change the system of the caller, which may have another mesh, period or itinerary.
     pub fn solution(&self, special: &SpecialPoint) -> Solution {
         Solution {
             kind: special.kind,
@@ -241,9 +246,9 @@ impl Branch {
         self.parameters.iter().chain(&self.monitors).map(String::as_str)
     }
 
-    /// The position of a parameter or a monitor among [`columns`](Branch::columns); behind them, of the real or
-    /// imaginary part of an eigenvalue or multiplier that is kept with points: `eigenvalue[0]`,
-    /// `eigenvalue[0].imaginary`, ….
+    /// The position of a parameter or a monitor among [`columns`](Branch::columns); behind them, of
+    /// the real or imaginary part of an eigenvalue or multiplier that is kept with points:
+    /// `eigenvalue[0]`, `eigenvalue[0].imaginary`, ….
     ///
     /// ```
     /// use tangency::core::continuation::Settings;
@@ -307,7 +312,8 @@ pub enum Traced {
     Special(Box<SpecialPoint>),
 }
 
-/// One of the two halves of a branch. `after` of its special points counts points from the start, which is 0.
+/// One of the two halves of a branch. `after` of its special points counts points from the start,
+/// which is 0.
 pub(super) struct Half {
     pub points: Vec<Point>,
     pub special: Vec<SpecialPoint>,
@@ -326,7 +332,8 @@ impl Half {
         self.points.reverse();
         self.special.reverse();
         for special in &mut self.special {
-            // Behind point k from the start means before it from the end; an end stays on its point.
+            // Behind point k from the start means before it from the end; an end stays on its
+            // point.
             let on_point = special.after == before || special.kind == Kind::RG;
             special.after = before - special.after - usize::from(!on_point);
             special.bracket.reverse();

@@ -1,5 +1,6 @@
-//! What a long step passes unseen: pairs of events, at which a test function has the same sign at both ends of the
-//! step; and the way over to another branch, where two come near each other without crossing.
+//! What a long step passes unseen: pairs of events, at which a test function has the same sign at
+//! both ends of the step; and the way over to another branch, where two come near each other
+//! without crossing.
 
 use super::found::Finished;
 use super::hermite::hermite;
@@ -10,8 +11,8 @@ use crate::core::extended::Closing;
 use crate::core::newton::{NewtonError, scaled_norm};
 use crate::core::vector::{along, difference, dot};
 
-/// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry that their meshes do not have miss a
-/// branch point by as much.
+/// Branches nearer than this, in scaled arclength, cross: discretised equations with a symmetry
+/// that their meshes do not have miss a branch point by as much.
 const CROSSING: f64 = 3e-4;
 
 /// An extremum predicted to come this near to zero, compared with the ends, is looked at.
@@ -23,9 +24,10 @@ const TRIALS: usize = 4;
 impl Stepper<'_> {
     /// Refuses a step that has passed a branch point which is not on the curve.
     ///
-    /// The defining system of branch points unfolds the problem, `F + β b = 0`. Where `β ≠ 0` at its solution, branches turn away from
-    /// each other instead of crossing. With a point of the curve at a distance `s`, of which the linearised equations have the solution
-    /// at a distance `d`, they are `2 √(d s)` apart, as `u v = d s` is at the bend.
+    /// The defining system of branch points unfolds the problem, `F + β b = 0`. Where `β ≠ 0` at
+    /// its solution, branches turn away from each other instead of crossing. With a point of the
+    /// curve at a distance `s`, of which the linearised equations have the solution at a distance
+    /// `d`, they are `2 √(d s)` apart, as `u v = d s` is at the bend.
     pub fn stays(&mut self, from: &Place, step: &Step) -> Result<(), NewtonError> {
         let index = self.branch_points().filter(|_| self.held.is_empty());
         let passed = |i: &usize| turns(from.tests[*i], step.place.tests[*i]);

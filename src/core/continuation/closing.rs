@@ -26,8 +26,9 @@ const SAME: f64 = 1e3;
 const MESHES: f64 = 5.0;
 
 impl Stepper<'_> {
-    /// Which of the events found is a branch point at which a branch of doubled orbits comes back to the orbits that they are
-    /// doubles of: beyond it, it is the same branch, half a period later.
+    /// Which of the events found is a branch point at which a branch of doubled orbits comes back
+    /// to the orbits that they are doubles of: beyond it, it is the same branch, half a period
+    /// later.
     pub fn returns_to_parent(&mut self, found: &[Located], from: &Place) -> Option<usize> {
         let is_crossing = |it: &Located| it.special.kind == Kind::BP && it.special.converged;
         let k = found.iter().position(is_crossing)?;
@@ -78,8 +79,9 @@ impl Stepper<'_> {
         })
     }
 
-    /// Whether a step comes near a place as far as can be seen without its phase: by the parameters and the scalar
-    /// unknowns. Those of an itinerary depend on the leg and on the period of the forcing in which it begins.
+    /// Whether a step comes near a place as far as can be seen without its phase: by the parameters
+    /// and the scalar unknowns. Those of an itinerary depend on the leg and on the period of the
+    /// forcing in which it begins.
     fn may_pass(&self, place: &Place, saved: &Solution, from: &Place, step: &Step) -> bool {
         let groups = &self.equations.names().unknowns;
         let scalars = match saved.itinerary.is_empty() {

@@ -6,19 +6,20 @@ use crate::core::condition::Failure;
 use crate::core::newton::{NewtonError, scale_to_one};
 use crate::core::vector::{difference, dot};
 
-/// The part along the branch one comes from that a step from a branch point may have, compared with that along the
-/// branch that is traced.
+/// The part along the branch one comes from that a step from a branch point may have, compared with
+/// that along the branch that is traced.
 const MOST_OF_PARENT: f64 = 0.5;
 
 impl Stepper<'_> {
-    /// How a curve leaves a branch point that it starts from, to which a branch with the tangent `parent` leads.
+    /// How a curve leaves a branch point that it starts from, to which a branch with the tangent
+    /// `parent` leads.
     pub fn departure(&self, start: &Place, mut parent: Vec<f64>) -> Departure {
         self.rescale(&mut parent);
         Departure { unknowns: start.unknowns.clone(), tangent: start.tangent.clone(), parent }
     }
 
-    /// The tangents, of scaled length 1, of the branches that cross at a branch point where `F_z` has a null space of
-    /// this dimension beyond that of a regular point.
+    /// The tangents, of scaled length 1, of the branches that cross at a branch point where `F_z`
+    /// has a null space of this dimension beyond that of a regular point.
     ///
     /// # Errors
     /// [`Failure::Undetermined`] where the algebraic bifurcation equations do not determine any.
@@ -43,8 +44,8 @@ impl Stepper<'_> {
         scale_to_one(direction, &self.weights)
     }
 
-    /// Refuses a first step that lies on the branch one comes from: the step from the branch point is resolved into
-    /// parts along both tangents.
+    /// Refuses a first step that lies on the branch one comes from: the step from the branch point
+    /// is resolved into parts along both tangents.
     pub fn departs(&self, unknowns: &[f64], length: f64) -> Result<(), NewtonError> {
         let Some(Departure { unknowns: start, tangent, parent }) = &self.departure else {
             return Ok(());

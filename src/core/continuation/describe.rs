@@ -15,12 +15,14 @@ impl Stepper<'_> {
         let failed = matches!(end, End::StepTooSmall { .. } | End::MeshTooCoarse { .. });
         let kind = if failed { Kind::MX } else { Kind::EP };
         let mut special = self.saved_point(place, kind, &end.to_string(), after);
-        // On a bound the continued parameter is what it is; a start on a bound may be corrected by a little.
+        // On a bound the continued parameter is what it is; a start on a bound may be corrected by
+        // a little.
         if let (true, End::ParameterBound { value, .. }) = (self.held.is_empty(), end) {
             let continued = self.equations.released()[0];
             special.error = (special.parameters[continued] - value).abs();
         }
-        // On such a mesh the parameter depends on it as much as the solution does, and near a homoclinic orbit on any.
+        // On such a mesh the parameter depends on it as much as the solution does, and near a
+        // homoclinic orbit on any.
         if let End::LongPeriod { .. } | End::MeshTooCoarse { .. } = end {
             special.error += self.mesh_share(&place.unknowns);
         }
@@ -62,8 +64,8 @@ impl Stepper<'_> {
         SpecialPoint { after, profiles, ..special }
     }
 
-    /// The special point with everything that is recorded of it; `between` are the places that enclose it, and how far
-    /// they are apart.
+    /// The special point with everything that is recorded of it; `between` are the places that
+    /// enclose it, and how far they are apart.
     pub fn describe(
         &mut self,
         index: usize,
@@ -101,7 +103,8 @@ impl Stepper<'_> {
         Some(Located { event: Some(index), along, special })
     }
 
-    /// The special point with the error of its discretisation, on a finer one where its kind is worth it.
+    /// The special point with the error of its discretisation, on a finer one where its kind is
+    /// worth it.
     fn with_error(
         &mut self,
         event: &Event,
@@ -109,7 +112,8 @@ impl Stepper<'_> {
         unknowns: &[f64],
         from: &Point,
     ) -> SpecialPoint {
-        // Where a bound happens to cut a branch of solutions it is enough to know the branch's error.
+        // Where a bound happens to cut a branch of solutions it is enough to know the branch's
+        // error.
         let end_of_branch = event.kind == Kind::EP && self.held.is_empty();
         if event.condition.is_none() {
             special.error += self.mesh_share(unknowns);
@@ -132,7 +136,8 @@ impl Stepper<'_> {
         special
     }
 
-    /// What the field calls a point of this event, from its solution and all parameters, if it is a grazing.
+    /// What the field calls a point of this event, from its solution and all parameters, if it is a
+    /// grazing.
     pub fn subkind(&mut self, index: usize, (z, p): (&[f64], &[f64])) -> Option<String> {
         let event = &self.events[index];
         let (Kind::G, (Quantity::Monitor(monitor), _)) = (event.kind, event.test.level()?) else {
@@ -143,8 +148,8 @@ impl Stepper<'_> {
         Some(system.admissible()?.kind_of_grazing(monitor, &x)?.into())
     }
 
-    /// The number of unstable eigenvalues at a special point, without those that are critical there. Where a branch of
-    /// periodic orbits begins, nothing is known of its stability.
+    /// The number of unstable eigenvalues at a special point, without those that are critical
+    /// there. Where a branch of periodic orbits begins, nothing is known of its stability.
     fn own_count(
         &mut self,
         critical: Critical,
@@ -197,8 +202,9 @@ impl Stepper<'_> {
         }
     }
 
-    /// The tangent at a special point, which is left assembled, a share of the way from one place to another. At a
-    /// branch point, where there are two or more, it is the one that goes on in the direction of the branch.
+    /// The tangent at a special point, which is left assembled, a share of the way from one place
+    /// to another. At a branch point, where there are two or more, it is the one that goes on in
+    /// the direction of the branch.
     fn tangent_between(
         &mut self,
         kind: Kind,

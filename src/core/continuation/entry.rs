@@ -8,8 +8,9 @@ use super::stepper::Place;
 const BEHIND: [f64; 4] = [2e-2, 5e-3, 1e-3, 2e-4];
 
 impl Tracer<'_> {
-    /// The place that a half of the branch passes again if the curve is closed: its start, or where that is a branch point, a
-    /// place behind it, with no event between them. `None` where a branch begins.
+    /// The place that a half of the branch passes again if the curve is closed: its start, or where
+    /// that is a branch point, a place behind it, with no event between them. `None` where a branch
+    /// begins.
     pub fn reference(&mut self, start: &Place, backward: bool) -> Option<Reference> {
         if !self.from_branch_point {
             return Some(self.stepper.reference(start.clone()));

@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// Makes a fresh condition: one for the branch, one for each refinement.
 pub(super) type MakeCondition = Arc<dyn Fn() -> Box<dyn Condition> + Send + Sync>;
 
-/// Which change of sign counts, going along the branch from its first point to its last, which is the
-/// direction in which the (last released) parameter grows at the start.
+/// Which change of sign counts, going along the branch from its first point to its last, which is
+/// the direction in which the (last released) parameter grows at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
     /// Any.
@@ -52,8 +52,8 @@ pub struct Event {
     pub(super) condition: Option<MakeCondition>,
     /// The test function, where it is the user's own.
     pub(super) function: Option<PointFunction>,
-    /// Makes the condition that stands in place of those held along the curve, where those are singular
-    /// at the event.
+    /// Makes the condition that stands in place of those held along the curve, where those are
+    /// singular at the event.
     pub(super) instead: Option<MakeCondition>,
     /// The eigenvalues or multipliers that are critical there.
     pub(super) critical: Critical,
@@ -69,7 +69,8 @@ pub(super) struct Tested {
 }
 
 impl Tested {
-    /// Prepares the condition at a point where it has not been stated. What it is stated for need not be known there.
+    /// Prepares the condition at a point where it has not been stated. What it is stated for need
+    /// not be known there.
     pub fn state(&mut self, at: At) -> Result<(), Failure> {
         match self.condition.start(at, &mut []) {
             Err(Failure::Undetermined(_)) => Ok(()),
@@ -107,8 +108,9 @@ impl Event {
         Self::with_test(name, kind, Test::Condition, condition)
     }
 
-    /// The bifurcation that a kind of special point stands for, of branches of solutions in this parameter (a position
-    /// among the parameters), or of curves of folds, as cusps and Bogdanov–Takens points are.
+    /// The bifurcation that a kind of special point stands for, of branches of solutions in this
+    /// parameter (a position among the parameters), or of curves of folds, as cusps and
+    /// Bogdanov–Takens points are.
     pub fn bifurcation(kind: Kind, parameter: usize) -> Option<Self> {
         let row = catalogue::row(kind)?;
         let sighting = row.seen.iter().find(|it| matches!(it.beyond, Beyond::Further))?;
@@ -152,8 +154,8 @@ impl Event {
         self
     }
 
-    /// An event with any test function and any condition: what all others are made of. The condition
-    /// may have unknowns of its own.
+    /// An event with any test function and any condition: what all others are made of. The
+    /// condition may have unknowns of its own.
     pub fn with_test<C: Condition + 'static>(
         name: impl Into<String>,
         kind: Kind,
@@ -164,8 +166,8 @@ impl Event {
         Event { condition: Some(condition), ..Self::without_condition(name, kind, test) }
     }
 
-    /// A change of sign of any function of points, marked `UZ`. It needs no gradient: it is located by bracketing on the
-    /// corrected branch. The function should be continuous where it vanishes.
+    /// A change of sign of any function of points, marked `UZ`. It needs no gradient: it is located
+    /// by bracketing on the corrected branch. The function should be continuous where it vanishes.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Event, Kind};
@@ -189,8 +191,8 @@ impl Event {
         Event { function: Some(function), ..event }
     }
 
-    /// Where a function `f(z, p)` of the unknowns and all parameters vanishes, marked `UZ`. Stated on dual numbers it has a
-    /// gradient, so that Newton's iteration finishes the point.
+    /// Where a function `f(z, p)` of the unknowns and all parameters vanishes, marked `UZ`. Stated
+    /// on dual numbers it has a gradient, so that Newton's iteration finishes the point.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Event, Kind};
@@ -212,8 +214,8 @@ impl Event {
         Self::new(name, move || Equation::new(function.clone(), 0.0, Kind::UZ))
     }
 
-    /// Where an event of an orbit begins to lead elsewhere than the itinerary goes on, which a system decides without a
-    /// function: known by bracketing only.
+    /// Where an event of an orbit begins to lead elsewhere than the itinerary goes on, which a
+    /// system decides without a function: known by bracketing only.
     pub(super) fn of_itinerary() -> Self {
         Self::without_condition("an event leads to another mode", Kind::G, Test::Itinerary)
     }
@@ -245,8 +247,8 @@ impl Event {
         condition.map(|make| Tested { condition: make(), stated: false })
     }
 
-    /// Whether a test function that goes from `before` to `after` passes this event, on the way that
-    /// the branch takes or against it.
+    /// Whether a test function that goes from `before` to `after` passes this event, on the way
+    /// that the branch takes or against it.
     pub(super) fn passed(&self, before: Option<f64>, after: Option<f64>, backward: bool) -> bool {
         let (Some(before), Some(after)) = (before, after) else { return false };
         let rising = before < 0.0 && after >= 0.0;

@@ -44,8 +44,8 @@ impl Continuation<'_> {
         }
     }
 
-    /// The monitors that vanish at the start, of those that vanish where a solution grazes: several do where an
-    /// event comes with a leg of no length.
+    /// The monitors that vanish at the start, of those that vanish where a solution grazes: several
+    /// do where an event comes with a leg of no length.
     fn vanishing(&mut self) -> Result<Vec<usize>, TraceError> {
         let (system, x) = (&mut *self.system, &self.x);
         let mut values = vec![0.0; system.names().monitors.len()];
@@ -83,8 +83,8 @@ impl Continuation<'_> {
         Ok((events, bounds))
     }
 
-    /// Bifurcations of the solutions or special points that the curve is made of; first the ends, of which others may be
-    /// images.
+    /// Bifurcations of the solutions or special points that the curve is made of; first the ends,
+    /// of which others may be images.
     fn bifurcations(&self, parameter: usize) -> Vec<Event> {
         let dynamics = self.system.dynamics();
         let held: Vec<Kind> = self.held.iter().map(|(kind, _)| *kind).collect();
@@ -100,7 +100,8 @@ impl Continuation<'_> {
         [ends, others].concat()
     }
 
-    /// Gathers the events, the bounds first, so that a branch ends before anything beyond, and returns those.
+    /// Gathers the events, the bounds first, so that a branch ends before anything beyond, and
+    /// returns those.
     pub(super) fn gather_events(
         &mut self,
         parameter: usize,

@@ -29,8 +29,8 @@ pub(super) fn hermite(knots: &[Knot], u: f64) -> Vec<f64> {
     point
 }
 
-/// The polynomial with these values and slopes at the knots, at `u`: Newton's divided differences with each
-/// knot twice.
+/// The polynomial with these values and slopes at the knots, at `u`: Newton's divided differences
+/// with each knot twice.
 fn interpolated(knots: &[Knot], u: f64, datum: impl Fn(usize) -> [f64; 2]) -> f64 {
     let count = 2 * knots.len();
     let place = |k: usize| knots[k / 2].u;

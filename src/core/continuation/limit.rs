@@ -1,5 +1,6 @@
-//! Points at which a curve is its own mirror image: a test function changes sign there, and everything else is even in it.
-//! The curve goes back over itself beyond, and its equations are singular there, so that the values are limits.
+//! Points at which a curve is its own mirror image: a test function changes sign there, and
+//! everything else is even in it. The curve goes back over itself beyond, and its equations are
+//! singular there, so that the values are limits.
 
 use super::found::Found;
 use super::hermite::hermite;
@@ -8,16 +9,16 @@ use super::stepper::{Place, Stepper};
 use super::unexplained::interpolated;
 use crate::core::extended::Closing;
 
-/// Values of the test function, as shares of that at the beginning of the step, at which the curve is sampled: as near to
-/// the end as its equations, which are singular there, allow.
+/// Values of the test function, as shares of that at the beginning of the step, at which the curve
+/// is sampled: as near to the end as its equations, which are singular there, allow.
 const SHARES: [f64; 11] = [0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.15, 0.12, 0.09, 0.06, 0.04];
 
 /// How many samples make a polynomial, at least and at most.
 const SAMPLES: [usize; 2] = [3, 5];
 
 impl Stepper<'_> {
-    /// The point between two places, `length` apart, where event `index` vanishes: the limit of polynomials in the square
-    /// of its test function.
+    /// The point between two places, `length` apart, where event `index` vanishes: the limit of
+    /// polynomials in the square of its test function.
     pub fn limit(&mut self, index: usize, from: &Place, to: &Place, length: f64) -> Option<Found> {
         let row = self.covector(&from.tangent);
         let test = self.events[index].test;

@@ -53,7 +53,8 @@ impl Stepper<'_> {
             match self.finish(&event, bracket.guess(event.test, self.equations.parameters_at())) {
                 Ok(Finished { unknowns, own, error }) => {
                     let along = along(&row, &unknowns, &from.unknowns);
-                    // Signs of test functions are those of a matrix that is not quite that of the point.
+                    // Signs of test functions are those of a matrix that is not quite that of the
+                    // point.
                     let slack = 1e-4 * length;
                     let inside = along >= bracket.low - slack && along <= bracket.high + slack;
                     if inside && self.is_near(&bracket, along, &unknowns) {
@@ -97,8 +98,8 @@ impl Stepper<'_> {
         Found { along: 0.5 * length, unknowns, own: Vec::new(), error, converged: false }
     }
 
-    /// Whether a solution of a defining system lies near the branch between the ends of a bracket, and not only between
-    /// the hyperplanes through them.
+    /// Whether a solution of a defining system lies near the branch between the ends of a bracket,
+    /// and not only between the hyperplanes through them.
     fn is_near(&self, bracket: &Bracket, along: f64, unknowns: &[f64]) -> bool {
         let length = bracket.high - bracket.low;
         let fraction = ((along - bracket.low) / length).clamp(0.0, 1.0);
@@ -187,7 +188,8 @@ pub(super) fn converge(
         equations.assemble(unknowns)?;
         let second = newton.residual_correction(equations, unknowns, false)?;
         left = second[parameter].abs();
-        // What is left of a converged point is rounding, multiplied: one correction may be small by chance.
+        // What is left of a converged point is rounding, multiplied: one correction may be small by
+        // chance.
         if left > 100.0 * rounding {
             for sample in 0..SAMPLES {
                 let noise = newton.rounding(equations, None, unknowns, sample)?;

@@ -5,13 +5,13 @@ use crate::core::zero::{Group, Names};
 
 /// The scales that make arclength a pure number: `‖ΔX‖² = Σ_g (‖Δz_g‖/s_g)² + Σ (Δp/s_p)²`.
 ///
-/// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is the
-/// length of the parameter's range. A group that is zero at the start is measured by what the tangent
-/// makes of the parameter's range, and a parameter without a finite range by what the tangent needs to
-/// change the unknowns by their size, later by what it has covered; only if neither is known (or a
-/// tangent decides by rounding) is 1 used. Hence a change of
-/// units changes nothing but the numbers, unless a group vanishes all along the start's tangent: such a
-/// group, if its unit is unusual, is best given a scale
+/// `s_g` is the largest Euclidean norm that the group of unknowns has had on the branch; `s_p` is
+/// the length of the parameter's range. A group that is zero at the start is measured by what the
+/// tangent makes of the parameter's range, and a parameter without a finite range by what the
+/// tangent needs to change the unknowns by their size, later by what it has covered; only if
+/// neither is known (or a tangent decides by rounding) is 1 used. Hence a change of units changes
+/// nothing but the numbers, unless a group vanishes all along the start's tangent: such a group, if
+/// its unit is unusual, is best given a scale
 /// ([`Continuation::scale`](super::Continuation::scale)).
 ///
 /// ```
@@ -28,16 +28,16 @@ pub struct Metric {
     /// Groups whose scale the user has given, so that it does not grow.
     fixed: Vec<bool>,
     parameters: Vec<f64>,
-    /// Values at the start of those parameters whose range is open and whose scale is not given: their
-    /// scales grow.
+    /// Values at the start of those parameters whose range is open and whose scale is not given:
+    /// their scales grow.
     open: Vec<Option<f64>>,
     own: Vec<f64>,
 }
 
 impl Metric {
     /// Scales at the start of a branch: `z` there, its derivative along the tangent, and the ranges
-    /// of the released parameters with theirs. `own` holds the conditions' own unknowns, with `None`
-    /// for those that are not measured.
+    /// of the released parameters with theirs. `own` holds the conditions' own unknowns, with
+    /// `None` for those that are not measured.
     pub fn new(
         names: &Names,
         z: &[f64],
@@ -96,8 +96,8 @@ impl Metric {
         self
     }
 
-    /// Lets the scales grow with the unknowns, and those of parameters without a range with what they
-    /// have covered.
+    /// Lets the scales grow with the unknowns, and those of parameters without a range with what
+    /// they have covered.
     pub fn grow(&mut self, names: &Names, z: &[f64], p: &[f64]) {
         let sizes = group_norms(names, z);
         for ((scale, fixed), size) in self.groups.iter_mut().zip(&self.fixed).zip(sizes) {
@@ -121,16 +121,16 @@ impl Metric {
     }
 }
 
-/// A group of unknowns this small, compared with what the tangent makes of the parameter's range, is
-/// zero but for rounding.
+/// A group of unknowns this small, compared with what the tangent makes of the parameter's range,
+/// is zero but for rounding.
 const ZERO: f64 = 1e-9;
 
-/// One that is so much smaller than others are, likewise compared, is zero but for the error with which the start is
-/// known: where a curve is born, that of its discretisation.
+/// One that is so much smaller than others are, likewise compared, is zero but for the error with
+/// which the start is known: where a curve is born, that of its discretisation.
 const SMALL: f64 = 1e-5;
 
-/// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a level set of
-/// a parameter or an unknown but for rounding.
+/// Scales smaller than this, or larger than its inverse, come from a tangent that lies in a level
+/// set of a parameter or an unknown but for rounding.
 const TINY: f64 = 1e-8;
 
 /// Unknowns this small in their own units, that the tangent does not change either, are rounding.

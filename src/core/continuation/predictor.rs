@@ -29,9 +29,9 @@ pub(super) fn knots_of<'a>(
 }
 
 impl Stepper<'_> {
-    /// The polynomial through the last places with their tangents, extrapolated. Its parameter is the
-    /// coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the hyperplane
-    /// of the step.
+    /// The polynomial through the last places with their tangents, extrapolated. Its parameter is
+    /// the coordinate along the tangent, `u = ⟨row, X − from⟩`, so that the prediction lies on the
+    /// hyperplane of the step.
     pub fn curved(
         &self,
         before: &[Before],
@@ -60,9 +60,9 @@ impl Stepper<'_> {
         None
     }
 
-    /// Whether a prediction's `bend` away from the tangent is small against the step; and, since a group that
-    /// is small on this part of the branch hardly counts in the norm, in each group by itself: against the
-    /// group's part of the step, or, where the group turns, against its size.
+    /// Whether a prediction's `bend` away from the tangent is small against the step; and, since a
+    /// group that is small on this part of the branch hardly counts in the norm, in each group by
+    /// itself: against the group's part of the step, or, where the group turns, against its size.
     fn is_trusted(&self, bend: &[f64], from: &Place, length: f64) -> bool {
         let small = |place: Range<usize>| {
             let step = length * norm(&from.tangent[place.clone()]);

@@ -100,7 +100,8 @@ impl<'a> Continuation<'a> {
         self.system.names().monitors.iter().map(String::as_str).chain(attached)
     }
 
-    /// The condition that a parameter or a monitor is at a level; `None` for a monitor without a gradient.
+    /// The condition that a parameter or a monitor is at a level; `None` for a monitor without a
+    /// gradient.
     pub(super) fn level_condition(
         &self,
         (quantity, level): (Quantity, f64),

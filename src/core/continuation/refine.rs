@@ -10,8 +10,8 @@ use crate::core::ladder::error_of_last;
 use crate::core::zero::{Refinement, System};
 
 impl Stepper<'_> {
-    /// The start of a curve is finished like a special point, with the parameter released last held where
-    /// it is.
+    /// The start of a curve is finished like a special point, with the parameter released last held
+    /// where it is.
     pub fn refine_start(&mut self, start: &mut SpecialPoint) {
         let Some(&last) = self.equations.released().last() else { return };
         if self.settings.refinement == 0.0 {
@@ -23,10 +23,10 @@ impl Stepper<'_> {
         self.refine(&event, start, &beside, usize::MAX);
     }
 
-    /// Finishes the special point loaded last on finer discretisations, until the accuracy asked for is
-    /// met or `rungs` of them have been climbed. It then has the values of the finest one, and the estimated
-    /// error of the continued parameter is added to its own; false if there is none. `beside` is a point of the
-    /// branch near it, which says how large settled columns are.
+    /// Finishes the special point loaded last on finer discretisations, until the accuracy asked
+    /// for is met or `rungs` of them have been climbed. It then has the values of the finest one,
+    /// and the estimated error of the continued parameter is added to its own; false if there is
+    /// none. `beside` is a point of the branch near it, which says how large settled columns are.
     pub fn refine(
         &mut self,
         event: &Event,
@@ -71,8 +71,8 @@ impl Stepper<'_> {
         columns.filter_map(|&column| point.value(column)).collect()
     }
 
-    /// Newton on the defining system of an event of this discretisation: the point, the event's own unknowns that have names,
-    /// and `x`.
+    /// Newton on the defining system of an event of this discretisation: the point, the event's own
+    /// unknowns that have names, and `x`.
     fn converge_refined(
         &self,
         system: &mut dyn System,

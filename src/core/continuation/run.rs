@@ -27,8 +27,8 @@ pub(super) struct Tracer<'a> {
     pub slopes: Vec<f64>,
     /// Whether to trace backward, forward.
     pub directions: [bool; 2],
-    /// Whether the start is a branch point that the curve leaves: where it is a pitchfork, the parameter
-    /// turns there, which is no fold.
+    /// Whether the start is a branch point that the curve leaves: where it is a pitchfork, the
+    /// parameter turns there, which is no fold.
     pub from_branch_point: bool,
     /// The error of the special point that the start is.
     pub error: f64,
@@ -118,8 +118,8 @@ impl Tracer<'_> {
         half.special
     }
 
-    /// Gives the system the mesh of the start back, which may have followed the branch, and forgets all that has been
-    /// learned on the way: each half of a branch is what it would be alone.
+    /// Gives the system the mesh of the start back, which may have followed the branch, and forgets
+    /// all that has been learned on the way: each half of a branch is what it would be alone.
     pub fn return_to(&mut self, start: &Place, home: &Solution, metric: Metric) {
         if !home.mesh.is_empty() {
             // It was a solution on this mesh; if it is none any more, the first step says so.
@@ -243,7 +243,8 @@ impl Tracer<'_> {
         end
     }
 
-    /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None` if a shorter step may.
+    /// The events in a step, if they explain how the number of unstable eigenvalues changes; `None`
+    /// if a shorter step may.
     fn explained(
         &mut self,
         from: &Place,
@@ -288,7 +289,8 @@ impl Tracer<'_> {
             [&start.tangent, &step.place.tangent].map(|tangent| tangent[parameter] * scale);
         *turned |= first.abs().min(last.abs()) < VERTICAL || first * last < 0.0;
         let left = std::mem::replace(place, step.place);
-        // A test function that is unknown at a point changes its sign, if it does, with the next point at which it is known.
+        // A test function that is unknown at a point changes its sign, if it does, with the next
+        // point at which it is known.
         for (test, before) in place.tests.iter_mut().zip(&left.tests) {
             *test = test.or(*before);
         }
@@ -378,8 +380,9 @@ impl Tracer<'_> {
         let terminal =
             |located: &Located| located.event.is_some_and(|event| events[event].terminal);
         let first = found.iter().position(terminal)?;
-        // Of several at one point, as where an impact vanishes with the leg behind it, the first event names the end; of
-        // those that do not converge that of the itinerary, from which others follow.
+        // Of several at one point, as where an impact vanishes with the leg behind it, the first
+        // event names the end; of those that do not converge that of the itinerary, from which
+        // others follow.
         let reach = found[first].along + AT_START;
         let same = (first..found.len()).filter(|&k| terminal(&found[k]) && found[k].along <= reach);
         let rank = |k: &usize| {
@@ -389,7 +392,8 @@ impl Tracer<'_> {
         };
         let mut at = found.swap_remove(same.min_by_key(rank)?);
         found.truncate(first);
-        // Where the equations of a grazing are singular signs of determinants change that mean nothing.
+        // Where the equations of a grazing are singular signs of determinants change that mean
+        // nothing.
         if at.special.kind == Kind::G {
             let bifurcation = |it: &Located| {
                 let test = it.event.map(|event| events[event].test);

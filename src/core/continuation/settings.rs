@@ -17,8 +17,8 @@ pub struct SettingError {
 }
 
 /// Settings of Newton's iteration and of the stepper. Lengths are in units of scaled arclength: the
-/// continued parameter is measured by the length of its range, each group of unknowns by the largest
-/// norm it has had on the branch, so that no setting depends on units.
+/// continued parameter is measured by the length of its range, each group of unknowns by the
+/// largest norm it has had on the branch, so that no setting depends on units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -46,24 +46,25 @@ pub struct Settings {
     /// parameters that vary along their branch.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub settle: Vec<String>,
-    /// The largest error, estimated and relative, that the mesh of a discretised solution may cause before the branch
-    /// ends (more than 0).
+    /// The largest error, estimated and relative, that the mesh of a discretised solution may cause
+    /// before the branch ends (more than 0).
     pub max_mesh_error: f64,
-    /// A branch of cycles of which the period grows beyond this many times the shortest one ends, near a homoclinic orbit
-    /// (more than 1).
+    /// A branch of cycles of which the period grows beyond this many times the shortest one ends,
+    /// near a homoclinic orbit (more than 1).
     pub max_period_growth: f64,
-    /// The kinds of bifurcations that are looked for; all that are known for a curve if it is empty. Bounds, marks and
-    /// events of the user's own are looked for in any case.
+    /// The kinds of bifurcations that are looked for; all that are known for a curve if it is
+    /// empty. Bounds, marks and events of the user's own are looked for in any case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detect: Vec<Kind>,
-    /// Whether eigenvalues or multipliers are computed along branches of solutions, which tells stability, Hopf points,
-    /// period doublings and torus points.
+    /// Whether eigenvalues or multipliers are computed along branches of solutions, which tells
+    /// stability, Hopf points, period doublings and torus points.
     #[serde(skip_serializing_if = "bool::clone")]
     pub stability: bool,
-    /// Every so many points one is saved with its state, as a regular point (`RG`) that a branch can start from; none if 0.
+    /// Every so many points one is saved with its state, as a regular point (`RG`) that a branch
+    /// can start from; none if 0.
     pub save_every: usize,
-    /// How many of the eigenvalues or multipliers that decide stability are kept with each point (at most
-    /// 16).
+    /// How many of the eigenvalues or multipliers that decide stability are kept with each point
+    /// (at most 16).
     pub eigenvalues: usize,
 }
 

@@ -84,7 +84,8 @@ impl<'a> Continuation<'a> {
         stepper.metric = scaling(&stepper.equations, &unknowns, &tangent);
         let tangent = stepper.scaled(tangent, to_one_side);
         let mut place = stepper.arrive_first(unknowns, tangent, from_branch_point)?;
-        // Where a branch is born its solutions graze: what its events lead to is decided by rounding.
+        // Where a branch is born its solutions graze: what its events lead to is decided by
+        // rounding.
         if !matches!(start, Start::Birth { .. }) {
             stepper.check_first(&place)?;
         }
@@ -166,8 +167,9 @@ impl<'a> Stepper<'a> {
 }
 
 impl Stepper<'_> {
-    /// The tangent along which a branch begins where that is known before its start is corrected, and that of the branch it
-    /// leaves: at a branch point both are from the algebraic bifurcation equations.
+    /// The tangent along which a branch begins where that is known before its start is corrected,
+    /// and that of the branch it leaves: at a branch point both are from the algebraic bifurcation
+    /// equations.
     fn leaving(
         &mut self,
         start: &Start,
@@ -203,8 +205,8 @@ impl Stepper<'_> {
         }
     }
 
-    /// Corrects the start on the hyperplane across `direction`, or with a parameter fixed, and returns the
-    /// tangent there.
+    /// Corrects the start on the hyperplane across `direction`, or with a parameter fixed, and
+    /// returns the tangent there.
     fn first_tangent(
         &mut self,
         unknowns: &mut [f64],
@@ -256,7 +258,8 @@ impl Stepper<'_> {
         Ok(tangent)
     }
 
-    /// Forgets what has been learned along the curve: scales, the curvature of the equations, the conditions' borders.
+    /// Forgets what has been learned along the curve: scales, the curvature of the equations, the
+    /// conditions' borders.
     pub fn restore(&mut self, unknowns: &[f64], metric: Metric) {
         self.weights = metric.weights(self.equations.names());
         self.metric = metric;
@@ -272,8 +275,8 @@ impl Stepper<'_> {
         }
     }
 
-    /// Takes over the scales at the start, and the tangent there: of scaled length 1, the last released
-    /// parameter growing, unless its sign is known.
+    /// Takes over the scales at the start, and the tangent there: of scaled length 1, the last
+    /// released parameter growing, unless its sign is known.
     fn scaled(&mut self, mut tangent: Vec<f64>, known: bool) -> Vec<f64> {
         self.weights = self.metric.weights(self.equations.names());
         // What the first correction has learned about the equations was in other scales.
@@ -282,8 +285,8 @@ impl Stepper<'_> {
         let size = scaled_norm(&tangent, &self.weights);
         let sign = match tangent[last] {
             _ if known => 1.0,
-            // A vertical start (a fold, a pitchfork) grows in its largest unknown, the first of those that are equal
-            // but for rounding, as the two halves of a doubled orbit are.
+            // A vertical start (a fold, a pitchfork) grows in its largest unknown, the first of
+            // those that are equal but for rounding, as the two halves of a doubled orbit are.
             p if p.abs() * self.weights[last].sqrt() < 1e-9 * size => {
                 let units = self.equations.unknown_scales();
                 let z = in_units(self.equations.names(), &units, &tangent[..n]);
@@ -330,8 +333,8 @@ impl Stepper<'_> {
         self.leads_on(&x, &start.point.monitors, &start.point.parameters)
     }
 
-    /// Where a branch of periodic orbits is born a multiplier is 1 but for rounding: its stability there is
-    /// not reported, nor is a change of it in the first step.
+    /// Where a branch of periodic orbits is born a multiplier is 1 but for rounding: its stability
+    /// there is not reported, nor is a change of it in the first step.
     fn forget_stability_at(&self, start: &mut Place) {
         start.point.unstable = None;
         for (test, event) in start.tests.iter_mut().zip(&self.events) {
@@ -341,8 +344,8 @@ impl Stepper<'_> {
         }
     }
 
-    /// A curve that starts on a level, but for rounding, does not pass it in its first step. Returns
-    /// how fast each level's test function grows along the curve at the start.
+    /// A curve that starts on a level, but for rounding, does not pass it in its first step.
+    /// Returns how fast each level's test function grows along the curve at the start.
     ///
     /// A curve that is born on a level misses it by as much as the discretisation errs.
     fn forget_levels_at(&mut self, start: &mut Place, from: &Start) -> Vec<f64> {
@@ -360,7 +363,8 @@ impl Stepper<'_> {
             let mut rounding = near * f64::abs(slopes[i]) + 1e-12 * level.abs();
             if let (true, Kind::G, Quantity::Monitor(m)) = (vertical, self.events[i].kind, quantity)
             {
-                // Where it vanishes to second order its sign and that of its slope are rounding: the first step tells.
+                // Where it vanishes to second order its sign and that of its slope are rounding:
+                // the first step tells.
                 let p = &start.point.parameters;
                 let zero = VANISHES * self.equations.system().grazing_scale(m, p);
                 if start.tests[i].is_some_and(|test| test.abs() <= zero) {

@@ -37,7 +37,8 @@ pub(super) struct Crossings {
     pub quiet: f64,
 }
 
-/// A branch point that a curve leaves, along a tangent that is not that of the branch which leads to it.
+/// A branch point that a curve leaves, along a tangent that is not that of the branch which leads
+/// to it.
 pub(super) struct Departure {
     pub unknowns: Vec<f64>,
     /// Of scaled length 1, both.
@@ -65,7 +66,8 @@ pub(super) struct Stepper<'a> {
     pub departure: Option<Departure>,
 }
 
-/// Shorter steps than this may be as long as the error with which a solution is carried over to a new mesh.
+/// Shorter steps than this may be as long as the error with which a solution is carried over to a
+/// new mesh.
 const MESH: f64 = 1e-3;
 
 /// A corrected point is not farther from the predicted one, in units of the step.
@@ -74,7 +76,8 @@ pub(super) const MOST_DISTANT: f64 = 0.25;
 /// A monitor vanishes at a start if it is smaller: a saved grazing is exact to rounding.
 pub(super) const VANISHES: f64 = 1e-6;
 
-/// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is rounding.
+/// A solution passes a surface if it is farther beyond, in units of the surface's scale: less is
+/// rounding.
 const BEYOND: f64 = 1e-9;
 
 /// Events nearer to the start than this, in scaled arclength, are those of the start itself.
@@ -83,8 +86,8 @@ pub(super) const AT_START: f64 = 1e-6;
 /// A matrix that is known this well, relatively, is good enough for the tangent and for stability.
 pub(super) const MATRIX_ERROR: f64 = 1e-4;
 
-/// The sign of a tangent's component along the parameter that is smaller than this is not left to a matrix that
-/// is only nearly known.
+/// The sign of a tangent's component along the parameter that is smaller than this is not left to a
+/// matrix that is only nearly known.
 const UNCERTAIN: f64 = 0.05;
 
 /// A place before a step's, for the predictor and for pairs of events.
@@ -132,9 +135,9 @@ impl Stepper<'_> {
         self.newton.solve(equations, unknowns, Some(closing), weights, tolerances)
     }
 
-    /// Records a corrected point: tangent (along `row`), monitors, stability (which costs a spectrum) if it is
-    /// wanted, test functions. The matrix factored last, with the same `row`, is that of this point but for
-    /// `matrix_error`, relatively.
+    /// Records a corrected point: tangent (along `row`), monitors, stability (which costs a
+    /// spectrum) if it is wanted, test functions. The matrix factored last, with the same `row`, is
+    /// that of this point but for `matrix_error`, relatively.
     pub fn arrive(
         &mut self,
         unknowns: Vec<f64>,
@@ -155,7 +158,8 @@ impl Stepper<'_> {
         stability: bool,
     ) -> Result<Vec<f64>, Failure> {
         let mut tangent = vec![0.0; unknowns.len()];
-        // Eigenvalues that are only counted need not be known well, but monitors come with the matrix.
+        // Eigenvalues that are only counted need not be known well, but monitors come with the
+        // matrix.
         let mut tested = self.tested.iter().flatten();
         let exact = tested.any(|tested| tested.stated && tested.condition.assembles())
             || (stability && self.settings.eigenvalues > 0);
@@ -192,13 +196,15 @@ impl Stepper<'_> {
         Ok(Place { unknowns, tangent, tests, point, spectrum, quiet: 0.0 })
     }
 
-    /// The tangent, of scaled length 1, from the matrix factored last with the closing equation last.
+    /// The tangent, of scaled length 1, from the matrix factored last with the closing equation
+    /// last.
     pub fn tangent(&mut self, tangent: &mut [f64]) {
         self.equations.tangent(tangent);
         self.rescale(tangent);
     }
 
-    /// How fast a parameter or a monitor grows along the curve; `None` where it is not differentiable.
+    /// How fast a parameter or a monitor grows along the curve; `None` where it is not
+    /// differentiable.
     pub fn slope_of(&mut self, quantity: Quantity, place: &Place) -> Option<f64> {
         let direction = self.equations.direction_of(&place.tangent);
         self.equations.load(&place.unknowns);
@@ -279,8 +285,8 @@ impl Stepper<'_> {
         (length * factor).clamp(self.settings.min_step, self.settings.max_step)
     }
 
-    /// Lets the mesh, scales and borders follow the branch after a step was accepted. What else is to
-    /// stay comparable is carried over to a new mesh.
+    /// Lets the mesh, scales and borders follow the branch after a step was accepted. What else is
+    /// to stay comparable is carried over to a new mesh.
     pub fn settle(&mut self, place: &mut Place, mut others: Vec<&mut [f64]>) {
         let n = self.equations.dimension();
         let mut directions: Vec<&mut [f64]> =
@@ -294,8 +300,8 @@ impl Stepper<'_> {
         place.quiet *= self.rescale(&mut place.tangent);
     }
 
-    /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is switched off, and
-    /// where they are asked for.
+    /// Whether eigenvalues are computed at every point: on branches of solutions, unless that is
+    /// switched off, and where they are asked for.
     pub fn wants_stability(&self) -> bool {
         self.settings.stability && (self.held.is_empty() || self.settings.eigenvalues > 0)
     }
@@ -328,7 +334,8 @@ impl Stepper<'_> {
         !system.grazings().iter().any(beyond)
     }
 
-    /// Whether every event leads to where the solution goes on; where it grazes that cannot be decided.
+    /// Whether every event leads to where the solution goes on; where it grazes that cannot be
+    /// decided.
     ///
     /// # Errors
     /// [`Failure::Mismatch`] with the event that leads elsewhere.

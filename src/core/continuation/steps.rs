@@ -13,7 +13,8 @@ pub trait Observer {
     /// A branch begins; its names are known, its points are not.
     fn begin(&mut self, _branch: &Branch) {}
 
-    /// A point was reached, the start first. `Break` ends the trace; the points traced so far are kept.
+    /// A point was reached, the start first. `Break` ends the trace; the points traced so far are
+    /// kept.
     fn point(&mut self, _point: &Point) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -25,8 +26,9 @@ pub trait Observer {
 /// An observer that sees nothing.
 impl Observer for () {}
 
-/// A branch while it is traced: an iterator over its points and special points as they are found, the start first, then one
-/// half from there, then the other one. What is not asked for is not computed.
+/// A branch while it is traced: an iterator over its points and special points as they are found,
+/// the start first, then one half from there, then the other one. What is not asked for is not
+/// computed.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, End, Kind, Traced};
@@ -97,8 +99,8 @@ impl<'a> Steps<'a> {
         &self.tracer.branch
     }
 
-    /// How many points a long branch has from here: one that goes ten times as far as its scales each way, in steps as long
-    /// as they may be, unless fewer points are allowed.
+    /// How many points a long branch has from here: one that goes ten times as far as its scales
+    /// each way, in steps as long as they may be, unless fewer points are allowed.
     ///
     /// ```
     /// use tangency::core::continuation::{Continuation, Settings};
@@ -115,7 +117,8 @@ impl<'a> Steps<'a> {
         max_points.min((FAR / max_step).ceil() as usize).saturating_mul(halves).saturating_add(1)
     }
 
-    /// The branch as far as it has been traced; both ends of one that is not complete are [`End::Interrupted`].
+    /// The branch as far as it has been traced; both ends of one that is not complete are
+    /// [`End::Interrupted`].
     pub fn finish(mut self) -> Branch {
         self.interrupt();
         let start = self.tracer.start.point.clone();

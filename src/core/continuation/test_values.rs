@@ -81,7 +81,8 @@ impl Stepper<'_> {
         asked.then(|| self.mirrored(Test::Amplitude, unknowns)).flatten()
     }
 
-    /// The value of a test function in which a curve is its own mirror image: an own unknown, or the amplitude.
+    /// The value of a test function in which a curve is its own mirror image: an own unknown, or
+    /// the amplitude.
     pub fn mirrored(&mut self, test: Test, unknowns: &[f64]) -> Option<f64> {
         if let Some((unknown, level)) = test.own() {
             return Some(unknowns[self.equations.dimension() + unknown] - level);

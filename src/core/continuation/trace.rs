@@ -59,15 +59,16 @@ pub(super) struct Origin {
     pub error: f64,
     /// How many eigenvalues vanish at the branch point; 0 where that is not known.
     pub multiplicity: usize,
-    /// Which of the branches that cross there is taken, if the branch point is left along another one.
+    /// Which of the branches that cross there is taken, if the branch point is left along another
+    /// one.
     pub switch: Option<usize>,
 }
 
 impl<'a> Continuation<'a> {
     /// A curve of zeros of this system, from `z = 0` and `p = 0` unless told otherwise.
     ///
-    /// A system that a branch would change (its mesh, its period, its itinerary) is duplicated: the caller's stays as it
-    /// is.
+    /// A system that a branch would change (its mesh, its period, its itinerary) is duplicated: the
+    /// caller's stays as it is.
     pub fn of(system: &'a mut dyn System) -> Self {
         let system = SystemRef::Borrowed(system).duplicated();
         let x = vec![0.0; system.names().length()];
@@ -257,8 +258,8 @@ impl<'a> Continuation<'a> {
         self
     }
 
-    /// Measures a group of unknowns, or a released parameter, by this size instead of the largest norm
-    /// that the group has had (or the length of the parameter's range).
+    /// Measures a group of unknowns, or a released parameter, by this size instead of the largest
+    /// norm that the group has had (or the length of the parameter's range).
     pub fn scale(mut self, name: &str, size: f64) -> Self {
         if !(size.is_finite() && size > 0.0) {
             let (what, name, range) = ("the scale", name.into(), "finite and more than 0");
@@ -279,9 +280,10 @@ impl<'a> Continuation<'a> {
         self.switch_to(0)
     }
 
-    /// Leaves a branch point where several branches cross (`multiplicity` above 1) along one of them, counted from 0 and
-    /// without the one that leads to it; or a grazing at which several guards are touched along the branch whose orbits pass all
-    /// of them (0), or each by itself, in the order of the touches, then each pair, and so on.
+    /// Leaves a branch point where several branches cross (`multiplicity` above 1) along one of
+    /// them, counted from 0 and without the one that leads to it; or a grazing at which several
+    /// guards are touched along the branch whose orbits pass all of them (0), or each by itself, in
+    /// the order of the touches, then each pair, and so on.
     pub fn switch_to(mut self, which: usize) -> Self {
         self.origin.switch = Some(which);
         self

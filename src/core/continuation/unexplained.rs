@@ -1,5 +1,5 @@
-//! Changes of stability that no event explains: several eigenvalues that pass at one point, as symmetries make them do,
-//! or points of a kind that was not looked for.
+//! Changes of stability that no event explains: several eigenvalues that pass at one point, as
+//! symmetries make them do, or points of a kind that was not looked for.
 
 use super::found::{Found, Located};
 use super::stepper::{Place, Step, Stepper};
@@ -12,13 +12,13 @@ use crate::core::motion::{Critical, Stability, neutral, without_critical};
 use crate::core::zero::Dynamics;
 use std::ops::RangeInclusive;
 
-/// Steps in which the number of unstable eigenvalues changes without a reason are halved down to this length, in scaled
-/// arclength.
+/// Steps in which the number of unstable eigenvalues changes without a reason are halved down to
+/// this length, in scaled arclength.
 pub(super) const LEAST_UNEXPLAINED: f64 = 1e-3;
 
 impl Stepper<'_> {
-    /// By how much the number of unstable eigenvalues changes in a step, unless the events found in it, or the special point
-    /// that it starts from, explain that.
+    /// By how much the number of unstable eigenvalues changes in a step, unless the events found in
+    /// it, or the special point that it starts from, explain that.
     pub fn unexplained(
         &self,
         from: &Place,
@@ -55,7 +55,8 @@ impl Stepper<'_> {
         (!reachable.contains(&change)).then_some(change)
     }
 
-    /// Whether a step that can be shortened ends on a special point itself, but for rounding, where signs say nothing.
+    /// Whether a step that can be shortened ends on a special point itself, but for rounding, where
+    /// signs say nothing.
     pub fn ends_on_special_point(&mut self, from: &Place, step: &Step) -> bool {
         let dynamics = self.equations.system().dynamics();
         let count = |place: &Place| place.spectrum.as_ref().map(|all| neutral(dynamics, all));
@@ -64,8 +65,8 @@ impl Stepper<'_> {
     }
 }
 
-/// Where in a step, in units of it, eigenvalues are looked at: not at its ends and middle, where symmetric problems may be
-/// singular.
+/// Where in a step, in units of it, eigenvalues are looked at: not at its ends and middle, where
+/// symmetric problems may be singular.
 const SAMPLES: [f64; 5] = [0.03, 0.22, 0.517, 0.76, 0.96];
 
 /// Zeros in a step, in units of it, which may begin or end with one.
@@ -95,8 +96,8 @@ impl Stepper<'_> {
         Some(Located { event: None, along, special })
     }
 
-    /// The point at which several eigenvalues vanish together: where their mean vanishes on the polynomial
-    /// through several points of the branch.
+    /// The point at which several eigenvalues vanish together: where their mean vanishes on the
+    /// polynomial through several points of the branch.
     ///
     /// The equations of the branch are singular there; beside it they are not.
     fn passing(&mut self, from: &Place, step: &Step, change: isize) -> Option<Located> {
@@ -139,8 +140,9 @@ impl Stepper<'_> {
         Some(Located { event: None, along, special })
     }
 
-    /// Numbers that vanish with the eigenvalues that pass in a step, at places in it, in order, and how many: growth rates, or
-    /// where no eigenvalues are known the distances to singular matrices, those that lie in the step.
+    /// Numbers that vanish with the eigenvalues that pass in a step, at places in it, in order, and
+    /// how many: growth rates, or where no eigenvalues are known the distances to singular
+    /// matrices, those that lie in the step.
     fn vanishing(
         &mut self,
         places: &[Place],
@@ -240,8 +242,8 @@ pub(super) fn interpolated(abscissae: &[f64], values: &[f64], at: f64) -> f64 {
     values.iter().enumerate().map(|(k, value)| lagrange(abscissae, k, at) * value).sum()
 }
 
-/// The zero, in a step of this length, of the polynomial through values of which the first and the last one differ in
-/// sign, by the secant method.
+/// The zero, in a step of this length, of the polynomial through values of which the first and the
+/// last one differ in sign, by the secant method.
 fn root(abscissae: &[f64], values: &[f64], length: f64) -> Option<f64> {
     let line = |a: f64, fa: f64, b: f64, fb: f64| a - fa * (b - a) / (fb - fa);
     let last = values.len() - 1;

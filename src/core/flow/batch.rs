@@ -1,7 +1,8 @@
 //! One step each of several flows of one field, abreast in the lanes of a vector register.
 //!
-//! Every flow has its own place, step and parameters. What the step of one of them means is decided for it alone:
-//! here steps are tried, and watched functions are seen to keep clear of zero, which is nearly all of the work.
+//! Every flow has its own place, step and parameters. What the step of one of them means is decided
+//! for it alone: here steps are tried, and watched functions are seen to keep clear of zero, which
+//! is nearly all of the work.
 
 use super::error::FlowError;
 use super::forecast::EventForecast;
@@ -44,7 +45,8 @@ impl<T: InLanes> Flow<T> {
         Ok(())
     }
 
-    /// Shows the step of one lane as if it were of this flow. What is known exactly then is the state at its end.
+    /// Shows the step of one lane as if it were of this flow. What is known exactly then is the
+    /// state at its end.
     pub(in crate::core) fn show_lane<F: FieldIn<T>>(
         &mut self,
         field: &F,
@@ -121,8 +123,8 @@ impl<T: InLanes> BatchStepper<T> {
         self.occupants = [usize::MAX; LANES];
     }
 
-    /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same. Lanes that stay empty
-    /// need one all the same.
+    /// Puts a flow into a lane, with the number of its occupant, whose parameters stay the same.
+    /// Lanes that stay empty need one all the same.
     pub fn load(&mut self, lane: usize, lane_state: &LaneState<T>, (occupant, p): (usize, &[T])) {
         let put = |to: &mut Vec<[T; LANES]>, from: &[T]| {
             to.resize(from.len(), [T::zero(); LANES]);
@@ -164,7 +166,8 @@ impl<T: InLanes> BatchStepper<T> {
         self.errors(settings)
     }
 
-    /// The errors, as [`Measure::explicit_error`](super::control::Measure::explicit_error) has them.
+    /// The errors, as [`Measure::explicit_error`](super::control::Measure::explicit_error) has
+    /// them.
     fn errors(&self, settings: &Settings) -> [f64; LANES] {
         let (n, slopes, mut squares) = (self.x.len(), &self.stages.slopes, [Lanes::splat(0.0); 2]);
         for (i, (x, end)) in self.x.iter().zip(&self.stages.end).enumerate() {

@@ -22,7 +22,8 @@ pub(super) struct Measure<'a, T> {
 }
 
 impl<T: Scalar> Measure<'_, T> {
-    /// The error that is tolerated in a state that is `x` at one end of the step and `y` at the other.
+    /// The error that is tolerated in a state that is `x` at one end of the step and `y` at the
+    /// other.
     fn tolerated(&self, scale: f64, x: &T, y: &T) -> f64 {
         let size = |x: &T| self.size.map_or_else(|| x.real().abs(), |size| size(x));
         self.absolute * scale + self.relative * size(x).max(size(y))
@@ -99,8 +100,8 @@ impl<T: Scalar> Measure<'_, T> {
         if size < 1e-5 || speed < 1e-5 { 1e-6 } else { 0.01 * size / speed }
     }
 
-    /// The first step, from the slopes at both ends of an Euler step of length `h` (Hairer, Nørsett,
-    /// Wanner 1993, section II.4).
+    /// The first step, from the slopes at both ends of an Euler step of length `h` (Hairer,
+    /// Nørsett, Wanner 1993, section II.4).
     pub fn first_step(&self, order: usize, h: f64, x: &[T], slopes: (&[T], &[T])) -> f64 {
         let speed = self.norm(slopes.0.iter().map(T::real), x);
         let change = slopes.0.iter().zip(slopes.1).map(|(a, b)| b.real() - a.real());
@@ -120,8 +121,8 @@ const SAFETY: f64 = 0.8;
 /// An error smaller than this is remembered as this.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// Ratios of steps by the predicted error and, where the method wants it, by the previous one (Gustafsson's
-/// proportional-integral control; Hairer and Wanner 1996, section IV.2).
+/// Ratios of steps by the predicted error and, where the method wants it, by the previous one
+/// (Gustafsson's proportional-integral control; Hairer and Wanner 1996, section IV.2).
 pub(super) struct Control {
     exponent: f64,
     memory: f64,
@@ -153,7 +154,8 @@ impl Control {
         ratio.clamp(self.ratios.0, largest)
     }
 
-    /// The ratio of the next trial to one that was rejected with this error, which need not be finite.
+    /// The ratio of the next trial to one that was rejected with this error, which need not be
+    /// finite.
     pub fn rejected(&mut self, error: f64) -> f64 {
         self.rejected = true;
         if error.is_finite() {

@@ -54,7 +54,8 @@ pub enum FlowError {
         /// What the number is.
         value: f64,
     },
-    /// No step is small enough for the tolerance: the solution or a derivative of the field is singular.
+    /// No step is small enough for the tolerance: the solution or a derivative of the field is
+    /// singular.
     #[error(
         "at t = {time:.9e} no step is small enough, not even {step:.1e}: the solution blows up or the \
          field is not smooth; end the flow earlier, or split it where the field changes"

@@ -15,21 +15,25 @@ pub struct Extremum<T> {
     pub value: T,
 }
 
-/// What changes by less than this in a step, in units of its scale, has no extrema there: they would be those of rounding errors.
+/// What changes by less than this in a step, in units of its scale, has no extrema there: they
+/// would be those of rounding errors.
 const FLAT: f64 = 1e-14;
 /// How many times an extremum is improved at most.
 const ROUNDS: usize = 12;
-/// After a change of place by this part of a step, the parabola through it is the solution to rounding.
+/// After a change of place by this part of a step, the parabola through it is the solution to
+/// rounding.
 const SETTLED: f64 = 1e-5;
 
-/// The search for all local extrema of one watched function, step by step: to be called by the observer of a
-/// flow, with the same function in all steps.
+/// The search for all local extrema of one watched function, step by step: to be called by the
+/// observer of a flow, with the same function in all steps.
 ///
-/// Where the slope of dense output changes its sign, `dh/dσ = 0` is solved on a shorter step of the method,
-/// so that place and value have the accuracy of the flow, and the derivatives of both are those of the
-/// extremum: its place moves with parameters. A real state is taken from dense output itself where that is as
-/// accurate as the flow; its place, an error of which moves the value by its square only, may then err more. Two extrema in one eighth of a step are found where the slope
-/// of dense output shows that it comes near to zero and turns away. The ends of the flow are not counted.
+/// Where the slope of dense output changes its sign, `dh/dσ = 0` is solved on a shorter step of the
+/// method, so that place and value have the accuracy of the flow, and the derivatives of both are
+/// those of the extremum: its place moves with parameters. A real state is taken from dense output
+/// itself where that is as accurate as the flow; its place, an error of which moves the value by
+/// its square only, may then err more. Two extrema in one eighth of a step are found where the
+/// slope of dense output shows that it comes near to zero and turns away. The ends of the flow are
+/// not counted.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -99,8 +103,8 @@ impl<T: Scalar> Extrema<T> {
         !self.passes(watch, step, slopes)
     }
 
-    /// Whether slopes show that there is no extremum in a step: those at the ends and in the middle, or, of a
-    /// state, those of all stages.
+    /// Whether slopes show that there is no extremum in a step: those at the ends and in the
+    /// middle, or, of a state, those of all stages.
     fn passes<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -120,8 +124,8 @@ impl<T: Scalar> Extrema<T> {
         passes
     }
 
-    /// Goes on from one sample to the next: a slope of the other sign than the last one that was not zero
-    /// tells an extremum.
+    /// Goes on from one sample to the next: a slope of the other sign than the last one that was
+    /// not zero tells an extremum.
     fn pass<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         watch: &W,
@@ -145,9 +149,9 @@ impl<T: Scalar> Extrema<T> {
     }
 }
 
-/// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every round gains the
-/// digits that dense output has, and one order of derivatives; a round that makes the slope larger is undone. Returns `θ` and
-/// the value there.
+/// Newton's method for `dh/dθ = 0` on shorter steps, with the curvature of dense output: every
+/// round gains the digits that dense output has, and one order of derivatives; a round that makes
+/// the slope larger is undone. Returns `θ` and the value there.
 pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     sampler: &mut WatchSampler<T>,
     step: &mut Step<F, T>,
@@ -160,7 +164,8 @@ pub(super) fn improved<F: FieldIn<T>, T: Scalar, W: Watchable<T>>(
     let mut before: Option<(T, T, f64)> = None;
     for round in 0..ROUNDS {
         let (value, slope) = sampler.exact(step, watch, theta);
-        // Where the curvature is rounding, as just behind a release from rest, its parabola leads away.
+        // Where the curvature is rounding, as just behind a release from rest, its parabola leads
+        // away.
         if let Some((place, known, steep)) = before
             && slope.real().abs() > steep
             && (theta - place).real().abs() > SETTLED

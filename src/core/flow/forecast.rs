@@ -52,7 +52,8 @@ impl EventForecast {
         }
     }
 
-    /// Whether it is seen that the function does not fall through zero in the step of a lane; it is positive then.
+    /// Whether it is seen that the function does not fall through zero in the step of a lane; it is
+    /// positive then.
     pub fn is_quiet(&self, lane: usize, sign: Sign) -> bool {
         let positive = match sign {
             Sign::Positive => true,
@@ -62,8 +63,8 @@ impl EventForecast {
         is_set(self.rises, lane) || positive && is_set(self.clear, lane)
     }
 
-    /// About where the function falls through zero, if it does once in the step of a lane: by the cubic through its
-    /// ends.
+    /// About where the function falls through zero, if it does once in the step of a lane: by the
+    /// cubic through its ends.
     pub(super) fn fall(&self, lane: usize) -> Option<f64> {
         if !is_set(self.falls, lane) {
             return None;
@@ -80,7 +81,8 @@ impl EventForecast {
         }))
     }
 
-    /// By how much the end of the step of a lane is to be moved, in units of the step, to where the function vanishes.
+    /// By how much the end of the step of a lane is to be moved, in units of the step, to where the
+    /// function vanishes.
     pub(super) fn correction(&self, lane: usize) -> f64 {
         let end = &self.ends[1];
         -end.re.each()[lane] / end.eps.each()[lane]

@@ -78,22 +78,24 @@ impl<T: Scalar> Flow<T> {
         Ok(Flow { settings, ..Flow::default() })
     }
 
-    /// Controls the step by the size of numbers as given by a function, for instance the largest of a number
-    /// and its derivatives. By default only real parts count, so that a flow of dual numbers takes the same
-    /// steps as one of real numbers.
+    /// Controls the step by the size of numbers as given by a function, for instance the largest of
+    /// a number and its derivatives. By default only real parts count, so that a flow of dual
+    /// numbers takes the same steps as one of real numbers.
     pub fn measured_by(mut self, size: Size<T>) -> Self {
         self.size = Some(size);
         self
     }
 
-    /// Controls steps in which all states are small, against the absolute tolerance as a part of the relative
-    /// one, by the size of numbers as well, at ten times the tolerances. Near an equilibrium at zero real
-    /// parts say nothing about how derivatives move: the size of derivatives does.
+    /// Controls steps in which all states are small, against the absolute tolerance as a part of
+    /// the relative one, by the size of numbers as well, at ten times the tolerances. Near an
+    /// equilibrium at zero real parts say nothing about how derivatives move: the size of
+    /// derivatives does.
     pub(in crate::core) fn measure_at_rest_by(&mut self, size: Size<T>) {
         self.size_at_rest = Some(size);
     }
 
-    /// Flows `x` from the time `t0` for a duration `length`, which may be negative and may carry derivatives.
+    /// Flows `x` from the time `t0` for a duration `length`, which may be negative and may carry
+    /// derivatives.
     ///
     /// # Errors
     /// [`FlowError`] if the trajectory ends before; `x` is then where it ended.
@@ -108,8 +110,8 @@ impl<T: Scalar> Flow<T> {
         self.observe(field, t0, length, x, p, |_| ControlFlow::Continue(()))
     }
 
-    /// As [`advance`](Self::advance), and shows every accepted step to `observe`, which may end the flow
-    /// there. The state may be asked for anywhere in the step:
+    /// As [`advance`](Self::advance), and shows every accepted step to `observe`, which may end the
+    /// flow there. The state may be asked for anywhere in the step:
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -313,9 +315,9 @@ impl<T: Scalar> Flow<T> {
         observe(&mut Step { motion, scheme, tolerance, sigma, h, buffers, known })
     }
 
-    /// How many steps in a row stability has limited: the slopes of the last stage and of the end belong to
-    /// the same time, and their difference to that of the arguments is as the fastest rate of the field
-    /// (Hairer and Wanner 1996, section IV.2).
+    /// How many steps in a row stability has limited: the slopes of the last stage and of the end
+    /// belong to the same time, and their difference to that of the arguments is as the fastest
+    /// rate of the field (Hairer and Wanner 1996, section IV.2).
     fn stiffness<F: FieldIn<T>>(
         &self,
         motion: &Motion<F, T>,

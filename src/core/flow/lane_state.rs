@@ -136,15 +136,16 @@ impl<T: Scalar> LaneState<T> {
         matches!(self.purpose, Purpose::Aim { .. })
     }
 
-    /// Sets out for the only root of a watched function in the step just tried; none if that cannot be done.
+    /// Sets out for the only root of a watched function in the step just tried; none if that cannot
+    /// be done.
     pub fn aim(&mut self, watched: usize, forecast: &EventForecast, lane: usize) -> Option<()> {
         let guess = forecast.fall(lane).filter(|_| self.purpose == Purpose::Advance)?;
         self.purpose = Purpose::Aim { watched, fraction: guess, tries: 0 };
         Some(())
     }
 
-    /// Whether the shorter step just tried ends so close to the root that it is known. If not, another one is to be
-    /// tried, or the whole step looked at alone.
+    /// Whether the shorter step just tried ends so close to the root that it is known. If not,
+    /// another one is to be tried, or the whole step looked at alone.
     pub fn reached(&mut self, forecasts: &[EventForecast], lane: usize) -> Option<Reached> {
         let Purpose::Aim { watched, fraction, tries } = self.purpose else { return None };
         let change = forecasts[watched].correction(lane);

@@ -43,8 +43,8 @@ impl<F: FieldIn<T>, T: Scalar> Motion<'_, F, T> {
         slope.iter_mut().for_each(|slope| *slope *= self.length);
     }
 
-    /// The same field from `σ` on, slowed down by `fraction`: from `σ` to `σ + h` it does what this one
-    /// does from `σ` to `σ + h·fraction`.
+    /// The same field from `σ` on, slowed down by `fraction`: from `σ` to `σ + h` it does what this
+    /// one does from `σ` to `σ + h·fraction`.
     pub fn slowed(&self, sigma: f64, fraction: T) -> Self {
         Motion { start: self.time(sigma), length: self.length * fraction, ..*self }
     }

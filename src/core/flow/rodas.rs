@@ -1,5 +1,5 @@
-//! Coefficients of the Rosenbrock method Rodas5P (G. Steinebach, BIT Numer. Math. 63:27, 2023), in the
-//! form of Hairer and Wanner (1996), eq. (IV.7.25).
+//! Coefficients of the Rosenbrock method Rodas5P (G. Steinebach, BIT Numer. Math. 63:27, 2023), in
+//! the form of Hairer and Wanner (1996), eq. (IV.7.25).
 
 use super::tableau::Row;
 
@@ -32,7 +32,8 @@ pub(super) const TIME: [f64; STAGES] = [
     0.0,
 ];
 
-/// The weights `m_j`. The method is stiffly accurate: the rows of its last stages are beginnings of them.
+/// The weights `m_j`. The method is stiffly accurate: the rows of its last stages are beginnings of
+/// them.
 static WEIGHTS: [(usize, f64); STAGES] = [
     (0, -7.502846399306121),
     (1, 2.561846144803919),

@@ -18,8 +18,9 @@ pub struct Root<T> {
     pub rate: T,
 }
 
-/// Values up to this size, in units of the function's scale, are zero where a flow begins: a function that is no larger counts as positive only
-/// when it has become larger, and as fallen when it has fallen by so much.
+/// Values up to this size, in units of the function's scale, are zero where a flow begins: a
+/// function that is no larger counts as positive only when it has become larger, and as fallen when
+/// it has fallen by so much.
 pub(super) const ZERO: f64 = 1e-13;
 /// A function below zero by more than this, likewise, where a flow begins has fallen before.
 pub(crate) const NEGATIVE: f64 = 1e-9;
@@ -27,11 +28,11 @@ pub(crate) const NEGATIVE: f64 = 1e-9;
 const ROUNDS: usize = 60;
 /// A root of dense output is improved until it changes by less than this part of a step …
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// … or, below this part, until it does not become better: close to a tangency, rounding errors of the value
-/// move the root farther.
+/// … or, below this part, until it does not become better: close to a tangency, rounding errors of
+/// the value move the root farther.
 const NEAR: f64 = 1e-6;
-/// An extremum this close to zero, in units of the change about it, is computed to the method's accuracy
-/// before its sign is believed.
+/// An extremum this close to zero, in units of the change about it, is computed to the method's
+/// accuracy before its sign is believed.
 const TANGENT: f64 = 1e-3;
 
 /// A function is far from zero if it is more than so many times its change in a step.
@@ -44,23 +45,24 @@ pub(in crate::core) enum Sign {
     Unknown,
     /// It has been positive: it counts where it falls through zero.
     Positive,
-    /// It began at zero and has not been positive since: the highest level, and its place in the flow.
+    /// It began at zero and has not been positive since: the highest level, and its place in the
+    /// flow.
     Zero { level: f64, top: f64 },
     /// It has fallen through zero: it counts again after it was positive.
     Fallen,
 }
 
-/// The search for all places where one watched function falls through zero, step by step: to be called by the
-/// observer of a flow.
+/// The search for all places where one watched function falls through zero, step by step: to be
+/// called by the observer of a flow.
 ///
-/// Between extrema of dense output a function is monotone, so that a root is bracketed by signs, even where the
-/// function dips below zero within one step; an extremum close to zero is computed to the accuracy of the
-/// method first. The root is solved for on shorter steps of the method, and carries the derivatives of the
-/// place where the function vanishes.
+/// Between extrema of dense output a function is monotone, so that a root is bracketed by signs,
+/// even where the function dips below zero within one step; an extremum close to zero is computed
+/// to the accuracy of the method first. The root is solved for on shorter steps of the method, and
+/// carries the derivatives of the place where the function vanishes.
 ///
-/// A function that is zero where the flow begins counts at once if it falls, and otherwise after it was
-/// positive. That it falls may be seen in a later step only: the root is then before this one, at a negative
-/// fraction.
+/// A function that is zero where the flow begins counts at once if it falls, and otherwise after it
+/// was positive. That it falls may be seen in a later step only: the root is then before this one,
+/// at a negative fraction.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -158,8 +160,8 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         ControlFlow::Continue(())
     }
 
-    /// Whether the function is positive and so large that changes many times those of this step and the one before
-    /// would not take it to zero: its slopes need not be known.
+    /// Whether the function is positive and so large that changes many times those of this step and
+    /// the one before would not take it to zero: its slopes need not be known.
     fn stays_far<F: FieldIn<T>>(&mut self, step: &Step<F, T>) -> bool {
         let Some((last, change)) = self.far.filter(|_| self.sign == Sign::Positive) else {
             return false;
@@ -182,8 +184,8 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         }
     }
 
-    /// Whether the function is positive in all of the step, as values and slopes at its ends show: it is
-    /// monotone, or so large that the slopes cannot take it to zero.
+    /// Whether the function is positive in all of the step, as values and slopes at its ends show:
+    /// it is monotone, or so large that the slopes cannot take it to zero.
     fn keeps_positive(&mut self, ends: &[Sample; 2]) -> bool {
         self.begin(ends[0].value);
         let slopes = slopes(ends);
@@ -193,7 +195,8 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         self.sign == Sign::Positive && least > ZERO * self.scale && clear
     }
 
-    /// Whether the function rises all the way, so that it does not fall through zero, and is positive at the end.
+    /// Whether the function rises all the way, so that it does not fall through zero, and is
+    /// positive at the end.
     fn rises(&mut self, ends: &[Sample; 2]) -> bool {
         let rises = keep_clear_of_zero(&slopes(ends))
             && ends[1].slope > 0.0
@@ -220,8 +223,8 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
             let (theta, value) = improved(&mut self.sampler, step, &self.watch, turn.fraction);
             (turn.fraction, turn.value) = (theta.real(), value.real());
             if !(0.0..=1.0).contains(&(step.sigma + step.h * turn.fraction)) {
-                // Before the flow begins or after it ends: where a flow sets out from zero with no slope, the sign of
-                // the slope is that of rounding errors.
+                // Before the flow begins or after it ends: where a flow sets out from zero with no
+                // slope, the sign of the slope is that of rounding errors.
                 return self.fall(step, [left, right], visit);
             }
         }
@@ -267,8 +270,9 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         visit(step, root)
     }
 
-    /// The root between a sample where the function is positive and one where it is negative: from that of
-    /// dense output, or close to a tangency of the parabola there, by Newton's method within the bracket.
+    /// The root between a sample where the function is positive and one where it is negative: from
+    /// that of dense output, or close to a tangency of the parabola there, by Newton's method
+    /// within the bracket.
     fn between<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -297,7 +301,8 @@ impl<T: Scalar, W: Watchable<T>> Roots<T, W> {
         self.at_once(step, theta)
     }
 
-    /// The root whose real part is known: its derivatives by Newton's method, one order in every round.
+    /// The root whose real part is known: its derivatives by Newton's method, one order in every
+    /// round.
     pub(in crate::core) fn at_once<F: FieldIn<T>>(
         &mut self,
         step: &mut Step<F, T>,

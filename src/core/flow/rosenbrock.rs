@@ -1,7 +1,7 @@
 //! The Rosenbrock method Rodas5P.
 //!
-//! It is compiled for all scalars of residuals, since work-precision diagrams locate folds of stiff orbits with it: its
-//! scalars of second and third order take 0.9 % of the library's compiled text.
+//! It is compiled for all scalars of residuals, since work-precision diagrams locate folds of stiff
+//! orbits with it: its scalars of second and third order take 0.9 % of the library's compiled text.
 //!
 //! With `J = ∂g/∂x` and `ġ = ∂g/∂σ` at the start of the step, each stage solves a linear system,
 //!
@@ -9,8 +9,8 @@
 //!     (I/(hγ) − J) u_i = g(σ + c_i h, x + Σ_j a_ij u_j) + Σ_j (C_ij/h) u_j + h d_i ġ,
 //! ```
 //!
-//! and the state at the end is `x + Σ_j m_j u_j`. The last increment is the error estimate (Hairer and
-//! Wanner 1996, section IV.7; coefficients: G. Steinebach, BIT Numer. Math. 63:27, 2023).
+//! and the state at the end is `x + Σ_j m_j u_j`. The last increment is the error estimate (Hairer
+//! and Wanner 1996, section IV.7; coefficients: G. Steinebach, BIT Numer. Math. 63:27, 2023).
 
 use super::motion::Motion;
 use super::rodas::{COUPLING, GAMMA, NODES, ROWS, STAGES, TIME};
@@ -72,8 +72,8 @@ impl<T: Scalar> Linearisation<T> {
 }
 
 impl<T: Scalar> Stages<T> {
-    /// The stages of a step of length `h` from `x` at `σ`, and the state at its end; `false` if the matrix
-    /// of the stages is singular. The field was linearised `fraction` times as slow.
+    /// The stages of a step of length `h` from `x` at `σ`, and the state at its end; `false` if the
+    /// matrix of the stages is singular. The field was linearised `fraction` times as slow.
     pub fn advance_linearised<F: FieldIn<T>>(
         &mut self,
         linear: &mut Linearisation<T>,

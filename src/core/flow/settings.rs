@@ -13,8 +13,8 @@ pub enum Scheme {
     DormandPrince8,
     /// The explicit pair of order 5(4) of Dormand and Prince: for few digits.
     DormandPrince5,
-    /// The stiffly accurate, L-stable Rosenbrock method Rodas5P of order 5 of Steinebach (2023): for
-    /// stiff fields.
+    /// The stiffly accurate, L-stable Rosenbrock method Rodas5P of order 5 of Steinebach (2023):
+    /// for stiff fields.
     Rodas5P,
 }
 
@@ -41,8 +41,8 @@ impl Scheme {
 
 /// Tolerances and limits of a flow.
 ///
-/// The estimated error of a step is kept below `absolute + relative·|x_i|`, in the root mean square over
-/// the states. Steps are parts of the whole flow: 1 is one step for all of it.
+/// The estimated error of a step is kept below `absolute + relative·|x_i|`, in the root mean square
+/// over the states. Steps are parts of the whole flow: 1 is one step for all of it.
 ///
 /// ```
 /// use tangency::core::flow::{Scheme, Settings};
@@ -59,7 +59,8 @@ pub struct Settings {
     pub relative: f64,
     /// The absolute tolerance of a step.
     pub absolute: f64,
-    /// The first step to try; chosen by the field (Hairer, Nørsett, Wanner 1993, section II.4) if absent.
+    /// The first step to try; chosen by the field (Hairer, Nørsett, Wanner 1993, section II.4) if
+    /// absent.
     pub first_step: Option<f64>,
     /// The largest step.
     pub largest_step: f64,

@@ -8,7 +8,8 @@ use crate::core::scalar_field::FieldIn;
 /// The stages of one step.
 #[derive(Clone, Debug)]
 pub(super) struct Stages<T> {
-    /// The slopes `k_0, k_1, …`, one stage after the other (increments `u_j` of a Rosenbrock method).
+    /// The slopes `k_0, k_1, …`, one stage after the other (increments `u_j` of a Rosenbrock
+    /// method).
     pub slopes: Vec<T>,
     /// The argument of the last stage.
     pub argument: Vec<T>,
@@ -22,7 +23,8 @@ impl<T> Default for Stages<T> {
     }
 }
 
-/// The largest size in bytes of a number that stays in registers: steps of few such numbers are unrolled.
+/// The largest size in bytes of a number that stays in registers: steps of few such numbers are
+/// unrolled.
 const IN_REGISTERS: usize = 72;
 
 /// The number of states, by which a step is unrolled; 0 for numbers that do not stay in registers.
@@ -53,8 +55,8 @@ impl<T: Scalar> Stages<T> {
         &mut self.slopes[stage * n..(stage + 1) * n]
     }
 
-    /// The stages of an explicit step of length `h` from `x` at `σ`, the first of which is known, and the
-    /// state at its end.
+    /// The stages of an explicit step of length `h` from `x` at `σ`, the first of which is known,
+    /// and the state at its end.
     pub fn advance<F: FieldIn<T>>(
         &mut self,
         tableau: &Tableau,

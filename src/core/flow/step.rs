@@ -57,18 +57,19 @@ impl<T: Scalar> Default for Buffers<T> {
 /// Slopes of a state are clear of zero if the least one is more than this part of the largest.
 const CLEAR: f64 = 0.05;
 
-/// Fractions of a step that are nearer to each other than this are so for the polynomials of dense output.
+/// Fractions of a step that are nearer to each other than this are so for the polynomials of dense
+/// output.
 const NEAR: f64 = 1e-4;
 
-/// From a state to one that is no farther away than this, as a part of the step, a step of order 2 is exact: it errs by
-/// a twelfth of the third power.
+/// From a state to one that is no farther away than this, as a part of the step, a step of order 2
+/// is exact: it errs by a twelfth of the third power.
 pub(super) const CLOSE: f64 = 1e-5;
 
 /// The largest value of `θ⁴ (1 − θ)³`.
 const LAST_TERM: f64 = 256.0 * 27.0 / 823_543.0;
 
-/// Places and weights of a Gauss rule on the interval from 0 to 1: on a step of any tolerance it errs less than the
-/// step does.
+/// Places and weights of a Gauss rule on the interval from 0 to 1: on a step of any tolerance it
+/// errs less than the step does.
 static GAUSS: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let (places, weights) = gauss_legendre(6);
     places.iter().zip(weights).map(|(y, w)| [0.5 * (1.0 + y), 0.5 * w]).collect()
@@ -92,8 +93,8 @@ impl RealStep {
 
 /// One accepted step of a flow, from `σ` to `σ + h`.
 ///
-/// A fraction of the step is a number from 0 (its start) to 1 (its end); it may carry derivatives, for
-/// instance those of the time of an event by parameters.
+/// A fraction of the step is a number from 0 (its start) to 1 (its end); it may carry derivatives,
+/// for instance those of the time of an event by parameters.
 pub struct Step<'a, F, T: Scalar> {
     pub(super) motion: &'a Motion<'a, F, T>,
     pub(super) scheme: Scheme,
@@ -105,8 +106,8 @@ pub struct Step<'a, F, T: Scalar> {
     pub(super) known: Known,
 }
 
-/// `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of Hairer, Nørsett
-/// and Wanner (1993), section II.6, given the coefficients from the last one to the first.
+/// `F₀ θ + F₁ θ (1 − θ) + F₂ θ² (1 − θ) + F₃ θ² (1 − θ)² + …`: dense output in the form of Hairer,
+/// Nørsett and Wanner (1993), section II.6, given the coefficients from the last one to the first.
 fn nested<S: Scalar>(coefficients: impl Iterator<Item = (usize, S)>, theta: S) -> S {
     coefficients.fold(S::zero(), |sum, (power, coefficient)| {
         let factor = if power % 2 == 0 { theta } else { S::one() - theta };
@@ -145,9 +146,9 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         &self.buffers.stages.end
     }
 
-    /// The state at a fraction of the step by dense output: of order 7 for the method of order 8, of order 4
-    /// for those of order 5. Costs three evaluations of the field a step with the former, none with the
-    /// latter.
+    /// The state at a fraction of the step by dense output: of order 7 for the method of order 8,
+    /// of order 4 for those of order 5. Costs three evaluations of the field a step with the
+    /// former, none with the latter.
     pub fn interpolate(&mut self, fraction: T, x: &mut [T]) {
         self.prepare();
         for (i, x) in x.iter_mut().enumerate() {
@@ -155,8 +156,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         }
     }
 
-    /// The state at a fraction of the step by a shorter step of the same method: exact to the method's
-    /// order, at the cost of a step.
+    /// The state at a fraction of the step by a shorter step of the same method: exact to the
+    /// method's order, at the cost of a step.
     pub fn state(&mut self, fraction: T, x: &mut [T]) {
         match self.met_within(CLOSE, fraction) {
             Some(_) => {
@@ -170,8 +171,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         x.copy_from_slice(&self.buffers.partial.end);
     }
 
-    /// Calls `visit` with weight (in time), time and state at the places of a Gauss rule on the step from its start to
-    /// a fraction.
+    /// Calls `visit` with weight (in time), time and state at the places of a Gauss rule on the
+    /// step from its start to a fraction.
     pub fn quadrature(&mut self, end: f64, mut visit: impl FnMut(T, T, &[T])) {
         let mut x = self.buffers.x.clone();
         for [place, weight] in GAUSS.iter() {
@@ -222,7 +223,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         (&self.buffers.partial.end, &self.buffers.slopes)
     }
 
-    /// Moves the state found exactly to a fraction that is close to where it is, by a step of Heun's method.
+    /// Moves the state found exactly to a fraction that is close to where it is, by a step of
+    /// Heun's method.
     fn move_from(&mut self, met: f64, fraction: T) {
         let (h, time) = ((fraction - met) * self.h, self.time(fraction));
         let Buffers { partial, slopes, .. } = &mut *self.buffers;
@@ -245,8 +247,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         self.met_within(NEAR, T::constant(fraction))
     }
 
-    /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear of zero.
-    /// The stages are so close to each other that it does not turn between them.
+    /// Whether the slopes of a state in all stages of an explicit step have one sign and stay clear
+    /// of zero. The stages are so close to each other that it does not turn between them.
     pub(super) fn keeps_direction(&self, state: usize) -> bool {
         let Some(tableau) = self.scheme.tableau() else { return false };
         let (n, slopes) = (self.buffers.x.len(), &self.buffers.stages.slopes);
@@ -299,8 +301,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         watch.state_index().map_or_else(|| watch.size(), |state| self.buffers.scales[state])
     }
 
-    /// State `i` at a fraction of the step by dense output, in any scalar type that the coefficients can be
-    /// lifted to. [`prepare`](Self::prepare) comes first.
+    /// State `i` at a fraction of the step by dense output, in any scalar type that the
+    /// coefficients can be lifted to. [`prepare`](Self::prepare) comes first.
     pub(super) fn interpolated<S: Scalar>(&self, i: usize, theta: S, lift: impl Fn(T) -> S) -> S {
         let n = self.buffers.x.len();
         let powers = self.buffers.dense.len() / n;
@@ -309,8 +311,8 @@ impl<'a, F: FieldIn<T>, T: Scalar> Step<'a, F, T> {
         nested(coefficients, theta) + lift(self.buffers.x[i])
     }
 
-    /// Whether dense output of a state, which must be prepared, errs by no more than the flow may: its last term, of
-    /// which the error is a small part, is below ten tolerances.
+    /// Whether dense output of a state, which must be prepared, errs by no more than the flow may:
+    /// its last term, of which the error is a small part, is below ten tolerances.
     pub(super) fn is_dense_enough(&self, state: usize) -> bool {
         let n = self.buffers.x.len();
         let last = self.buffers.dense[self.buffers.dense.len() - n + state].real().abs();

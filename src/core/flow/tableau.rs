@@ -1,15 +1,15 @@
 //! Coefficients of the explicit pairs.
 //!
-//! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state at its
-//! end is `x + h Σ_j b_j k_j`. Rows list what does not vanish: (stage, coefficient).
+//! A stage of a step of length `h` from `x` is `k_i = g(σ + c_i h, x + h Σ_j a_ij k_j)`; the state
+//! at its end is `x + h Σ_j b_j k_j`. Rows list what does not vanish: (stage, coefficient).
 
 /// One row of a tableau: (stage, coefficient) where the coefficient does not vanish.
 pub(super) type Row = &'static [(usize, f64)];
 
 /// An explicit pair whose last stage is at the end of the step, with dense output.
 ///
-/// Stages are numbered from 0; with `s` rows there are stages `0 … s`, the slope at the end of the step
-/// has the number `s + 1`, and the stages that only dense output needs follow it.
+/// Stages are numbered from 0; with `s` rows there are stages `0 … s`, the slope at the end of the
+/// step has the number `s + 1`, and the stages that only dense output needs follow it.
 #[derive(Debug)]
 pub(super) struct Tableau {
     /// The order of the method.
@@ -50,8 +50,8 @@ impl Tableau {
     }
 }
 
-/// The pair of order 5(4) of Dormand and Prince (1980) with dense output of order 4 by Shampine (1986),
-/// as printed by Hairer, Nørsett and Wanner (1993), table II.5.2 and section II.6.
+/// The pair of order 5(4) of Dormand and Prince (1980) with dense output of order 4 by Shampine
+/// (1986), as printed by Hairer, Nørsett and Wanner (1993), table II.5.2 and section II.6.
 pub(super) static ORDER_FIVE: Tableau = Tableau {
     order: 5,
     nodes: &[0.2, 0.3, 0.8, 8.0 / 9.0, 1.0],
@@ -104,8 +104,8 @@ pub(super) static ORDER_FIVE: Tableau = Tableau {
     ratios: (0.2, 10.0),
 };
 
-/// The method of order 8 of Dormand and Prince with error estimates of orders 5 and 3 and dense output of
-/// order 7, DOP853 of Hairer, Nørsett and Wanner (1993), section II.10.
+/// The method of order 8 of Dormand and Prince with error estimates of orders 5 and 3 and dense
+/// output of order 7, DOP853 of Hairer, Nørsett and Wanner (1993), section II.10.
 pub(super) static ORDER_EIGHT: Tableau = Tableau {
     order: 8,
     nodes: &[

@@ -11,8 +11,8 @@ const ROUNDS: usize = 12;
 /// A place that changes by less than this part of a step is found.
 const SETTLED: f64 = 1e-12;
 
-/// The search for places where a watched function is zero or less at the beginning of a step, and positive at its
-/// end. A function that is positive for less than a step is not seen.
+/// The search for places where a watched function is zero or less at the beginning of a step, and
+/// positive at its end. A function that is positive for less than a step is not seen.
 #[derive(Clone, Debug, Default)]
 pub(in crate::core) struct UpCrossings {
     sampler: WatchSampler<f64>,
@@ -28,7 +28,8 @@ impl UpCrossings {
         self.sampler.ends(step, watch, None).is_none_or(|ends| rises(&ends))
     }
 
-    /// Calls `visit` with the place in the flow (from 0 to 1) and the state there, if the function rises in a step.
+    /// Calls `visit` with the place in the flow (from 0 to 1) and the state there, if the function
+    /// rises in a step.
     pub fn search<F: FieldIn<f64>, W: Watchable<f64>>(
         &mut self,
         watch: &W,

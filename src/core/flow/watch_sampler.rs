@@ -1,8 +1,8 @@
 //! A watched function within one step: its values, slopes and curvatures.
 //!
-//! With the fraction `θ` of the step, slopes and curvatures are derivatives of `h(t(θ), x(θ), p)` by `θ`. They
-//! come from dense output in dual numbers, or, where they must be exact, from a shorter step of the method and
-//! the field at its end.
+//! With the fraction `θ` of the step, slopes and curvatures are derivatives of `h(t(θ), x(θ), p)`
+//! by `θ`. They come from dense output in dual numbers, or, where they must be exact, from a
+//! shorter step of the method and the field at its end.
 
 use super::step::Step;
 use crate::core::scalar::Scalar;
@@ -104,8 +104,8 @@ impl<T> Default for WatchSampler<T> {
 }
 
 impl<T: Scalar> WatchSampler<T> {
-    /// Values and slopes at both ends of the step, that at the start unless it is known; they cost no evaluation
-    /// of the field. Slopes of a Rosenbrock method are not known.
+    /// Values and slopes at both ends of the step, that at the start unless it is known; they cost
+    /// no evaluation of the field. Slopes of a Rosenbrock method are not known.
     pub fn ends<F: FieldIn<S>, S: Scalar, W: Watchable<T>>(
         &mut self,
         step: &Step<F, S>,
@@ -211,8 +211,8 @@ impl<T: Scalar> WatchSampler<T> {
         (value.re, value.eps)
     }
 
-    /// Samples the step so densely that between two of them there is one extremum at most: in equal parts
-    /// unless `brief`, and where the slope comes near to zero and turns away.
+    /// Samples the step so densely that between two of them there is one extremum at most: in equal
+    /// parts unless `brief`, and where the slope comes near to zero and turns away.
     pub fn survey<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &mut Step<F, T>,
@@ -236,9 +236,9 @@ impl<T: Scalar> WatchSampler<T> {
         }
     }
 
-    /// Where a quantity, given with its slope as far as it is known, changes its sign between two samples: by Newton's
-    /// method within the bracket, or by false position (of the Illinois kind, which does not stall at one end); the
-    /// second sample if it does not.
+    /// Where a quantity, given with its slope as far as it is known, changes its sign between two
+    /// samples: by Newton's method within the bracket, or by false position (of the Illinois kind,
+    /// which does not stall at one end); the second sample if it does not.
     pub fn root<F: FieldIn<T>, W: Watchable<T>>(
         &mut self,
         step: &Step<F, T>,
@@ -281,15 +281,16 @@ pub(super) fn slopes([first, last]: &[Sample; 2]) -> [f64; 3] {
     [first.slope, 1.5 * rise - 0.25 * (first.slope + last.slope), last.slope]
 }
 
-/// Whether slopes in three places of a step have one sign and sizes that differ by less than five times.
+/// Whether slopes in three places of a step have one sign and sizes that differ by less than five
+/// times.
 pub(super) fn keep_clear_of_zero(slopes: &[f64; 3]) -> bool {
     let least = slopes.iter().fold(f64::INFINITY, |least, s| least.min(s.abs()));
     let most = largest(slopes);
     slopes.iter().all(|s| s * slopes[2] > 0.0) && 5.0 * least > most
 }
 
-/// Whether slopes in three places of a step change their sign once, at a rate that changes by less than
-/// three times.
+/// Whether slopes in three places of a step change their sign once, at a rate that changes by less
+/// than three times.
 pub(super) fn crosses_once(slopes: &[f64; 3]) -> bool {
     let rates = [slopes[1] - slopes[0], slopes[2] - slopes[1]];
     let [a, b] = rates.map(f64::abs);

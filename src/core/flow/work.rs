@@ -15,7 +15,8 @@ thread_local! {
     static WORK: Cell<Work> = const { Cell::new(Work { evaluations: 0, time: 0.0 }) };
 }
 
-/// What this thread's flows have done so far, on dual numbers or not: what tracing orbits by shooting costs.
+/// What this thread's flows have done so far, on dual numbers or not: what tracing orbits by
+/// shooting costs.
 ///
 /// ```
 /// use tangency::core::flow::{Flow, Settings, work};

@@ -17,7 +17,8 @@ use num_dual::Dual;
 pub struct MapSettings {
     /// The order of the polynomials, from 1 to 7.
     pub order: usize,
-    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest one.
+    /// The tolerance of the flow once around, for all Taylor coefficients, relative to the largest
+    /// one.
     pub tolerance: f64,
 }
 
@@ -28,8 +29,8 @@ impl Default for MapSettings {
     }
 }
 
-/// What a map is computed of: the system at a grazing point with its section, and positions of the parameters
-/// that deviate.
+/// What a map is computed of: the system at a grazing point with its section, and positions of the
+/// parameters that deviate.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub system: &'a dyn HybridEquations,
@@ -54,14 +55,16 @@ pub(super) struct Place<T> {
     pub x: Vec<T>,
 }
 
-/// Newton's iterations at most: each doubles the digits of the real part, and the degree that is right.
+/// Newton's iterations at most: each doubles the digits of the real part, and the degree that is
+/// right.
 const ROUNDS: usize = 12;
 /// A step this much smaller than the largest one is rounding.
 const ROUNDING: f64 = 1e-14;
 /// A surface is reached when the last step is smaller than this, relative to the largest one.
 pub(super) const REACHED: f64 = 1e-6;
 
-/// The section of a grazing point with parameters that are jets: places on it, and motion from them.
+/// The section of a grazing point with parameters that are jets: places on it, and motion from
+/// them.
 pub(super) struct Chart<'a, const C: usize> {
     pub source: Source<'a>,
     /// Deviations of the coordinates, as variables.
@@ -145,8 +148,8 @@ where
         place
     }
 
-    /// The place on the section where the guard has a given value, with these deviations of the other
-    /// coordinates.
+    /// The place on the section where the guard has a given value, with these deviations of the
+    /// other coordinates.
     pub fn at_depth(&self, deviations: &[Jet<C>], guard: Jet<C>) -> Place<Jet<C>> {
         let mut place = self.place(deviations);
         let Source { point, section, .. } = self.source;

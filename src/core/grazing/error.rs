@@ -10,7 +10,8 @@ use crate::core::names::UnknownName;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrazingError {
-    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch is born at it.
+    /// The orbit, its linearisation or its multipliers cannot be computed, or no branch is born at
+    /// it.
     #[error(transparent)]
     Failure(#[from] Failure),
     /// The order or the number of variables is too high.

@@ -1,16 +1,17 @@
 //! Expansions of the curves of folds and period doublings that begin at a point of codimension two.
 //!
-//! An orbit with one impact solves `F = P(D(z, p), p) − ξ(z, p) = 0`, where `ξ` is the virtual point that
-//! `z`, its `y` and its other coordinates, stands for. It has the multiplier `μ` where
+//! An orbit with one impact solves `F = P(D(z, p), p) − ξ(z, p) = 0`, where `ξ` is the virtual
+//! point that `z`, its `y` and its other coordinates, stands for. It has the multiplier `μ` where
 //!
 //! ```text
 //!     (∂[P ∘ D]/∂z − μ ∂ξ/∂z) v = 0,    ⟨c, v⟩ = 1.
 //! ```
 //!
-//! Both are regular at `y = 0`. Where the derivative of the smooth map leads no part of `β` into the normal
-//! direction (`∂P/∂θ = 0` in one phase), they are solved by `y = 0` with `μ = 1` and `μ = −1` alike, so that
-//! a curve of folds and one of period doublings begin there. With one parameter a jet, Newton's iteration for
-//! `z`, `v` and another parameter gives the Taylor series of the curve, a term an iteration.
+//! Both are regular at `y = 0`. Where the derivative of the smooth map leads no part of `β` into
+//! the normal direction (`∂P/∂θ = 0` in one phase), they are solved by `y = 0` with `μ = 1` and
+//! `μ = −1` alike, so that a curve of folds and one of period doublings begin there. With one
+//! parameter a jet, Newton's iteration for `z`, `v` and another parameter gives the Taylor series
+//! of the curve, a term an iteration.
 
 use super::error::GrazingError;
 use super::map::LocalMap;
@@ -22,19 +23,21 @@ use crate::core::scalar::Scalar;
 use crate::core::zero::{Border, Dynamics, Names, ZeroProblem};
 use num_dual::{Dual, Dual64, DualNum};
 
-/// The Taylor series of a curve of special points from a grazing of codimension two: `Δp₁ = Σ c_k Δp₂ᵏ`.
+/// The Taylor series of a curve of special points from a grazing of codimension two:
+/// `Δp₁ = Σ c_k Δp₂ᵏ`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
     /// Folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]).
     pub kind: Kind,
     /// `c_1, c_2, …`, as many as the map has orders.
     pub parameter: Vec<f64>,
-    /// The coefficients of `y`, one fewer. The curve lies on the side of `Δp₂` where `y` is positive.
+    /// The coefficients of `y`, one fewer. The curve lies on the side of `Δp₂` where `y` is
+    /// positive.
     pub depth: Vec<f64>,
 }
 
-/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to be traced and drawn beside
-/// what it is a series of.
+/// The curve of a series, `Δp₁ − Σ c_k Δp₂ᵏ = 0` with its depth, as a zero problem in `p₂`: to be
+/// traced and drawn beside what it is a series of.
 ///
 /// ```
 /// use tangency::core::continuation::Continuation;
@@ -94,7 +97,8 @@ impl ZeroProblem for ExpansionCurve {
 /// A series has room for the terms of the highest order.
 type Series = Jet<16>;
 
-/// A matrix is singular if its null vector within a border is found with a multiplier smaller than this.
+/// A matrix is singular if its null vector within a border is found with a multiplier smaller than
+/// this.
 const SINGULAR: f64 = 1e-6;
 
 /// The equations of a curve.
@@ -200,8 +204,9 @@ impl Curve<'_> {
 }
 
 impl LocalMap {
-    /// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits with one
-    /// impact that begins at this grazing, if it is degenerate: one parameter by another one.
+    /// The series of the curve of folds ([`Kind::LP`]) or period doublings ([`Kind::PD`]) of orbits
+    /// with one impact that begins at this grazing, if it is degenerate: one parameter by another
+    /// one.
     ///
     /// ```
     /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
@@ -226,8 +231,8 @@ impl LocalMap {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError::NotDegenerate`] if no such curve begins here, [`GrazingError::NoCurve`] for another
-    /// kind, and [`GrazingError::Unknown`] for a parameter that does not deviate.
+    /// [`GrazingError::NotDegenerate`] if no such curve begins here, [`GrazingError::NoCurve`] for
+    /// another kind, and [`GrazingError::Unknown`] for a parameter that does not deviate.
     pub fn expanded(&self, kind: Kind, parameters: [&str; 2]) -> Result<Expansion, GrazingError> {
         let mu = match kind {
             Kind::LP => 1.0,

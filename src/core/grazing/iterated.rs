@@ -17,12 +17,12 @@ const MOST: f64 = 1.0;
 /// The number of the only event: that the virtual point lies beyond the surface.
 const IMPACT: usize = 0;
 
-/// The local map iterated: what motions near the grazing settle on, in a fraction of the time that simulation
-/// takes.
+/// The local map iterated: what motions near the grazing settle on, in a fraction of the time that
+/// simulation takes.
 ///
-/// States are deviations of the coordinates; parameters are those of the system, in the order of the names that are
-/// given, of which those count in which the map is expanded. A period in which the virtual point lies beyond the
-/// surface has the event `impact`, and `penetration` is measured.
+/// States are deviations of the coordinates; parameters are those of the system, in the order of
+/// the names that are given, of which those count in which the map is expanded. A period in which
+/// the virtual point lies beyond the surface has the event `impact`, and `penetration` is measured.
 ///
 /// ```
 /// use tangency::core::attractor::AttractorSearch;
@@ -64,8 +64,8 @@ impl<T: Scalar> Moving<T> {
         Moving { iteration: Iteration::new(map, order), p: Vec::new() }
     }
 
-    /// Replaces a state by its image. Returns the penetration before. Refuses an image that is nowhere near the
-    /// grazing.
+    /// Replaces a state by its image. Returns the penetration before. Refuses an image that is
+    /// nowhere near the grazing.
     fn image(
         &mut self,
         positions: &[usize],
@@ -92,10 +92,12 @@ impl Iterated {
     /// The name of its event: an iterate that goes through the surface.
     pub const EVENT: &str = "impact";
 
-    /// The map, where `parameters` names those that are given to it; with measures, of which there is `penetration`.
+    /// The map, where `parameters` names those that are given to it; with measures, of which there
+    /// is `penetration`.
     ///
     /// # Errors
-    /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another measure.
+    /// [`GrazingError::Unknown`] if one of the map's parameters is not among them, or for another
+    /// measure.
     pub fn of(
         map: LocalMap,
         parameters: &[String],

@@ -6,8 +6,8 @@ use crate::core::jet::Monomials;
 use crate::core::scalar::Scalar;
 use std::ops::Deref;
 
-/// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after the first
-/// image.
+/// The iteration of a [`LocalMap`] in one scalar type, with all buffers: nothing is allocated after
+/// the first image.
 ///
 /// Points have as many components as the map has coordinates, and parameters as many as deviate.
 ///
@@ -31,8 +31,8 @@ impl LocalMap {
         Iteration::new(self, order)
     }
 
-    /// How much the highest order changes the image of a point: an estimate of the error of the map of one
-    /// order less, and where the series converges a bound for that of its own.
+    /// How much the highest order changes the image of a point: an estimate of the error of the map
+    /// of one order less, and where the series converges a bound for that of its own.
     pub fn error(&self, x: &[f64], p: &[f64]) -> f64 {
         let (mut image, mut lower) = (x.to_vec(), x.to_vec());
         self.iteration().apply(&mut image, p);
@@ -40,7 +40,8 @@ impl LocalMap {
         image.iter().zip(&lower).fold(0.0, |most, (a, b)| (a - b).abs().max(most))
     }
 
-    /// The image of a point of the section, given deviations of its coordinates and of the parameters.
+    /// The image of a point of the section, given deviations of its coordinates and of the
+    /// parameters.
     ///
     /// # Errors
     /// [`GrazingError::TooFar`] if the highest order changes it by more than the tolerance,
@@ -70,8 +71,8 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         Iteration { map, order, monomials: Monomials::default(), place: Vec::new() }
     }
 
-    /// The penetration `−h` at a point of the section, given deviations of its coordinates and of the
-    /// parameters.
+    /// The penetration `−h` at a point of the section, given deviations of its coordinates and of
+    /// the parameters.
     pub fn penetration(&mut self, x: &[T], p: &[T]) -> T {
         self.at(x, p);
         self.map.smooth.penetration.sum_to(self.order, &self.monomials)
@@ -90,8 +91,8 @@ impl<M: Deref<Target = LocalMap>, T: Scalar> Iteration<M, T> {
         penetration
     }
 
-    /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of its normal
-    /// coordinate, and the other coordinates. The image is written into `x`.
+    /// `D`, then `P_smooth`, of the virtual point given by `y` (which may be negative) in place of
+    /// its normal coordinate, and the other coordinates. The image is written into `x`.
     pub(super) fn apply_regular(&mut self, z: &[T], p: &[T], x: &mut [T]) {
         self.at(z, p);
         self.discontinue(x);

@@ -9,13 +9,14 @@ use crate::core::jet::Polynomial;
 use crate::core::linear::{solved, unit};
 use crate::core::names::position;
 
-/// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of the scales.
+/// How often Newton's iteration for a grazing orbit is repeated, and when it is done, in units of
+/// the scales.
 const ITERATIONS: usize = 12;
 const DONE: f64 = 1e-11;
 
 impl GrazingPoint {
-    /// The nearest point that an orbit returns to, one parameter being free: Newton's iteration on the linear
-    /// local map, to an orbit that misses its start by no more than 1e-11.
+    /// The nearest point that an orbit returns to, one parameter being free: Newton's iteration on
+    /// the linear local map, to an orbit that misses its start by no more than 1e-11.
     ///
     /// ```
     /// use tangency::core::grazing::GrazingPoint;
@@ -41,7 +42,8 @@ impl GrazingPoint {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError`], [`NotLocated`](GrazingError::NotLocated) if the iteration does not converge.
+    /// [`GrazingError`], [`NotLocated`](GrazingError::NotLocated) if the iteration does not
+    /// converge.
     pub fn located(
         &self,
         system: &dyn HybridEquations,
@@ -61,8 +63,8 @@ impl GrazingPoint {
         Err(GrazingError::NotLocated { parameter, iterations: ITERATIONS, residual })
     }
 
-    /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much both were
-    /// missed.
+    /// One iteration of Newton's for `P_smooth(ξ, p) = ξ` and `h(ξ, p) = 0`. Returns by how much
+    /// both were missed.
     fn correct(&mut self, system: &dyn HybridEquations, free: usize) -> Result<f64, GrazingError> {
         let settings = MapSettings { order: 1, ..MapSettings::default() };
         let section = &Section::of(system, self)?;

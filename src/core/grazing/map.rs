@@ -10,11 +10,11 @@ use crate::core::jet::{Polynomial, Space};
 use crate::core::names::position;
 use std::fmt::{Display, Formatter};
 
-/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard is least,
-/// in deviations from the grazing orbit.
+/// The Poincaré map near a grazing orbit: `P = P_smooth ∘ D` on the section where the touched guard
+/// is least, in deviations from the grazing orbit.
 ///
-/// The coordinates are all states of the touched mode but one (that which the section determines) and, under
-/// forcing, the phase; the parameters are those asked for.
+/// The coordinates are all states of the touched mode but one (that which the section determines)
+/// and, under forcing, the phase; the parameters are those asked for.
 ///
 /// ```
 /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
@@ -50,8 +50,8 @@ impl LocalMap {
     /// The local map of a system at a grazing point, with deviations of the parameters named.
     ///
     /// # Errors
-    /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return to it, if
-    /// no coordinates can be found, or for a name or an order that there is not.
+    /// [`GrazingError`] if the orbit does not touch quadratically at the point or does not return
+    /// to it, if no coordinates can be found, or for a name or an order that there is not.
     pub fn of(
         system: &dyn HybridEquations,
         point: &GrazingPoint,
@@ -117,15 +117,16 @@ impl LocalMap {
         &self.smooth.penetration
     }
 
-    /// `D`: the deviations of the coordinates as functions of `y` (in place of the normal coordinate), the
-    /// other coordinates, and the parameters.
+    /// `D`: the deviations of the coordinates as functions of `y` (in place of the normal
+    /// coordinate), the other coordinates, and the parameters.
     pub fn discontinuity(&self) -> &[Polynomial] {
         &self.discontinuity.images
     }
 
-    /// The order in which `D` begins to differ from the identity, as a power of the penetration: 1/2 at an impact, 3/2 where
-    /// motion enters a field of another first derivative, as at a soft stop (M. di Bernardo et al., *Piecewise-smooth Dynamical
-    /// Systems*, 2008, chapter 7). `None` if it is the identity up to the order of the map.
+    /// The order in which `D` begins to differ from the identity, as a power of the penetration:
+    /// 1/2 at an impact, 3/2 where motion enters a field of another first derivative, as at a soft
+    /// stop (M. di Bernardo et al., *Piecewise-smooth Dynamical Systems*, 2008, chapter 7). `None`
+    /// if it is the identity up to the order of the map.
     ///
     /// ```
     /// # use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};
@@ -167,7 +168,8 @@ fn returns(smooth: &Smooth, section: &Section, coordinates: &[String]) -> Result
 /// Coefficients below this are printed as zero.
 const LEAST: f64 = 5e-11;
 
-/// A table for each of both maps: a row for each monomial, a column for each coordinate of the image.
+/// A table for each of both maps: a row for each monomial, a column for each coordinate of the
+/// image.
 ///
 /// ```
 /// use tangency::core::grazing::{GrazingPoint, LocalMap, MapSettings};

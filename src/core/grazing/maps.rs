@@ -20,7 +20,8 @@ pub(super) struct Smooth {
 pub(super) struct Discontinuity {
     pub images: Vec<Polynomial>,
     pub entry: Polynomial,
-    /// The power of `y` in which `D` begins to differ from the identity; `None` if it does not up to its order.
+    /// The power of `y` in which `D` begins to differ from the identity; `None` if it does not up
+    /// to its order.
     pub power: Option<usize>,
 }
 
@@ -165,8 +166,9 @@ where
         Ok(of_y.map(|powers| usize::from(powers[normal])).min())
     }
 
-    /// The time in units of `y`, to leading order, after which motion is back on a surface that it has just left at a rate of
-    /// order `y`: into a soft stop and out of it. `None` for a surface that it approaches at a rate of order 1.
+    /// The time in units of `y`, to leading order, after which motion is back on a surface that it
+    /// has just left at a rate of order `y`: into a soft stop and out of it. `None` for a surface
+    /// that it approaches at a rate of order 1.
     fn back_on(&self, place: &Place<Jet<C>>, guard: usize) -> Option<f64> {
         let slow = TOUCHES * self.source.guard_scale() / self.scale;
         let rate = Surface::Turning(guard).moving(self.at(place));
@@ -175,8 +177,9 @@ where
         (rate.re.real().abs() <= slow).then(|| -2.0 * of_y / self.source.depth() / curvature)
     }
 
-    /// Moves a place onto the surface of a guard along the motion. The time is `y σ`, with `σ` given to leading order, by
-    /// Newton's iteration for `G(σ) = 0`, where `G = h/y²` and `dG/dσ = (dh/dt)/y`.
+    /// Moves a place onto the surface of a guard along the motion. The time is `y σ`, with `σ`
+    /// given to leading order, by Newton's iteration for `G(σ) = 0`, where `G = h/y²` and
+    /// `dG/dσ = (dh/dt)/y`.
     fn move_onto(
         &mut self,
         place: &mut Place<Jet<C>>,

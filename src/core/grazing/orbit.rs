@@ -15,15 +15,15 @@ use std::sync::Arc;
 ///     ξ_{k+1} = P(ξ_k, p),    k = 0 … K − 1,    ξ_K = ξ_0
 /// ```
 ///
-/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of `ξ_k` is
-/// tied as that of the virtual point, and elsewhere the distance `h` from the surface. In these unknowns the
-/// equations are regular where an impact is a touch, `y_k = 0`, and so is the linearisation with a
-/// multiplier: nothing grows like `1/y`.
+/// where each point has a further unknown: at an impact `y_k`, to which the normal coordinate of
+/// `ξ_k` is tied as that of the virtual point, and elsewhere the distance `h` from the surface. In
+/// these unknowns the equations are regular where an impact is a touch, `y_k = 0`, and so is the
+/// linearisation with a multiplier: nothing grows like `1/y`.
 ///
-/// It is a boundary-value problem on segments without motion, so that everything that periodic orbits have
-/// applies: multipliers, stability, folds, period doublings, torus points, grazings, and the curves of them.
-/// Coordinates and parameters are deviations from the grazing orbit, but for parameters and monitors where
-/// [`in_place`](Self::in_place) says so.
+/// It is a boundary-value problem on segments without motion, so that everything that periodic
+/// orbits have applies: multipliers, stability, folds, period doublings, torus points, grazings,
+/// and the curves of them. Coordinates and parameters are deviations from the grazing orbit, but
+/// for parameters and monitors where [`in_place`](Self::in_place) says so.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Kind};
@@ -56,8 +56,9 @@ pub struct LocalOrbit {
     in_place: bool,
 }
 
-/// Functions of the points: the least `y` at impacts, the least distance from the surface elsewhere, and the
-/// penetration of the impact with the least `y` or, without impacts, less the distance.
+/// Functions of the points: the least `y` at impacts, the least distance from the surface
+/// elsewhere, and the penetration of the impact with the least `y` or, without impacts, less the
+/// distance.
 const DEPTH: usize = 0;
 const DISTANCE: usize = 1;
 const PENETRATION: usize = 2;
@@ -88,8 +89,9 @@ impl LocalOrbit {
         LocalOrbit { map, impacts: impacts.to_vec(), order, in_place: false }
     }
 
-    /// With parameters and monitors of the system in place of deviations, so that branches lie beside those of
-    /// the flow. Coordinates among the unknowns remain deviations, which have more digits.
+    /// With parameters and monitors of the system in place of deviations, so that branches lie
+    /// beside those of the flow. Coordinates among the unknowns remain deviations, which have more
+    /// digits.
     pub fn in_place(mut self) -> Self {
         self.in_place = true;
         self
@@ -102,7 +104,8 @@ impl LocalOrbit {
     }
 
     /// The problem as a system. Its unknowns are made by
-    /// [`flowed`](crate::core::bvp::BoundarySystem::flowed) from the points and the `y` or distance of each.
+    /// [`flowed`](crate::core::bvp::BoundarySystem::flowed) from the points and the `y` or distance
+    /// of each.
     ///
     /// # Errors
     /// [`BoundaryError`] if there is no iterate.
@@ -134,7 +137,8 @@ impl LocalOrbit {
         q.iter().zip(origin).map(|(p, at)| if self.in_place { *p - *at } else { *p }).collect()
     }
 
-    /// The orbit that impacts, or passes, where this one does the other nearest to the surface; `None` if it never does.
+    /// The orbit that impacts, or passes, where this one does the other nearest to the surface;
+    /// `None` if it never does.
     fn otherwise(&self, impact: bool, known: &[Trajectory], q: &[f64]) -> Option<Birth> {
         let starts = known.iter().flat_map(Trajectory::start).copied().collect::<Vec<_>>();
         let points = self.points(&starts, q).enumerate().filter(|(_, point)| point.1 == impact);

@@ -11,8 +11,8 @@ use num_dual::Dual;
 /// An orbit touches its guard when guard and rate are no larger than this, in units of the scales.
 pub(super) const TOUCHES: f64 = 1e-8;
 
-/// A point of a grazing orbit: time and state of the touch, what follows an event there at once, and how the
-/// orbit returns to it.
+/// A point of a grazing orbit: time and state of the touch, what follows an event there at once,
+/// and how the orbit returns to it.
 ///
 /// ```
 /// use tangency::core::grazing::GrazingPoint;
@@ -41,8 +41,8 @@ pub struct GrazingPoint {
     pub p: Vec<f64>,
     /// The legs that last no time, from the event of the guard to where motion goes on in the mode.
     pub following: Vec<Leg>,
-    /// The legs of the orbit from the touch to the next one, with their durations; the last one ends by the
-    /// touch.
+    /// The legs of the orbit from the touch to the next one, with their durations; the last one
+    /// ends by the touch.
     pub legs: Vec<(Leg, f64)>,
     /// The periods of the forcing that the orbit takes.
     pub periods: usize,

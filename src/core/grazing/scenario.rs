@@ -1,20 +1,22 @@
 //! What happens at a grazing.
 //!
-//! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, with `z` the point's `y` and
-//! its other coordinates, `N` the derivative of `P_smooth`, and `D_z` that of the discontinuity map, whose
-//! first column `β` is that of `y`. The virtual point itself is `E z + E_p p`, where `E` has no column of
-//! `y`: the penetration is `y²`. So the orbit with an impact is
+//! To first order the image of a virtual point is `N (D_z z + D_p p) + N_p p`, with `z` the point's
+//! `y` and its other coordinates, `N` the derivative of `P_smooth`, and `D_z` that of the
+//! discontinuity map, whose first column `β` is that of `y`. The virtual point itself is
+//! `E z + E_p p`, where `E` has no column of `y`: the penetration is `y²`. So the orbit with an
+//! impact is
 //!
 //! ```text
 //!     z = −(N D_z − E)⁻¹ (N D_p + N_p − E_p) p,
 //! ```
 //!
-//! which exists to the side where `y` is positive, and the one without is `ξ = (I − N)⁻¹ N_p p`, to the side
-//! where `h` is. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)` (A. B. Nordmark,
-//! *J. Sound Vib.* 145:279, 1991).
+//! which exists to the side where `y` is positive, and the one without is `ξ = (I − N)⁻¹ N_p p`, to
+//! the side where `h` is. Of the orbit with an impact one multiplier grows like `[Nβ]_normal/(2y)`
+//! (A. B. Nordmark, *J. Sound Vib.* 145:279, 1991).
 //!
-//! Where `β = 0`, as at a soft stop, all this holds with the penetration `y²` in place of `y`: the first column of `D_z` and `E`
-//! is that of `y²` then, and the multipliers of the orbit with the event are those of `N D_z v = μ E v`.
+//! Where `β = 0`, as at a soft stop, all this holds with the penetration `y²` in place of `y`: the
+//! first column of `D_z` and `E` is that of `y²` then, and the multipliers of the orbit with the
+//! event are those of `N D_z v = μ E v`.
 
 use super::error::GrazingError;
 use super::map::LocalMap;
@@ -24,22 +26,24 @@ use crate::core::names::position;
 use crate::core::zero::Spectrum;
 use std::fmt::{Display, Formatter};
 
-/// The scenarios of a grazing as one parameter changes (X. Zhao, *Modeling and Simulation of MEMS Devices*,
-/// 2004, chapter 4).
+/// The scenarios of a grazing as one parameter changes (X. Zhao, *Modeling and Simulation of MEMS
+/// Devices*, 2004, chapter 4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scenario {
-    /// I: an unstable orbit with an impact exists on the same side as the stable one without. Both end in the
-    /// grazing, from where motion jumps away: mostly to a stable orbit with an impact, with hysteresis.
+    /// I: an unstable orbit with an impact exists on the same side as the stable one without. Both
+    /// end in the grazing, from where motion jumps away: mostly to a stable orbit with an impact,
+    /// with hysteresis.
     Jump,
-    /// II: an orbit with an impact, unstable with a multiplier near `−∞`, exists on the other side: the
-    /// attractor changes continuously, mostly to a chaotic one.
+    /// II: an orbit with an impact, unstable with a multiplier near `−∞`, exists on the other side:
+    /// the attractor changes continuously, mostly to a chaotic one.
     Continuous,
-    /// A stable orbit with the event exists on the other side: motion goes on as before. So it is where the discontinuity map
-    /// is of order 3/2 or more ([`LocalMap::exponent`]), unless a multiplier is 1.
+    /// A stable orbit with the event exists on the other side: motion goes on as before. So it is
+    /// where the discontinuity map is of order 3/2 or more ([`LocalMap::exponent`]), unless a
+    /// multiplier is 1.
     Persistent,
-    /// III: the orbit without impacts is unstable where it grazes, since it has passed a bifurcation before:
-    /// attractors do not meet the grazing, and motion jumps, mostly to chaos.
+    /// III: the orbit without impacts is unstable where it grazes, since it has passed a
+    /// bifurcation before: attractors do not meet the grazing, and motion jumps, mostly to chaos.
     Unstable,
 }
 
@@ -61,14 +65,15 @@ pub struct Classification {
     pub scenario: Scenario,
     /// The multipliers of the orbit without impacts at the grazing, those of `N`.
     pub multipliers: Spectrum,
-    /// How fast the distance `h` of the orbit without impacts grows with the parameter: it exists to the side
-    /// where that is positive.
+    /// How fast the distance `h` of the orbit without impacts grows with the parameter: it exists
+    /// to the side where that is positive.
     pub distance: f64,
-    /// How fast `y` of the orbit with an impact grows with the parameter: likewise. Where the discontinuity map has no root
-    /// ([`LocalMap::exponent`]) it is `y²`.
+    /// How fast `y` of the orbit with an impact grows with the parameter: likewise. Where the
+    /// discontinuity map has no root ([`LocalMap::exponent`]) it is `y²`.
     pub depth: f64,
-    /// One multiplier of the orbit with an impact is `growth/y`, to leading order: towards `+∞` in scenario
-    /// I, towards `−∞` in II and beyond a fold (III). It is 0 where the discontinuity map has no root.
+    /// One multiplier of the orbit with an impact is `growth/y`, to leading order: towards `+∞` in
+    /// scenario I, towards `−∞` in II and beyond a fold (III). It is 0 where the discontinuity map
+    /// has no root.
     pub growth: f64,
 }
 
@@ -103,9 +108,9 @@ impl LocalMap {
     /// ```
     ///
     /// # Errors
-    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`] where a
-    /// multiplier of either orbit is 1: at points of codimension two. [`GrazingError::NoRoot`] for a map of the first order
-    /// without a root.
+    /// [`GrazingError::Unknown`] for a parameter that does not deviate, [`GrazingError::Failure`]
+    /// where a multiplier of either orbit is 1: at points of codimension two.
+    /// [`GrazingError::NoRoot`] for a map of the first order without a root.
     pub fn classified(&self, parameter: &str) -> Result<Classification, GrazingError> {
         let (n, normal) = (self.coordinates().len(), self.normal());
         let p = n + position("parameter", parameter, self.parameters())?;

@@ -15,10 +15,12 @@ pub(super) enum Coordinate {
     Phase,
 }
 
-/// The section `Π` of a grazing point: all states of the mode but one are coordinates on it, and the phase.
+/// The section `Π` of a grazing point: all states of the mode but one are coordinates on it, and
+/// the phase.
 ///
-/// Of the states the one with the largest part in the rate of the guard follows from the section's equation
-/// (`eliminated`), and the one with the largest part in the guard itself gives way to `y` (`normal`).
+/// Of the states the one with the largest part in the rate of the guard follows from the section's
+/// equation (`eliminated`), and the one with the largest part in the guard itself gives way to `y`
+/// (`normal`).
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     pub eliminated: usize,

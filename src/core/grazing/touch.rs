@@ -55,8 +55,8 @@ impl KnownOrbit<'_> {
 }
 
 impl GrazingPoint {
-    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from the states
-    /// at which its legs begin, and its parameters and further unknowns.
+    /// Where an orbit touches a guard that it does not pass, or passes one without a speed: from
+    /// the states at which its legs begin, and its parameters and further unknowns.
     ///
     /// # Errors
     /// [`GrazingError::Failure`] if it does neither.
@@ -76,8 +76,9 @@ impl GrazingPoint {
         orbit.touching()
     }
 
-    /// The same at a special point, found by these orbits on a branch (`G`) or on a curve of grazings. The orbits take over its mesh
-    /// and itinerary, and where motion is unstable, no leg is flowed from one end to the other.
+    /// The same at a special point, found by these orbits on a branch (`G`) or on a curve of
+    /// grazings. The orbits take over its mesh and itinerary, and where motion is unstable, no leg
+    /// is flowed from one end to the other.
     ///
     /// ```
     /// use tangency::core::bvp::{BoundarySystem, Mesh, Shooting};

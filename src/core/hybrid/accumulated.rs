@@ -10,16 +10,18 @@ use crate::core::watch::Watchable;
 use num_dual::{Dual, Dual2, Dual64, HyperDual64, HyperHyperDual64};
 use std::ops::ControlFlow;
 
-/// Events that would accumulate within this time, in units of its scale, are not followed: rounding tells the times of the
-/// last ones to fewer digits than their limit is known to.
+/// Events that would accumulate within this time, in units of its scale, are not followed: rounding
+/// tells the times of the last ones to fewer digits than their limit is known to.
 const REST: f64 = 1e-3;
 /// Events are followed for at most this multiple of the expected time.
 const LONGEST: f64 = 1e3;
 
-/// A scalar in which the map from one event to the accumulation of those that follow can be evaluated.
+/// A scalar in which the map from one event to the accumulation of those that follow can be
+/// evaluated.
 pub(in crate::core) trait ChatterNumber: EventNumber {
-    /// The accumulation of the events of a guard after a state just behind one of them, within about the `expected` time;
-    /// `None` if they do not accumulate, and in scalars in which no motion is followed.
+    /// The accumulation of the events of a guard after a state just behind one of them, within
+    /// about the `expected` time; `None` if they do not accumulate, and in scalars in which no
+    /// motion is followed.
     fn accumulated(
         _system: &dyn HybridEquations,
         _guard: usize,

@@ -8,16 +8,18 @@ use crate::core::scalar::Scalar;
 use num_dual::Dual;
 use std::ops::ControlFlow;
 
-/// Newton's iterations for the time: the first ones give its digits, each further one an order of derivatives.
+/// Newton's iterations for the time: the first ones give its digits, each further one an order of
+/// derivatives.
 const ROUNDS: usize = 4;
-/// The last iteration changes the time by no more than this, relative to that within which motion must turn.
+/// The last iteration changes the time by no more than this, relative to that within which motion
+/// must turn.
 const SETTLED: f64 = 1e-9;
 /// The tolerance of the flow, relative and absolute.
 const TOLERANCE: f64 = 1e-13;
 
-/// The **virtual point** of a motion that reaches a surface: where its guard would be least if the motion went on
-/// in the same mode. From a time and state at the surface, the time and state there; `None` if the motion does not
-/// turn within a time.
+/// The **virtual point** of a motion that reaches a surface: where its guard would be least if the
+/// motion went on in the same mode. From a time and state at the surface, the time and state there;
+/// `None` if the motion does not turn within a time.
 ///
 /// ```
 /// use tangency::core::hybrid::virtual_point;

@@ -1,20 +1,22 @@
 //! Complete chatter: events of one guard that accumulate in a finite time.
 //!
-//! Between impacts on a surface that the motion is pressed against, with acceleration `−a`, the approach speeds
-//! `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio `r = v_n/v_{n−1}` that settles, so that the
-//! events accumulate near
+//! Between impacts on a surface that the motion is pressed against, with acceleration `−a`, the
+//! approach speeds `v_n` and the intervals `Δ_n = t_n − t_{n−1}` shrink by a ratio
+//! `r = v_n/v_{n−1}` that settles, so that the events accumulate near
 //!
 //! ```text
 //!     E_n = t_n + Δ_n r/(1 − r),
 //! ```
 //!
-//! with an error that shrinks as `r^{2n}` where the acceleration changes: two estimates give the better one
-//! `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of these `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like
-//! `r^{4n}`. The state at the accumulation is extrapolated alike.
+//! with an error that shrinks as `r^{2n}` where the acceleration changes: two estimates give the
+//! better one `E_n' = E_n + (E_n − E_{n−1}) r²/(1 − r²)`, and two of these
+//! `E_n' + (E_n' − E'_{n−1}) r³/(1 − r³)`, with an error like `r^{4n}`. The state at the
+//! accumulation is extrapolated alike.
 
 use crate::core::scalar::Scalar;
 
-/// Ratios of intervals and of approach speeds agree to this part of them where chatter is followed to its end.
+/// Ratios of intervals and of approach speeds agree to this part of them where chatter is followed
+/// to its end.
 const AGREEMENT: f64 = 0.1;
 /// An interval of this part of the tolerance is none: events happen at once.
 const INSTANT: f64 = 1e-5;
@@ -45,7 +47,8 @@ pub(super) struct Series<T> {
     pub ratio: T,
     /// The state before the last one.
     state: Vec<T>,
-    /// Where the events so far would have them accumulate, estimated by each of the formulas: time and state.
+    /// Where the events so far would have them accumulate, estimated by each of the formulas: time
+    /// and state.
     estimates: [(T, Vec<T>); 3],
     work: [(T, Vec<T>); 2],
 }
@@ -65,8 +68,8 @@ impl<T: Scalar> Series<T> {
         }
     }
 
-    /// Takes in an event, the time of it, the approach speed, and the state before it; the rest of a series
-    /// that takes no longer than the tolerance need not be followed.
+    /// Takes in an event, the time of it, the approach speed, and the state before it; the rest of
+    /// a series that takes no longer than the tolerance need not be followed.
     pub fn push(&mut self, time: T, speed: T, state: &[T], tolerance: f64) -> Accumulation<T> {
         let (interval, ratio) = (time - self.time, speed / self.speed);
         let known = self.events;

@@ -17,8 +17,9 @@ pub struct CycleLeg {
     pub start: Vec<f64>,
     /// The state at its end.
     pub end: Vec<f64>,
-    /// Whether it stands for the rest of a series of infinitely many events, up to their accumulation. The state at its end is
-    /// that before the last event, in whichever mode that comes.
+    /// Whether it stands for the rest of a series of infinitely many events, up to their
+    /// accumulation. The state at its end is that before the last event, in whichever mode that
+    /// comes.
     pub accumulation: bool,
 }
 
@@ -31,7 +32,8 @@ pub struct Cycle {
     pub legs: Vec<CycleLeg>,
     /// The periods of the forcing in a cycle; 1 without forcing.
     pub periods: usize,
-    /// How near the motion came back, as [`CycleSearch::tolerance`](super::CycleSearch::tolerance) measures it.
+    /// How near the motion came back, as [`CycleSearch::tolerance`](super::CycleSearch::tolerance)
+    /// measures it.
     pub distance: f64,
 }
 

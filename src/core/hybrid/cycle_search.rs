@@ -1,17 +1,17 @@
 //! Periodic motions found by simulation: what they go through, and where.
 //!
-//! Under a forcing of period `T` a motion is sampled once in every period, and is periodic where mode and state are
-//! those of `q` periods before, and the same events came in both; where events come just at the sampling, it is sampled
-//! later in the period. Without forcing it is sampled just after the events of
-//! one guard. As long as no event has come, it is sampled on a section through a point `x₀` of it, across the motion
-//! there,
+//! Under a forcing of period `T` a motion is sampled once in every period, and is periodic where
+//! mode and state are those of `q` periods before, and the same events came in both; where events
+//! come just at the sampling, it is sampled later in the period. Without forcing it is sampled just
+//! after the events of one guard. As long as no event has come, it is sampled on a section through
+//! a point `x₀` of it, across the motion there,
 //!
 //! ```text
 //!     ⟨f(x₀), x − x₀⟩ = 0,  growing,
 //! ```
 //!
-//! and the time of return is the period. If it does not return to the point itself within some crossings, a section is
-//! laid through the last of them: transients go on dying out meanwhile.
+//! and the time of return is the period. If it does not return to the point itself within some
+//! crossings, a section is laid through the last of them: transients go on dying out meanwhile.
 
 use super::cycle::{Cycle, CycleLeg};
 use super::erased::HybridEquations;
@@ -25,7 +25,8 @@ use crate::core::flow::Step;
 use crate::core::scalar_field::FieldIn;
 use std::ops::ControlFlow;
 
-/// An event that is nearer than this part of the period to where motion is sampled comes just there.
+/// An event that is nearer than this part of the period to where motion is sampled comes just
+/// there.
 const AT_EVENT: f64 = 1e-3;
 
 /// Why a simulation has found no periodic motion.
@@ -61,8 +62,8 @@ pub enum CycleSearchError {
 
 /// The search for periodic motion by simulation: how long to look, and when a motion repeats.
 ///
-/// It works on any hybrid system; a vector field is one as [`orbit::Smooth`](crate::core::orbit::Smooth). Cycles are
-/// found in their least period.
+/// It works on any hybrid system; a vector field is one as
+/// [`orbit::Smooth`](crate::core::orbit::Smooth). Cycles are found in their least period.
 ///
 /// ```
 /// use tangency::core::hybrid::CycleSearch;
@@ -73,8 +74,8 @@ pub enum CycleSearchError {
 pub struct CycleSearch {
     /// The duration of the transient, in units of time, before the search begins.
     pub transient: f64,
-    /// A motion repeats when it comes back this near, in units of its largest state; of motion without events, in units
-    /// of its diameter. Correction does the rest.
+    /// A motion repeats when it comes back this near, in units of its largest state; of motion
+    /// without events, in units of its diameter. Correction does the rest.
     pub tolerance: f64,
     /// The largest number of periods of the forcing, or of returns, in a cycle.
     pub max_period: usize,
@@ -85,8 +86,8 @@ pub struct CycleSearch {
 }
 
 impl Default for CycleSearch {
-    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within a time of 10 000, and a tolerance of
-    /// 1e-6.
+    /// A transient of 100, then 1000 returns, up to 16 in a cycle, within a time of 10 000, and a
+    /// tolerance of 1e-6.
     fn default() -> Self {
         CycleSearch {
             transient: 100.0,
@@ -196,7 +197,8 @@ impl CycleSearch {
         Err(self.unsettled(self.returns, repetition.nearness))
     }
 
-    /// Samples the motion just after every event of the guard that comes first, and before that on a section.
+    /// Samples the motion just after every event of the guard that comes first, and before that on
+    /// a section.
     fn returning(
         &self,
         flow: &mut HybridFlow<f64>,
@@ -251,8 +253,8 @@ impl<'a> Sample<'a> {
         Sample { start, scales, guards, times, largest: 0.0, diameter: 0.0 }
     }
 
-    /// How much later motion should be sampled, if an event comes just where it is sampled now, and rounding decides in which
-    /// period: in the middle of the longest time without events.
+    /// How much later motion should be sampled, if an event comes just where it is sampled now, and
+    /// rounding decides in which period: in the middle of the longest time without events.
     fn later(&self, period: f64) -> Option<f64> {
         let (first, last) = (*self.times.first()?, *self.times.last()?);
         let near = AT_EVENT * period;

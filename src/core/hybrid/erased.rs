@@ -1,7 +1,8 @@
 //! Hybrid systems behind one object-safe face.
 //!
 //! Users write a [`HybridSystem`] generically. Simulation, orbits and local maps see it through
-//! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every system.
+//! [`HybridEquations`], one scalar at a time, so that they are compiled once and not for every
+//! system.
 
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use super::tangency::Tangency;
@@ -17,8 +18,8 @@ use crate::core::scalar_field::{Domains, FieldRef, Fields, RealFields, Wide};
 use crate::core::watch::Observable;
 use num_dual::{Dual, Dual2, Dual2_64, Dual64, HyperDual64, HyperHyperDual64};
 
-/// States the methods of systems in one scalar: as a trait that every [`HybridSystem`] implements, as a trait by which
-/// generic code selects the scalar, and as methods of [`HybridEquations`].
+/// States the methods of systems in one scalar: as a trait that every [`HybridSystem`] implements,
+/// as a trait by which generic code selects the scalar, and as methods of [`HybridEquations`].
 macro_rules! faces {
     ($(
         $(#[$of_face:meta])* $face:ident;
@@ -90,8 +91,9 @@ faces! {
     }
 }
 
-/// Declares [`HybridEquations`]: methods that are those of a [`HybridSystem`], and the scalars in which its fields,
-/// guards, resets and measures are evaluated; and the traits by which generic code selects a scalar.
+/// Declares [`HybridEquations`]: methods that are those of a [`HybridSystem`], and the scalars in
+/// which its fields, guards, resets and measures are evaluated; and the traits by which generic
+/// code selects a scalar.
 macro_rules! equations {
     (
         $(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*

@@ -22,7 +22,8 @@ pub struct Event<T> {
     pub after: Vec<T>,
     /// The approach speed `−dh/dt` at which the guard vanished.
     pub approach: f64,
-    /// Whether it stands for all the rest of a series of infinitely many events, at its accumulation.
+    /// Whether it stands for all the rest of a series of infinitely many events, at its
+    /// accumulation.
     pub accumulation: bool,
 }
 
@@ -41,9 +42,11 @@ impl<T: Scalar> Event<T> {
     }
 }
 
-/// Watches a hybrid motion. A closure that takes an event watches events only; `()` watches nothing.
+/// Watches a hybrid motion. A closure that takes an event watches events only; `()` watches
+/// nothing.
 pub trait HybridObserver<T: Scalar> {
-    /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an event ended it.
+    /// A step of the flow of a mode, from its start to the fraction `end`: 1, or less where an
+    /// event ended it.
     fn step<F: FieldIn<T>>(&mut self, _mode: usize, _step: &mut Step<F, T>, _end: T) {}
 
     /// Whether the motion is ended with the last step, unless an event ended it.

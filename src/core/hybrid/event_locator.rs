@@ -22,8 +22,8 @@ pub(super) struct LocatedEvent<T> {
     pub root: Root<T>,
 }
 
-/// A leg begins with a step no longer than so many legs before it: in chatter each is shorter than the last one, and
-/// must not be lost in a step.
+/// A leg begins with a step no longer than so many legs before it: in chatter each is shorter than
+/// the last one, and must not be lost in a step.
 const LEGS: f64 = 4.0;
 
 /// A guard that falls no faster at the beginning of a leg, in units of the scales, may be lifted.
@@ -89,8 +89,9 @@ where
         Some(located)
     }
 
-    /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is positive soon and
-    /// stays so: a body that leaves a support rises as the cube of time, and rounding decides how it begins.
+    /// Whether a guard that seems to fall at the very beginning of a leg has no speed there, and is
+    /// positive soon and stays so: a body that leaves a support rises as the cube of time, and
+    /// rounding decides how it begins.
     fn lifts<F: FieldIn<T>>(&self, located: &LocatedEvent<T>, step: &mut Step<F, T>) -> bool {
         let (LocatedEvent { guard, root }, mode) = (located, self.mode);
         let begins = step.span().0 == 0.0 && root.fraction.real().abs() <= f64::EPSILON;
@@ -108,7 +109,8 @@ where
     }
 }
 
-/// The first of these guards to fall through zero in a step; of several together the one stated first.
+/// The first of these guards to fall through zero in a step; of several together the one stated
+/// first.
 fn first<'a, F: FieldIn<T>, T: Scalar>(
     watched: &[usize],
     roots: &mut [Roots<T, GuardOf<'a>>],

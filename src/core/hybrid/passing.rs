@@ -113,7 +113,8 @@ where
         })
     }
 
-    /// Goes on from the accumulation of the events of a guard, unless another event of its mode comes before.
+    /// Goes on from the accumulation of the events of a guard, unless another event of its mode
+    /// comes before.
     pub(super) fn settle<O: HybridObserver<T>>(
         &mut self,
         accumulation: Accumulation<T>,
@@ -141,13 +142,15 @@ where
         self.pass(next, state, run)
     }
 
-    /// The state at the accumulation of a series, into that before the event. There the body is at rest on the surface,
-    /// and would not be if the series were cut off: a body in contact keeps its distance until it is released.
+    /// The state at the accumulation of a series, into that before the event. There the body is at
+    /// rest on the surface, and would not be if the series were cut off: a body in contact keeps
+    /// its distance until it is released.
     fn rest(&mut self, series: usize, time: T, p: &[T]) {
         let Event { guard, mode, .. } = self.event;
         let limit = self.series[series].limit();
         let change = Surface { system: self.system, guard, mode, t: time }.change(limit, p, true);
-        // No more than the rest of the series, which the extrapolation does not know better than that.
+        // No more than the rest of the series, which the extrapolation does not know better than
+        // that.
         let bounds = limit.iter().zip(&self.event.before).map(|(a, b)| (*a - *b).real().abs());
         let largest = bounds.fold(0.0, f64::max);
         let small = change.iter().all(|change| change.real().abs() <= largest);
@@ -160,7 +163,8 @@ where
         );
     }
 
-    /// Whether another guard of the mode vanishes with the event, the real parts of the state before which are in `x`.
+    /// Whether another guard of the mode vanishes with the event, the real parts of the state
+    /// before which are in `x`.
     fn another_vanishes(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);
@@ -170,7 +174,8 @@ where
         })
     }
 
-    /// Whether another guard of the mode is negative at the accumulation, the real parts of which are in `x`.
+    /// Whether another guard of the mode is negative at the accumulation, the real parts of which
+    /// are in `x`.
     fn another_comes_before(&self, time: f64) -> bool {
         let Event { guard, mode, .. } = self.event;
         let mut others = self.watched[mode].iter().filter(|g| **g != guard);

@@ -4,10 +4,12 @@ use super::erased::HybridEquations;
 use super::simulation::HybridState;
 use std::collections::VecDeque;
 
-/// A motion that comes back after several returns has not come back after fewer: those are farther by this factor.
+/// A motion that comes back after several returns has not come back after fewer: those are farther
+/// by this factor.
 const DISTINCT: f64 = 1e3;
 
-/// The scales of the states of each mode, in units of which sizes and distances are; all 1 where there are none.
+/// The scales of the states of each mode, in units of which sizes and distances are; all 1 where
+/// there are none.
 #[derive(Clone, Debug, Default)]
 pub(in crate::core) struct StateScales(Vec<Vec<f64>>);
 
@@ -72,16 +74,16 @@ impl Nearness {
     }
 }
 
-/// Whether a motion that comes back after some returns comes back after no part of them: a motion that spirals towards
-/// a cycle may be near it first after a multiple of its period.
+/// Whether a motion that comes back after some returns comes back after no part of them: a motion
+/// that spirals towards a cycle may be near it first after a multiple of its period.
 pub(super) fn is_least(returns: usize, distance: impl Fn(usize) -> f64) -> bool {
     let divisors = (1..returns).filter(|part| returns.is_multiple_of(*part));
     let near = DISTINCT * distance(returns);
     divisors.map(distance).all(|distance| near <= distance)
 }
 
-/// The last periods of a motion that is sampled once in every period: where each of them began, and the guards of its
-/// events.
+/// The last periods of a motion that is sampled once in every period: where each of them began, and
+/// the guards of its events.
 pub(in crate::core) struct Repetition {
     most: usize,
     tolerance: f64,
@@ -90,15 +92,15 @@ pub(in crate::core) struct Repetition {
 }
 
 impl Repetition {
-    /// Looks for a number of periods, up to `most`, after which states agree to a tolerance, in units
-    /// of the largest size.
+    /// Looks for a number of periods, up to `most`, after which states agree to a tolerance, in
+    /// units of the largest size.
     pub fn new(most: usize, tolerance: f64, scales: StateScales) -> Self {
         Repetition { most, tolerance, nearness: Nearness::new(scales), past: VecDeque::new() }
     }
 
-    /// Takes in a period: the state in which it began, its events, the state in which it ended, and the size of the
-    /// motion. Returns after how many periods the motion has come back, the same events having come in as many
-    /// periods before.
+    /// Takes in a period: the state in which it began, its events, the state in which it ended, and
+    /// the size of the motion. Returns after how many periods the motion has come back, the same
+    /// events having come in as many periods before.
     pub fn push(
         &mut self,
         before: HybridState<f64>,
@@ -116,7 +118,8 @@ impl Repetition {
         nearness.first(most, *tolerance, |nearness, q| back(past, nearness, q, after))
     }
 
-    /// Whether the motion that has come back in a state after some periods comes back after no part of them.
+    /// Whether the motion that has come back in a state after some periods comes back after no part
+    /// of them.
     pub fn is_least(&self, periods: usize, after: &HybridState<f64>) -> bool {
         is_least(periods, |q| back(&self.past, &self.nearness, q, after))
     }

@@ -4,8 +4,8 @@ use super::erased::HybridEquations;
 use crate::core::field::Forcing;
 use num_dual::Dual64;
 
-/// A scale of time that is not stated is 1 if the forcing's lies within this range: tolerances need no more than an
-/// order of magnitude.
+/// A scale of time that is not stated is 1 if the forcing's lies within this range: tolerances need
+/// no more than an order of magnitude.
 const USUAL: std::ops::RangeInclusive<f64> = 1e-2..=1e2;
 
 /// The scale of time of a system.
@@ -29,7 +29,8 @@ pub(crate) fn guard_scale(
     scale_at(system, mode, place, p, |t, x, p| system.guard(guard, mode, t, x, p))
 }
 
-/// The scale of a decision, the one at a position after an event of a guard in a mode, where states have half theirs.
+/// The scale of a decision, the one at a position after an event of a guard in a mode, where states
+/// have half theirs.
 pub(crate) fn decision_scale(
     system: &dyn HybridEquations,
     (position, guard, mode): (usize, usize, usize),

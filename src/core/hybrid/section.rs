@@ -10,8 +10,8 @@ use crate::core::scalar_field::FieldIn;
 use crate::core::watch::Watch;
 use std::ops::ControlFlow;
 
-/// A plane across the motion through a state of it, as a function that falls through zero where motion crosses it in the
-/// direction that it has in that state.
+/// A plane across the motion through a state of it, as a function that falls through zero where
+/// motion crosses it in the direction that it has in that state.
 #[derive(Clone)]
 struct Across {
     base: Vec<f64>,

@@ -15,8 +15,8 @@ use crate::core::vector::refill;
 use crate::core::watch::Watchable;
 use std::ops::ControlFlow;
 
-/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but the guards
-/// tells how fast things change.
+/// Steps are no longer than this part of the forcing's period: where a field vanishes, nothing but
+/// the guards tells how fast things change.
 const PART_OF_PERIOD: f64 = 0.125;
 
 /// Tolerances and limits of a hybrid motion.
@@ -30,16 +30,16 @@ const PART_OF_PERIOD: f64 = 0.125;
 pub struct HybridSettings {
     /// The settings of the flow in each mode.
     pub flow: Settings,
-    /// Events that would accumulate within this time, in units of its scale, are not followed one by one: motion goes
-    /// on from their accumulation.
+    /// Events that would accumulate within this time, in units of its scale, are not followed one
+    /// by one: motion goes on from their accumulation.
     pub accumulation: f64,
     /// How many events may come at once.
     pub at_once: usize,
 }
 
 impl Default for HybridSettings {
-    /// A flow by the method of order 8 with a tolerance of 1e-12; accumulations within 1e-4; 1000 events at
-    /// once.
+    /// A flow by the method of order 8 with a tolerance of 1e-12; accumulations within 1e-4; 1000
+    /// events at once.
     fn default() -> Self {
         HybridSettings { flow: Settings::default(), accumulation: 1e-4, at_once: 1000 }
     }
@@ -65,15 +65,17 @@ pub struct HybridStatistics {
     pub events: usize,
     /// The number of accumulations.
     pub accumulations: usize,
-    /// The number of events at which another guard of the mode vanished as well: which one is stated first decides.
+    /// The number of events at which another guard of the mode vanished as well: which one is
+    /// stated first decides.
     pub together: usize,
 }
 
 /// The motion of a hybrid system in one scalar type, with all buffers.
 ///
-/// An event is located where a guard falls through zero, inside steps as well, and its time is solved for in
-/// the scalar type itself: time and state after it carry derivatives, which the reset passes on. The derivative
-/// of a motion through an event is therefore that of the saltation matrix, which is stated nowhere.
+/// An event is located where a guard falls through zero, inside steps as well, and its time is
+/// solved for in the scalar type itself: time and state after it carry derivatives, which the reset
+/// passes on. The derivative of a motion through an event is therefore that of the saltation
+/// matrix, which is stated nowhere.
 ///
 /// ```
 /// use num_dual::Dual64;
@@ -128,8 +130,8 @@ where
     /// The motion of a system with these settings.
     ///
     /// # Errors
-    /// [`HybridError::Settings`] if a setting of the flow has no meaning, [`HybridError::ChangesIn`] if the time of a guard has
-    /// none.
+    /// [`HybridError::Settings`] if a setting of the flow has no meaning,
+    /// [`HybridError::ChangesIn`] if the time of a guard has none.
     pub fn new(
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
@@ -170,8 +172,8 @@ where
         self.system
     }
 
-    /// The state from which motion begins that is given as one of a mode: in the mode that the system says
-    /// ([`HybridSystem::initial_mode`](super::HybridSystem::initial_mode)).
+    /// The state from which motion begins that is given as one of a mode: in the mode that the
+    /// system says ([`HybridSystem::initial_mode`](super::HybridSystem::initial_mode)).
     pub fn initial(&self, mut state: HybridState<T>, p: &[T]) -> HybridState<T> {
         let (mode, time) = (state.mode, state.time.real());
         // Another number of states is refused where motion begins.
@@ -183,13 +185,13 @@ where
         state
     }
 
-    /// Moves a state on for a time, by way of all events, which the observer sees; it may end the motion just
-    /// after one, or with a step. Where an error ends the motion, the state is that after the last event, or
-    /// just before it if it leads to no mode.
+    /// Moves a state on for a time, by way of all events, which the observer sees; it may end the
+    /// motion just after one, or with a step. Where an error ends the motion, the state is that
+    /// after the last event, or just before it if it leads to no mode.
     ///
     /// # Errors
-    /// [`HybridError`] if the motion ends before: its flow does, a mode begins where a guard is negative, or
-    /// events accumulate where no mode is named that follows.
+    /// [`HybridError`] if the motion ends before: its flow does, a mode begins where a guard is
+    /// negative, or events accumulate where no mode is named that follows.
     pub fn advance(
         &mut self,
         state: &mut HybridState<T>,
@@ -256,7 +258,8 @@ where
         self.inside(state, None)
     }
 
-    /// Refuses a state, just after an event or at the start, at which a guard of its mode is negative.
+    /// Refuses a state, just after an event or at the start, at which a guard of its mode is
+    /// negative.
     pub(super) fn inside(
         &mut self,
         state: &HybridState<T>,

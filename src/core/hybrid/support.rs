@@ -6,11 +6,11 @@ use super::scales::gradient;
 use crate::core::watch::{WatchIn, Watchable};
 use num_dual::Dual;
 
-/// Newton's iterations with the slopes of real numbers: the first ones give digits, each further one an order of
-/// derivatives.
+/// Newton's iterations with the slopes of real numbers: the first ones give digits, each further
+/// one an order of derivatives.
 const ROUNDS: usize = 2;
-/// Slopes of a guard and of its rate that are nearer to each other than this, as the square of the sine of the angle
-/// between them, are one condition.
+/// Slopes of a guard and of its rate that are nearer to each other than this, as the square of the
+/// sine of the angle between them, are one condition.
 const APART: f64 = 1e-6;
 
 /// A guard in a mode, at a time.
@@ -26,8 +26,8 @@ impl<'a, T: EventNumber> Surface<'a, T>
 where
     GuardOf<'a>: Watchable<T>,
 {
-    /// The change, least in units of the scales, after which a state is on the surface, with its derivatives, and where
-    /// asked at rest on it: the guard and its rate along the motion vanish.
+    /// The change, least in units of the scales, after which a state is on the surface, with its
+    /// derivatives, and where asked at rest on it: the guard and its rate along the motion vanish.
     pub fn change(self, x: &[T], p: &[T], at_rest: bool) -> Vec<T> {
         let sizes = self.system.sizes_of(self.mode, &p.iter().map(T::real).collect::<Vec<_>>());
         let mut rested = x.to_vec();

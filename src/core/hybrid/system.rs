@@ -11,7 +11,8 @@ use crate::core::scalar::Scalar;
 pub struct Mode {
     /// The mode's name.
     pub name: String,
-    /// The names of its states. Those that modes share are one quantity to a reader of their diagrams.
+    /// The names of its states. Those that modes share are one quantity to a reader of their
+    /// diagrams.
     pub states: Vec<String>,
 }
 
@@ -32,10 +33,11 @@ pub struct Guard {
     pub name: String,
     /// The modes that end there.
     pub modes: Vec<usize>,
-    /// The mode that follows where events of this guard accumulate, infinitely many in a finite time (complete
-    /// chatter); `None` if they are not expected to.
+    /// The mode that follows where events of this guard accumulate, infinitely many in a finite
+    /// time (complete chatter); `None` if they are not expected to.
     pub accumulates_to: Option<usize>,
-    /// The shortest time in which it changes, where that is less than the field of its modes tells: steps are no longer.
+    /// The shortest time in which it changes, where that is less than the field of its modes tells:
+    /// steps are no longer.
     pub changes_in: Option<f64>,
 }
 
@@ -52,8 +54,9 @@ impl Guard {
         self
     }
 
-    /// Sets the shortest time in which it changes. A guard is watched in the steps of the flow, and these are as long as the
-    /// field allows: one that is faster, such as a narrow slot that a slow body passes, is missed without it.
+    /// Sets the shortest time in which it changes. A guard is watched in the steps of the flow, and
+    /// these are as long as the field allows: one that is faster, such as a narrow slot that a slow
+    /// body passes, is missed without it.
     ///
     /// ```
     /// use tangency::core::hybrid::Guard;
@@ -70,8 +73,9 @@ impl Guard {
     }
 }
 
-/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude. Tolerances are relative to
-/// them, so that a device of micrometres and microseconds may be stated in metres and seconds.
+/// The scales of a hybrid system: typical sizes of times and states, by order of magnitude.
+/// Tolerances are relative to them, so that a device of micrometres and microseconds may be stated
+/// in metres and seconds.
 ///
 /// ```
 /// use tangency::core::hybrid::Scales;
@@ -80,7 +84,8 @@ impl Guard {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// The scale of time; by default that in which the phase of the forcing grows by 1, where it is far from 1.
+    /// The scale of time; by default that in which the phase of the forcing grows by 1, where it is
+    /// far from 1.
     pub time: Option<f64>,
     /// Scales of states by name; 1 by default.
     pub states: Vec<(String, f64)>,
@@ -118,12 +123,14 @@ pub struct Passage<'a, T> {
     pub end: &'a [T],
 }
 
-/// A hybrid system: modes, guards and resets, written once; derivatives come from automatic differentiation.
+/// A hybrid system: modes, guards and resets, written once; derivatives come from automatic
+/// differentiation.
 ///
-/// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the event; of
-/// several that vanish together the one stated first counts. The state just before it is `x`; motion goes on in
-/// the mode [`next_mode`](Self::next_mode), from the state that [`reset`](Self::reset) gives. Where one of several modes
-/// [`may_follow`](Self::may_follow), stick or slip, [`decision`](Self::decision) functions select it. Guards are numbered as
+/// A mode lasts while all its guards are positive. The guard that vanishes first, falling, is the
+/// event; of several that vanish together the one stated first counts. The state just before it is
+/// `x`; motion goes on in the mode [`next_mode`](Self::next_mode), from the state that
+/// [`reset`](Self::reset) gives. Where one of several modes [`may_follow`](Self::may_follow), stick
+/// or slip, [`decision`](Self::decision) functions select it. Guards are numbered as
 /// [`guards`](Self::guards) lists them, modes as [`modes`](Self::modes) does.
 ///
 /// ```
@@ -177,9 +184,10 @@ pub trait HybridSystem: Send + Sync {
         Vec::new()
     }
 
-    /// The mode in which motion begins whose start is given as a state of a mode: by default that mode. Where the state alone
-    /// decides, as on which side of a surface it is, another mode with the same states. Searches for cycles and attractors
-    /// ask it of their starts, and so do scenes, which give them as states of the first mode.
+    /// The mode in which motion begins whose start is given as a state of a mode: by default that
+    /// mode. Where the state alone decides, as on which side of a surface it is, another mode with
+    /// the same states. Searches for cycles and attractors ask it of their starts, and so do
+    /// scenes, which give them as states of the first mode.
     fn initial_mode(&self, mode: usize, _t: f64, _x: &[f64], _p: &[f64]) -> usize {
         mode
     }
@@ -190,9 +198,9 @@ pub trait HybridSystem: Send + Sync {
     /// A guard in one of its modes, positive while the mode lasts.
     fn guard<T: Scalar>(&self, guard: usize, mode: usize, t: T, x: &[T], p: &[T]) -> T;
 
-    /// The state just after an event that leads from the first of two modes to the second, written into `after` (as
-    /// long as the states of the second). By default the state before it, if both modes have as many states; between others a
-    /// reset must be stated.
+    /// The state just after an event that leads from the first of two modes to the second, written
+    /// into `after` (as long as the states of the second). By default the state before it, if both
+    /// modes have as many states; between others a reset must be stated.
     fn reset<T: Scalar>(
         &self,
         _guard: usize,
@@ -208,15 +216,17 @@ pub trait HybridSystem: Send + Sync {
         }
     }
 
-    /// The modes that may follow an event in a mode, in the order in which [`decision`](Self::decision) functions select
-    /// them: the first one whose function is positive, the last one if none is. Empty by default: no functions are known.
+    /// The modes that may follow an event in a mode, in the order in which
+    /// [`decision`](Self::decision) functions select them: the first one whose function is
+    /// positive, the last one if none is. Empty by default: no functions are known.
     fn may_follow(&self, _guard: usize, _mode: usize) -> Vec<usize> {
         Vec::new()
     }
 
-    /// The function that selects a mode, by its position among those that [`may_follow`](Self::may_follow) an event: its
-    /// zeros are where motion starts to stick instead of slip, to slide instead of cross. Along a branch of orbits they are
-    /// located as grazings. Not called for the last mode.
+    /// The function that selects a mode, by its position among those that
+    /// [`may_follow`](Self::may_follow) an event: its zeros are where motion starts to stick
+    /// instead of slip, to slide instead of cross. Along a branch of orbits they are located as
+    /// grazings. Not called for the last mode.
     ///
     /// ```
     /// use tangency::core::hybrid::{Guard, HybridSystem, Mode};
@@ -274,12 +284,13 @@ pub trait HybridSystem: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// The mode that follows an event in a mode, given the state just before it: by default what the
-    /// [`decision`](Self::decision) functions select, and the same mode where none [`may_follow`](Self::may_follow). Where
-    /// events accumulate, [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
+    /// The mode that follows an event in a mode, given the state just before it: by default what
+    /// the [`decision`](Self::decision) functions select, and the same mode where none
+    /// [`may_follow`](Self::may_follow). Where events accumulate,
+    /// [`mode_after_accumulation`](Self::mode_after_accumulation) decides again.
     ///
-    /// Where it is stated without decision functions it is compared with the itinerary at each point of a branch of orbits, and
-    /// the place where it changes is bracketed.
+    /// Where it is stated without decision functions it is compared with the itinerary at each
+    /// point of a branch of orbits, and the place where it changes is bracketed.
     fn next_mode(&self, guard: usize, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let modes = self.may_follow(guard, mode);
         let Some((last, others)) = modes.split_last() else { return mode };
@@ -287,8 +298,8 @@ pub trait HybridSystem: Send + Sync {
         (0..others.len()).find(positive).map_or(*last, |k| others[k])
     }
 
-    /// The mode that follows where the events of a guard in a mode accumulate, given the state there: by default
-    /// [`Guard::accumulates_to`].
+    /// The mode that follows where the events of a guard in a mode accumulate, given the state
+    /// there: by default [`Guard::accumulates_to`].
     fn mode_after_accumulation(
         &self,
         guard: usize,
@@ -300,8 +311,8 @@ pub trait HybridSystem: Send + Sync {
         self.guards()[guard].accumulates_to
     }
 
-    /// What the field calls a place `(t, x)` where an orbit grazes, such as `grazing-sliding`: it is shown beside the point
-    /// (`G`). By default it has no name of its own.
+    /// What the field calls a place `(t, x)` where an orbit grazes, such as `grazing-sliding`: it
+    /// is shown beside the point (`G`). By default it has no name of its own.
     fn kind_of_tangency(
         &self,
         _tangency: Tangency,
@@ -312,9 +323,10 @@ pub trait HybridSystem: Send + Sync {
         None
     }
 
-    /// Whether [`field`](Self::field) and [`guard`](Self::guard) may be evaluated for several motions at once, each in
-    /// a lane of a vector register: what they compute with must not be compared, nor asked for its real part, since
-    /// one decision cannot be right in all lanes. Modes and guards may be told apart. By default no.
+    /// Whether [`field`](Self::field) and [`guard`](Self::guard) may be evaluated for several
+    /// motions at once, each in a lane of a vector register: what they compute with must not be
+    /// compared, nor asked for its real part, since one decision cannot be right in all lanes.
+    /// Modes and guards may be told apart. By default no.
     fn in_lanes(&self) -> bool {
         false
     }
@@ -324,17 +336,20 @@ pub trait HybridSystem: Send + Sync {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in scenes.
+    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in
+    /// scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
 
-    /// Typical sizes of times and states, which tolerances are relative to: to be stated where they are far from 1.
+    /// Typical sizes of times and states, which tolerances are relative to: to be stated where they
+    /// are far from 1.
     fn scales(&self, _p: &[f64]) -> Scales {
         Scales::default()
     }
 
-    /// The names of monitors: further scalars of a motion, which [`measures`](Self::measures) may name as they name states.
+    /// The names of monitors: further scalars of a motion, which [`measures`](Self::measures) may
+    /// name as they name states.
     fn monitors(&self) -> Vec<String> {
         Vec::new()
     }
@@ -344,8 +359,8 @@ pub trait HybridSystem: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// What is recorded of orbits along branches and of periods in sweeps, by name: by default the extremes of every
-    /// state, and mean and extremes of every monitor ([`Measure::by_default`]).
+    /// What is recorded of orbits along branches and of periods in sweeps, by name: by default the
+    /// extremes of every state, and mean and extremes of every monitor ([`Measure::by_default`]).
     fn measures(&self) -> Vec<(String, Measure)> {
         let states = self.modes().into_iter().flat_map(|mode| mode.states).collect();
         Measure::by_default(states, self.monitors())
@@ -356,8 +371,8 @@ pub trait HybridSystem: Send + Sync {
         Vec::new()
     }
 
-    /// The number at a position that [`Measure::Cycle`] names, from the legs of a cycle that takes so many
-    /// periods of the forcing.
+    /// The number at a position that [`Measure::Cycle`] names, from the legs of a cycle that takes
+    /// so many periods of the forcing.
     fn measure<T: Scalar>(
         &self,
         _position: usize,
@@ -376,8 +391,9 @@ pub trait HybridSystem: Send + Sync {
         Ok(())
     }
 
-    /// Refuses places at which a mode must not begin or end, as on a surface that a field of sliding motion leaves. It is asked
-    /// there only; [`domain`](Self::domain) is asked at every step.
+    /// Refuses places at which a mode must not begin or end, as on a surface that a field of
+    /// sliding motion leaves. It is asked there only; [`domain`](Self::domain) is asked at every
+    /// step.
     ///
     /// # Errors
     /// [`OutOfDomain`] with the quantity, its value and what to change.

@@ -1,6 +1,7 @@
 //! What happens where an orbit grazes.
 
-/// What happens where an orbit of a hybrid system grazes: by it a system knows how the field calls the point.
+/// What happens where an orbit of a hybrid system grazes: by it a system knows how the field calls
+/// the point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tangency {
     /// A leg in a mode touches a guard that it does not pass.

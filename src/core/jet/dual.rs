@@ -106,8 +106,8 @@ impl<const C: usize> DualNum for Jet<C> {
 }
 
 impl<const C: usize> Jet<C> {
-    /// The spherical Bessel function `j_n`, `n ≤ 2`: by its power series near 0 (DLMF 10.53.1), in closed
-    /// form elsewhere (DLMF 10.49.3).
+    /// The spherical Bessel function `j_n`, `n ≤ 2`: by its power series near 0 (DLMF 10.53.1), in
+    /// closed form elsewhere (DLMF 10.49.3).
     fn spherical_bessel(&self, n: i32) -> Self {
         let x = *self;
         if x.c[0].abs() < 1.0 {

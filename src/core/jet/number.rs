@@ -8,8 +8,8 @@ use std::ops::Neg;
 /// A truncated Taylor series with room for `C` coefficients: as a number it is a
 /// [`Scalar`](crate::core::scalar::Scalar), compared by its constant term.
 ///
-/// A jet made from a real number has no variables yet, and takes those of what it is combined with. Jets that
-/// are combined belong to one [`Space`].
+/// A jet made from a real number has no variables yet, and takes those of what it is combined with.
+/// Jets that are combined belong to one [`Space`].
 ///
 /// ```
 /// use num_dual::DualNum;
@@ -78,8 +78,8 @@ impl<const C: usize> Jet<C> {
         self.coefficients().iter().fold(0.0, |most, c| c.abs().max(most))
     }
 
-    /// The jet divided by a variable: terms without the variable are dropped, and the highest degree of the
-    /// quotient is not known, and zero.
+    /// The jet divided by a variable: terms without the variable are dropped, and the highest
+    /// degree of the quotient is not known, and zero.
     pub fn divided_by(&self, variable: usize) -> Self {
         let Some(space) = self.space else { return Jet::constant(0.0) };
         let mut quotient = Jet { space: self.space, ..Jet::constant(0.0) };

@@ -75,7 +75,8 @@ impl Polynomial {
     }
 }
 
-/// The values of all monomials of a space, shared by the polynomials that are evaluated at one place.
+/// The values of all monomials of a space, shared by the polynomials that are evaluated at one
+/// place.
 #[derive(Clone, Debug)]
 pub struct Monomials<T> {
     values: Vec<T>,

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// The highest order of a jet. Flows by the method of order 8 are exact for times without a real part up to
-/// it.
+/// The highest order of a jet. Flows by the method of order 8 are exact for times without a real
+/// part up to it.
 pub(crate) const MOST_ORDER: usize = 8;
 
 /// The largest number of coefficients of a jet.
@@ -39,8 +39,8 @@ pub enum JetError {
     },
 }
 
-/// The monomials of jets of one order in so many variables: all `ε^α` with `|α| ≤ N`, by rising degree, and
-/// within a degree from the highest power of the first variable on.
+/// The monomials of jets of one order in so many variables: all `ε^α` with `|α| ≤ N`, by rising
+/// degree, and within a degree from the highest power of the first variable on.
 ///
 /// ```
 /// use tangency::core::jet::Space;
@@ -89,7 +89,8 @@ fn of_degree(variables: usize, degree: usize, prefix: &mut Vec<u8>, out: &mut Ve
 }
 
 impl Space {
-    /// The space of jets of an order in so many variables (at least one), made once in the life of a program.
+    /// The space of jets of an order in so many variables (at least one), made once in the life of
+    /// a program.
     ///
     /// # Errors
     /// [`JetError::TooLarge`] beyond order 8 or 1024 coefficients.

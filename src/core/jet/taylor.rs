@@ -5,7 +5,8 @@ use super::space::MOST_ORDER;
 /// Coefficients up to the highest order.
 pub(crate) type Series = [f64; MOST_ORDER + 1];
 
-/// The series whose first coefficient is known, and whose coefficient `k + 1` follows from those up to `k`.
+/// The series whose first coefficient is known, and whose coefficient `k + 1` follows from those up
+/// to `k`.
 fn continued(first: f64, next: impl Fn(usize, &Series) -> f64) -> Series {
     let mut f = [0.0; MOST_ORDER + 1];
     f[0] = first;
@@ -30,7 +31,8 @@ pub(super) fn power(value: f64, a: f64, r: f64) -> Series {
     continued(value, |k, f| f[k] * (r - k as f64) / ((k + 1) as f64 * a))
 }
 
-/// `aʳ` for any `a`: at zero by binomial coefficients, since derivatives up to the order `r` exist there.
+/// `aʳ` for any `a`: at zero by binomial coefficients, since derivatives up to the order `r` exist
+/// there.
 pub(crate) fn real_power(a: f64, r: f64) -> Series {
     if a != 0.0 {
         return power(a.powf(r), a, r);
@@ -92,8 +94,8 @@ pub(super) fn of_value(value: f64, mut f: Series) -> Series {
     f
 }
 
-/// A function at `a` with the derivative `factor · (c + s x²)ʳ`, given its value: all inverse functions of circle and
-/// hyperbola are such functions.
+/// A function at `a` with the derivative `factor · (c + s x²)ʳ`, given its value: all inverse
+/// functions of circle and hyperbola are such functions.
 pub(super) fn inverse(value: f64, a: f64, factor: f64, [c, s, r]: [f64; 3]) -> Series {
     let p = [c + s * a * a, 2.0 * s * a, s];
     let slope = continued(p[0].powf(r), |k, b| {

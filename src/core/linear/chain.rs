@@ -1,37 +1,38 @@
 //! Condensation of a chain of intervals: the linear algebra of boundary-value problems.
 //!
-//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of each of `N`
-//! intervals, the last node of one being the first of the next (collocation with `m` points; shooting with
-//! `m = 1`). Its matrix is a chain within a border,
+//! A discretised boundary-value problem couples the values of `n` states at the `m + 1` nodes of
+//! each of `N` intervals, the last node of one being the first of the next (collocation with `m`
+//! points; shooting with `m = 1`). Its matrix is a chain within a border,
 //!
 //! ```text
 //!     ⎡ chain: N·m·n equations by (N·m + 1)·n values  │  k columns ⎤
 //!     ⎣ l rows                                        │  corner    ⎦
 //! ```
 //!
-//! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`] eliminates all
-//! values but those at both ends, `x_0` and `x_N`, interval by interval, at a cost linear in `N`: first the
-//! nodes inside an interval, with pivots from its own equations, then the node it shares with the interval
-//! before, with pivots from the `2n` equations that are left of both (Ascher, Mattheij & Russell 1995, ch. 7;
-//! Fairgrieve & Jepson 1991). This is Gaussian elimination with row exchanges of the chain as a whole: no
-//! transfer matrix is formed, let alone a product of them, so that solutions that grow and decay along
-//! the chain are both kept. With `E` the row operations,
+//! where interval `i` has `m·n` equations in the values at nodes `i·m … (i + 1)·m`. [`Chain`]
+//! eliminates all values but those at both ends, `x_0` and `x_N`, interval by interval, at a cost
+//! linear in `N`: first the nodes inside an interval, with pivots from its own equations, then the
+//! node it shares with the interval before, with pivots from the `2n` equations that are left of
+//! both (Ascher, Mattheij & Russell 1995, ch. 7; Fairgrieve & Jepson 1991). This is Gaussian
+//! elimination with row exchanges of the chain as a whole: no transfer matrix is formed, let alone
+//! a product of them, so that solutions that grow and decay along the chain are both kept. With `E`
+//! the row operations,
 //!
 //! ```text
 //!     E M = ⎡ U  * ⎤        R: (n + l) × (2n + k), by x_0, x_N and the k columns
 //!           ⎣ 0  R ⎦
 //! ```
 //!
-//! and what belongs to the ends (boundary conditions, the corner) is added to `R` by the owner, who also
-//! solves with it.
+//! and what belongs to the ends (boundary conditions, the corner) is added to `R` by the owner, who
+//! also solves with it.
 
 use super::front::{Fronts, Pivots};
 use crate::core::failure::Failure;
 
 /// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
 ///
-/// Values at nodes are handed over node by node, `n` states each. Nothing is allocated after the first
-/// factorisation with given borders.
+/// Values at nodes are handed over node by node, `n` states each. Nothing is allocated after the
+/// first factorisation with given borders.
 ///
 /// ```
 /// use tangency::core::linear::Chain;
@@ -60,8 +61,8 @@ pub struct Chain {
     rows: usize,
     /// Columns `[inner nodes | right node | left node | k]`, rows: equations, border.
     inner: Fronts,
-    /// One for each interval but the first. Columns `[left node | right node | x_0 | k]`, rows: left over
-    /// before, left of this interval, border.
+    /// One for each interval but the first. Columns `[left node | right node | x_0 | k]`, rows:
+    /// left over before, left of this interval, border.
     shared: Fronts,
     /// `R`, while the elimination has come to some node: by `x_0`, that node, and the `k` columns.
     reduced: Vec<f64>,
@@ -76,21 +77,22 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// A chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states` (n) at a node;
-    /// all at least 1.
+    /// A chain of `intervals` (N), with `nodes` (m) beyond the left one in each and `states` (n) at
+    /// a node; all at least 1.
     pub fn new(intervals: usize, nodes: usize, states: usize) -> Self {
         Chain { intervals, nodes, states, ..Chain::default() }
     }
 
     /// Factors the chain within its border.
     ///
-    /// `blocks`: for each interval `m·n` rows of `(m + 1)·n` derivatives by the values at its nodes;
-    /// `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of `(N·m + 1)·n`.
+    /// `blocks`: for each interval `m·n` rows of `(m + 1)·n` derivatives by the values at its
+    /// nodes; `columns`: `k` entries for each of the `N·m·n` equations; `rows`: `l` rows of
+    /// `(N·m + 1)·n`.
     ///
     /// # Errors
-    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to it, do not determine the values
-    /// that are eliminated: a pivot vanishes to working accuracy or is not a number. Pivots are
-    /// reported relative to the largest entries of their rows.
+    /// [`Failure::Singular`] if the equations of some interval, or of the chain up to it, do not
+    /// determine the values that are eliminated: a pivot vanishes to working accuracy or is not a
+    /// number. Pivots are reported relative to the largest entries of their rows.
     pub fn factor(
         &mut self,
         blocks: &[f64],
@@ -118,22 +120,22 @@ impl Chain {
         Ok(())
     }
 
-    /// `R`: the `n` equations that are left of the chain, then the `l` rows, one row after the other,
-    /// by `x_0`, `x_N` and the `k` columns; the corner is zero.
+    /// `R`: the `n` equations that are left of the chain, then the `l` rows, one row after the
+    /// other, by `x_0`, `x_N` and the `k` columns; the corner is zero.
     pub fn reduced(&self) -> &[f64] {
         &self.reduced
     }
 
-    /// The sign of the determinant of all that is eliminated: where `l = n + k`, so that the whole matrix `M`
-    /// is square (columns: nodes in their order, then `k`; rows: equations in their order, then `l`),
-    /// `sign det M` is this times `sign det (R + corner)`.
+    /// The sign of the determinant of all that is eliminated: where `l = n + k`, so that the whole
+    /// matrix `M` is square (columns: nodes in their order, then `k`; rows: equations in their
+    /// order, then `l`), `sign det M` is this times `sign det (R + corner)`.
     pub fn determinant_sign(&self) -> f64 {
         self.sign
     }
 
-    /// Applies `E` to a right side: `right` (`N·m·n`) in place, to be handed to [`back`](Self::back), and
-    /// `reduced_right` (`n + l`), on entry the right sides of the `l` rows in its last places, on exit that
-    /// of `R`.
+    /// Applies `E` to a right side: `right` (`N·m·n`) in place, to be handed to
+    /// [`back`](Self::back), and `reduced_right` (`n + l`), on entry the right sides of the `l`
+    /// rows in its last places, on exit that of `R`.
     pub fn forward(&mut self, right: &mut [f64], reduced_right: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_right.split_at_mut(n);
@@ -152,8 +154,8 @@ impl Chain {
         }
     }
 
-    /// The values at all nodes (`(N·m + 1)·n`) from those at the ends and the `k` unknowns `y` of the
-    /// columns; `right` as [`forward`](Self::forward) left it.
+    /// The values at all nodes (`(N·m + 1)·n`) from those at the ends and the `k` unknowns `y` of
+    /// the columns; `right` as [`forward`](Self::forward) left it.
     pub fn back(
         &mut self,
         right: &[f64],
@@ -184,8 +186,8 @@ impl Chain {
         }
     }
 
-    /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns` (`k`) are
-    /// `r`, and `reduced_right` (`2n + k`) becomes the right side of `Rᵀ`.
+    /// Eliminates a right side of `Mᵀ w = r`: `right_nodes` (`(N·m + 1)·n`) and `right_columns`
+    /// (`k`) are `r`, and `reduced_right` (`2n + k`) becomes the right side of `Rᵀ`.
     ///
     /// With `w = Eᵀ y`, `Mᵀ w = r` is `Uᵀ y₁ = r₁`, `Rᵀ y₂ = r₂ − *ᵀ y₁`. `y₁` is kept until
     /// [`back_transposed`](Self::back_transposed).
@@ -214,8 +216,8 @@ impl Chain {
                 continue;
             }
             add(&mut reduced_right[n..2 * n], left);
-            // From right sides by x_0, node i and the k columns, and what the interval adds to node i + 1, to
-            // those with node i + 1 instead.
+            // From right sides by x_0, node i and the k columns, and what the interval adds to node
+            // i + 1, to those with node i + 1 instead.
             let front = &mut self.equations[..3 * n + self.columns];
             place(front, reduced_right, n);
             front[n..2 * n].copy_from_slice(right);
@@ -225,8 +227,8 @@ impl Chain {
         }
     }
 
-    /// The components of `w` that belong to the chain's equations (`N·m·n`), from the solution `reduced_left`
-    /// (`n + l`) with `Rᵀ`, whose last `l` are the others.
+    /// The components of `w` that belong to the chain's equations (`N·m·n`), from the solution
+    /// `reduced_left` (`n + l`) with `Rᵀ`, whose last `l` are the others.
     pub fn back_transposed(&mut self, reduced_left: &[f64], equations_out: &mut [f64]) {
         let (n, each, inner) = (self.states, self.equations_each(), self.inner.eliminated);
         let (left_over, border) = reduced_left.split_at(n);
@@ -265,8 +267,8 @@ impl Chain {
         self.equations = vec![0.0; 3 * n + k];
     }
 
-    /// One scale for each state, the inverse of the largest derivative by it: what is called a large entry
-    /// of a row does not depend on the states' units.
+    /// One scale for each state, the inverse of the largest derivative by it: what is called a
+    /// large entry of a row does not depend on the states' units.
     fn scale(&mut self, blocks: &[f64]) {
         let (n, each) = (self.states, self.equations_each());
         self.state_scales.fill(0.0);
@@ -349,14 +351,16 @@ impl Chain {
     }
 }
 
-/// Places a row by `x_0`, node `i` and the `k` columns into one by node `i`, node `i + 1`, `x_0` and `k`.
+/// Places a row by `x_0`, node `i` and the `k` columns into one by node `i`, node `i + 1`, `x_0`
+/// and `k`.
 fn place(row: &mut [f64], reduced: &[f64], n: usize) {
     row[..n].copy_from_slice(&reduced[n..2 * n]);
     row[2 * n..3 * n].copy_from_slice(&reduced[..n]);
     row[3 * n..n + reduced.len()].copy_from_slice(&reduced[2 * n..]);
 }
 
-/// The row by `x_0`, the node and the `k` columns in one by an eliminated node, the node, `x_0` and `k`.
+/// The row by `x_0`, the node and the `k` columns in one by an eliminated node, the node, `x_0` and
+/// `k`.
 fn unplace(reduced: &mut [f64], row: &[f64], n: usize) {
     reduced[..n].copy_from_slice(&row[2 * n..3 * n]);
     reduced[n..2 * n].copy_from_slice(&row[n..2 * n]);

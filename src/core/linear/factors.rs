@@ -20,7 +20,8 @@ pub trait Factorisation: Any + Send {
     /// The sign of the determinant, −1 or 1; 1 for complex matrices.
     fn determinant_sign(&self) -> f64;
 
-    /// The derivative of a complex matrix by `ω`, without its border, times `v`; zero for real matrices.
+    /// The derivative of a complex matrix by `ω`, without its border, times `v`; zero for real
+    /// matrices.
     fn frequency_derivative(&self, _v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
     }
@@ -37,8 +38,8 @@ impl Default for Factors {
 }
 
 impl Factors {
-    /// The factors of the matrix factored before, if they are of this type and `fits`; else those that `make`
-    /// makes take their place.
+    /// The factors of the matrix factored before, if they are of this type and `fits`; else those
+    /// that `make` makes take their place.
     pub fn reuse<F: Factorisation>(
         &mut self,
         fits: impl FnOnce(&F) -> bool,
@@ -88,8 +89,9 @@ pub(crate) struct ShiftedLu {
 }
 
 impl ShiftedLu {
-    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and rows (of which the
-    /// conjugates enter), each as real parts, then imaginary parts, and with a corner of zeros.
+    /// Factors `A − iω` (`A` one column after the other) within a border of complex columns and
+    /// rows (of which the conjugates enter), each as real parts, then imaginary parts, and with a
+    /// corner of zeros.
     pub fn factor(&mut self, matrix: &[f64], omega: f64, border: Border) -> Result<(), Failure> {
         let (n, m) = (matrix.len().isqrt(), border.width);
         let size = n + m;

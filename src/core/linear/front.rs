@@ -3,10 +3,12 @@
 use crate::core::failure::{Failure, SINGULAR, unusable};
 use wide::f64x4;
 
-/// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole lanes.
+/// Rows are as long as a multiple of this, filled up with zeros, so that updates run in whole
+/// lanes.
 const LANES: usize = 4;
 
-/// Fronts of one shape: in each, some leading columns are eliminated with pivots from the leading rows,
+/// Fronts of one shape: in each, some leading columns are eliminated with pivots from the leading
+/// rows,
 ///
 /// ```text
 ///     ⎡ L₁    ⎤     ⎡ U  * ⎤      pivotal rows (permuted by P): as many as columns
@@ -14,8 +16,8 @@ const LANES: usize = 4;
 ///     ⎣ L₃  I ⎦                   border rows: updated, never a pivot
 /// ```
 ///
-/// and the factors take the place of the matrix: `S` is the Schur complement. Rows are exchanged whole, with
-/// their multipliers, so that all exchanges may be applied first.
+/// and the factors take the place of the matrix: `S` is the Schur complement. Rows are exchanged
+/// whole, with their multipliers, so that all exchanges may be applied first.
 #[derive(Default)]
 pub(super) struct Fronts {
     /// How many columns are eliminated.
@@ -61,8 +63,8 @@ impl Pivots {
 }
 
 impl Fronts {
-    /// This many fronts: of each, how many columns are eliminated, how many rows a pivot may come from, how
-    /// many rows follow those, and how many columns there are.
+    /// This many fronts: of each, how many columns are eliminated, how many rows a pivot may come
+    /// from, how many rows follow those, and how many columns there are.
     pub(super) fn new(
         count: usize,
         eliminated: usize,
@@ -98,10 +100,10 @@ impl Fronts {
         &self.exchanges[i * self.eliminated..][..self.eliminated]
     }
 
-    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as they would
-    /// be if the largest entry of every row were 1. Rows of the growing and the decaying solutions of a
-    /// dichotomy keep their scales, which is what bounds growth (plain partial pivoting lets it be
-    /// exponential in the number of fronts: Wright 1993).
+    /// Eliminates with partial pivoting, implicitly scaled: entries of a column are compared as
+    /// they would be if the largest entry of every row were 1. Rows of the growing and the decaying
+    /// solutions of a dichotomy keep their scales, which is what bounds growth (plain partial
+    /// pivoting lets it be exponential in the number of fronts: Wright 1993).
     ///
     /// # Errors
     /// [`Failure::Singular`] at the first pivot that vanishes.
@@ -192,8 +194,9 @@ fn pivot_of(a: &[f64], w: usize, scales: &[f64], c: usize) -> (usize, f64) {
     best
 }
 
-/// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c` vanish,
-/// and keeps the multipliers there. Whole lanes are updated: what lies left of the column meets zeros.
+/// Subtracts multiples of the row `top` from the rows `below`, so that their entries in column `c`
+/// vanish, and keeps the multipliers there. Whole lanes are updated: what lies left of the column
+/// meets zeros.
 fn update(below: &mut [f64], top: &[f64], c: usize) {
     let (start, inverse) = ((c + 1) / LANES, 1.0 / top[c]);
     let lanes = top.as_chunks::<LANES>().0;

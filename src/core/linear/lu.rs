@@ -64,7 +64,8 @@ impl BorderedLu {
         self.factor_in_units(matrix, border, &[])
     }
 
-    /// The same where sizes of unknowns are known: one for each column, 0 where it is not known. None if all are 1.
+    /// The same where sizes of unknowns are known: one for each column, 0 where it is not known.
+    /// None if all are 1.
     pub(in crate::core) fn factor_in_units(
         &mut self,
         matrix: &[f64],

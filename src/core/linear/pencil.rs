@@ -1,31 +1,33 @@
 //! Floquet multipliers from what is left of a condensed chain.
 //!
-//! The `n` equations that a [`Chain`](super::Chain) leaves between its ends, `P x_0 + Q x_N = 0`, say all
-//! about the solutions of the linearised equations over a period: `x_N = μ x_0` where
+//! The `n` equations that a [`Chain`](super::Chain) leaves between its ends, `P x_0 + Q x_N = 0`,
+//! say all about the solutions of the linearised equations over a period: `x_N = μ x_0` where
 //!
 //! ```text
 //!     (P + μ Q) v = 0.
 //! ```
 //!
-//! These eigenvalues are the multipliers. No transfer matrix `−Q⁻¹P` is formed, in which the smallest
-//! ones would drown (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
+//! These eigenvalues are the multipliers. No transfer matrix `−Q⁻¹P` is formed, in which the
+//! smallest ones would drown (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
 
 use crate::core::failure::{Failure, finite, not_finite};
 use crate::core::zero::Spectrum;
 use faer::MatRef;
 
-/// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the eigenvalues of
-/// the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest modulus first.
+/// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the
+/// eigenvalues of the pencil `P + μ Q` of `n × n` matrices (one row after the other), the largest
+/// modulus first.
 ///
-/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by the QZ
-/// iteration, with an error, relative to `μ`, of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`: seven digits and
-/// more where `μ` is 10⁸ or 10⁻⁸.
+/// For `n ≤ 2` they come in closed form, to the digits that `P` and `Q` have; from `n = 3` on by
+/// the QZ iteration, with an error, relative to `μ`, of at most about `10⁻¹⁵ max(|μ|, 1/|μ|)`:
+/// seven digits and more where `μ` is 10⁸ or 10⁻⁸.
 ///
 /// A singular `Q` gives infinite multipliers (`f64::INFINITY` as real part), a singular `P` zeros.
 ///
 /// # Errors
-/// [`Failure::Undetermined`] where `P + μ Q` is singular for every `μ`, [`Failure::NotFinite`] if it has an entry
-/// that is not finite, and [`Failure::Eigenvalues`] if the iteration does not converge.
+/// [`Failure::Undetermined`] where `P + μ Q` is singular for every `μ`, [`Failure::NotFinite`] if
+/// it has an entry that is not finite, and [`Failure::Eigenvalues`] if the iteration does not
+/// converge.
 ///
 /// ```
 /// use tangency::core::linear::multipliers;

@@ -52,14 +52,15 @@ pub enum NewtonError {
         /// The largest allowed.
         largest: f64,
     },
-    /// A step would have gone straight on where the curve turns away from another one, this far from it in scaled
-    /// arclength.
+    /// A step would have gone straight on where the curve turns away from another one, this far
+    /// from it in scaled arclength.
     #[error(
         "the step goes over to another branch, {0:.1e} beside this one where they come near each other: \
          lower `min_step`, or the parameter that keeps them apart"
     )]
     Beside(f64),
-    /// The corrected point lies far from the predicted one, compared with the step: it may be of another branch.
+    /// The corrected point lies far from the predicted one, compared with the step: it may be of
+    /// another branch.
     #[error(
         "the corrected point is {distance:.1e} from the predicted one after a step of {length:.1e}: another branch \
          is near, or the curve is sharper than the step; lower `min_step`"

@@ -1,7 +1,8 @@
 //! Legs that stand for infinitely many events.
 //!
-//! Such a leg begins just behind an event. Nothing moves on it, and it lasts until the events that follow accumulate, which a
-//! motion that follows them tells, with derivatives; so does that motion tell the state from which the next leg begins.
+//! Such a leg begins just behind an event. Nothing moves on it, and it lasts until the events that
+//! follow accumulate, which a motion that follows them tells, with derivatives; so does that motion
+//! tell the state from which the next leg begins.
 
 use super::hybrid::HybridOrbit;
 use crate::core::condition::Failure;
@@ -34,7 +35,8 @@ impl<T: Scalar> Fields<T> for Still {
 }
 
 impl HybridOrbit {
-    /// The accumulation that ends a leg which begins at a time in a state, and is to last as long as given.
+    /// The accumulation that ends a leg which begins at a time in a state, and is to last as long
+    /// as given.
     pub(super) fn accumulation<T: ChatterNumber>(
         &self,
         leg: usize,

@@ -1,8 +1,9 @@
 //! Impacting orbits born at grazings.
 //!
-//! Where an orbit touches a guard it passes no event yet; a moment later there is one, which begins and ends
-//! a leg, with legs between that last no time: an impact of no speed, a slip of no length. With those legs
-//! inserted the grazing orbit is a regular point of a branch of orbits that have the event.
+//! Where an orbit touches a guard it passes no event yet; a moment later there is one, which begins
+//! and ends a leg, with legs between that last no time: an impact of no speed, a slip of no length.
+//! With those legs inserted the grazing orbit is a regular point of a branch of orbits that have
+//! the event.
 
 use super::departed::{VANISHES, join};
 use super::following::{Following, Lasting, NUDGE, Onset};
@@ -43,7 +44,8 @@ impl Passed {
     }
 }
 
-/// How much sooner than a touch an event comes that shows in which direction a branch leaves, in units of the scale of time.
+/// How much sooner than a touch an event comes that shows in which direction a branch leaves, in
+/// units of the scale of time.
 const SOONER: f64 = 1e-3;
 /// By how much sooner another one comes, of which the error is smaller by the square of this.
 const NEARER: f64 = 4.0;
@@ -54,8 +56,8 @@ const MOST_TOUCHES: usize = 8;
 /// Errors of states, in units of their scales, that are rounding.
 const ROUNDING: f64 = 1e-11;
 
-/// The touches that the branch numbered `which` passes, of `count`: branch 0 passes all, the next ones pass one each, then two each,
-/// and so on.
+/// The touches that the branch numbered `which` passes, of `count`: branch 0 passes all, the next
+/// ones pass one each, then two each, and so on.
 fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
     if which == 0 {
         return Ok(vec![true; count]);
@@ -68,8 +70,9 @@ fn selection(count: usize, which: usize) -> Result<Vec<bool>, Failure> {
 }
 
 impl KnownOrbit<'_> {
-    /// The orbits that are born where this one touches guards: first those that pass all of them, then those that pass some, in the
-    /// order of [`selection`]. They begin after the nearest touch.
+    /// The orbits that are born where this one touches guards: first those that pass all of them,
+    /// then those that pass some, in the order of [`selection`]. They begin after the nearest
+    /// touch.
     pub fn born(&self, which: usize) -> Result<Birth<HybridOrbit>, Failure> {
         let (mut touches, mut passed) = self.touched()?;
         let mut selected = selection(touches.len(), which)?.into_iter();
@@ -134,8 +137,8 @@ impl KnownOrbit<'_> {
         }
     }
 
-    /// Where the orbit touches guards that it does not pass, in order; where it touches none, the place where it comes
-    /// nearest to one.
+    /// Where the orbit touches guards that it does not pass, in order; where it touches none, the
+    /// place where it comes nearest to one.
     pub(super) fn touches(&self) -> Result<Vec<Touch>, Failure> {
         let mut found: Vec<(Touch, f64)> = Vec::new();
         for leg in (0..self.legs().len()).filter(|leg| !self.legs()[*leg].accumulates) {
@@ -232,10 +235,10 @@ impl KnownOrbit<'_> {
         Ok(Passed { leg, guard, since, distance: value.abs(), following })
     }
 
-    /// An event a little sooner than a touch, on the same motion, if motion goes on behind what follows as if nothing had
-    /// happened: the branch leaves in this direction then, in which the equations are singular. So it is where motion
-    /// touches what only stops it, and where it slides to the end of what holds it. `None` where an event changes motion, as
-    /// impacts do.
+    /// An event a little sooner than a touch, on the same motion, if motion goes on behind what
+    /// follows as if nothing had happened: the branch leaves in this direction then, in which the
+    /// equations are singular. So it is where motion touches what only stops it, and where it
+    /// slides to the end of what holds it. `None` where an event changes motion, as impacts do.
     fn passed_sooner(&self, touch: &Touch, passed: &Passed) -> Option<Passed> {
         if passed.following.legs.is_empty() {
             return None;
@@ -249,7 +252,8 @@ impl KnownOrbit<'_> {
         (same && second_order).then_some(near)
     }
 
-    /// The event that comes so long before a touch, and how far from the motion that touches it ends, in units of the scales.
+    /// The event that comes so long before a touch, and how far from the motion that touches it
+    /// ends, in units of the scales.
     fn sooner(&self, touch: &Touch, sooner: f64) -> Option<(Passed, f64)> {
         let Touch { leg, guard, .. } = *touch;
         let (system, p, mode) = (self.system(), self.p(), self.legs()[leg].mode);
@@ -282,7 +286,8 @@ impl HybridOrbit {
         Birth { problem, trajectories, extras, beside: None }
     }
 
-    /// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie apart from those without.
+    /// Refuses an event without a speed that moves motion elsewhere: orbits with the event lie
+    /// apart from those without.
     pub(in crate::core) fn unmoved(
         &self,
         (mode, guard): (usize, usize),

@@ -1,4 +1,5 @@
-//! Decisions: what selects the mode after an event, and the orbits on the other side of where that vanishes.
+//! Decisions: what selects the mode after an event, and the orbits on the other side of where that
+//! vanishes.
 
 use super::departed::VANISHES;
 use super::following::{Following, Lasting, NUDGE, Onset};
@@ -9,7 +10,8 @@ use crate::core::bvp::Birth;
 use crate::core::condition::Failure;
 use crate::core::hybrid::{MeasureNumber, Moment, decision_scale};
 
-/// Orbits with a leg in another mode begin where the one without it goes on, but for this part of the scales.
+/// Orbits with a leg in another mode begin where the one without it goes on, but for this part of
+/// the scales.
 const CONTINUOUS: f64 = 1e-4;
 
 /// What selects the mode after an event, seen from an itinerary.
@@ -31,7 +33,8 @@ impl HybridOrbit {
         modes.iter().any(|mode| *mode != first).then_some(Decision { guard, mode, modes })
     }
 
-    /// Whether any event may be followed by one of several modes, as decision functions select them.
+    /// Whether any event may be followed by one of several modes, as decision functions select
+    /// them.
     pub(super) fn decides(&self) -> bool {
         (0..self.legs().len()).any(|leg| self.decision_after(leg).is_some())
     }
@@ -41,8 +44,8 @@ impl HybridOrbit {
         self.legs()[(leg + 1) % self.legs().len()].mode
     }
 
-    /// How clearly the event that ends a leg leads to the mode that the itinerary says: positive if it does. `None` where
-    /// nothing is to decide.
+    /// How clearly the event that ends a leg leads to the mode that the itinerary says: positive if
+    /// it does. `None` where nothing is to decide.
     pub(super) fn margin<T: MeasureNumber>(&self, leg: usize, at: Moment<T>) -> Option<T> {
         let Decision { guard, mode, modes } = self.decision_after(leg)?;
         let (least, next) =
@@ -73,8 +76,8 @@ impl HybridOrbit {
 }
 
 impl KnownOrbit<'_> {
-    /// The orbits on the other side of the decisions that vanish here, all at a time: with the legs of no length to which
-    /// their events lead there. `None` where no decision vanishes.
+    /// The orbits on the other side of the decisions that vanish here, all at a time: with the legs
+    /// of no length to which their events lead there. `None` where no decision vanishes.
     pub(super) fn decided_otherwise(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
         if !self.decides() {
             return Ok(None);
@@ -97,7 +100,8 @@ impl KnownOrbit<'_> {
             return Ok(None);
         }
         let birth = self.with_legs(all, self.begins(0));
-        // A leg that begins where its event has no speed may last no time in any orbit: its direction is known.
+        // A leg that begins where its event has no speed may last no time in any orbit: its
+        // direction is known.
         let beside = singular.then(|| self.with_legs(near, self.begins(0)));
         let beside = beside.map(|near| (near.trajectories, near.extras));
         Ok(Some(Birth { beside, ..birth }))
@@ -112,8 +116,8 @@ impl KnownOrbit<'_> {
         })
     }
 
-    /// The legs of no length after a leg where its decision vanishes and is made otherwise, and those beside; `None` where it
-    /// does not vanish.
+    /// The legs of no length after a leg where its decision vanishes and is made otherwise, and
+    /// those beside; `None` where it does not vanish.
     fn inserted_after(&self, leg: usize) -> Result<Option<[Vec<Lasting>; 2]>, Failure> {
         let Some(Decision { guard, mode, modes }) = self.decision_after(leg) else {
             return Ok(None);
@@ -125,7 +129,8 @@ impl KnownOrbit<'_> {
             let scale = decision_scale(system, (k, guard, mode), p);
             system.decision(k, guard, mode, t, &x, p).abs() < VANISHES * scale
         };
-        // A function that vanishes is negative here if a later mode follows, positive if its own one does.
+        // A function that vanishes is negative here if a later mode follows, positive if its own
+        // one does.
         let functions = modes.len() - 1;
         let own = modes.iter().position(|mode| *mode == chosen).unwrap_or(functions);
         let Some(k) = (0..functions.min(own + 1)).find(|k| vanishing(*k)) else { return Ok(None) };
@@ -147,7 +152,8 @@ impl KnownOrbit<'_> {
         Ok(Some([legs, beside.legs]))
     }
 
-    /// Refuses another mode after a leg from which motion comes to another state than the next leg's.
+    /// Refuses another mode after a leg from which motion comes to another state than the next
+    /// leg's.
     fn check_continuous(&self, (leg, other): (usize, usize), state: &[f64]) -> Result<(), Failure> {
         let (mode, known) =
             (self.mode_after(leg), self.known[(leg + 1) % self.known.len()].start());

@@ -1,5 +1,5 @@
-//! Orbits without the legs that last no time where a branch ends, and without the event that is only a touch there: the
-//! continuation beyond a grazing at which these vanish.
+//! Orbits without the legs that last no time where a branch ends, and without the event that is
+//! only a touch there: the continuation beyond a grazing at which these vanish.
 
 use super::following::Lasting;
 use super::hybrid::HybridOrbit;
@@ -9,7 +9,8 @@ use crate::core::bvp::{Birth, Trajectory};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Moment, time_scale};
 
-/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in units of the scales.
+/// An event that is approached more slowly is a touch, and a leg that is shorter lasts no time: in
+/// units of the scales.
 pub(super) const VANISHES: f64 = 1e-6;
 
 impl KnownOrbit<'_> {
@@ -21,8 +22,9 @@ impl KnownOrbit<'_> {
         }
     }
 
-    /// The orbits without the events that are only touches here, after which motion goes on in the same mode and as before:
-    /// each joins the legs before and behind it. `None` where there are none.
+    /// The orbits without the events that are only touches here, after which motion goes on in the
+    /// same mode and as before: each joins the legs before and behind it. `None` where there are
+    /// none.
     fn without_touches(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
         let legs = self.legs();
         let behind = (0..legs.len()).map(|leg| self.behind_touch(leg));
@@ -73,8 +75,8 @@ impl KnownOrbit<'_> {
         Ok(Birth { problem, trajectories: vec![trajectory], extras: Vec::new(), beside: None })
     }
 
-    /// The leg behind a touch that ends this one, the legs of no length that follow it left out; `None` if its end is none, or
-    /// leads to another mode.
+    /// The leg behind a touch that ends this one, the legs of no length that follow it left out;
+    /// `None` if its end is none, or leads to another mode.
     ///
     /// # Errors
     /// [`Failure::Undetermined`] if its reset jumps.
@@ -103,9 +105,9 @@ impl KnownOrbit<'_> {
         self.lengths()[leg].abs() > VANISHES * time_scale(self.system(), self.p())
     }
 
-    /// The orbits without the legs that last no time here: the events before them lead to the legs behind them.
-    /// `None` where there are no such legs, where they belong to an event without a speed, which vanishes with them, and
-    /// where no event leads past them.
+    /// The orbits without the legs that last no time here: the events before them lead to the legs
+    /// behind them. `None` where there are no such legs, where they belong to an event without a
+    /// speed, which vanishes with them, and where no event leads past them.
     fn without_vanished(&self) -> Result<Option<Birth<HybridOrbit>>, Failure> {
         let legs = self.legs();
         if self.smooth() {

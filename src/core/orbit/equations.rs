@@ -60,7 +60,8 @@ impl<T: ChatterNumber> Residual<T> for HybridOrbit
 where
     Dual<T>: GuardNumber,
 {
-    /// The field of the leg's mode, whose time begins with the leg. Nothing moves while infinitely many events come.
+    /// The field of the leg's mode, whose time begins with the leg. Nothing moves while infinitely
+    /// many events come.
     fn on_segment<'a>(&'a self, segment: usize, q: &'a [T]) -> FieldRef<'a, T> {
         let (leg, numbers) = (self.legs()[segment], self.parameters.len());
         match leg.accumulates {
@@ -156,7 +157,8 @@ impl Equations for HybridOrbit {
         self.smooth() && !self.forced
     }
 
-    /// The first leg's states return, and under forcing the time of the start, modulo the forcing's periods.
+    /// The first leg's states return, and under forcing the time of the start, modulo the forcing's
+    /// periods.
     fn returns(&self) -> Vec<Return> {
         let mut returns = Return::of_states(self.places[1]);
         if self.forced && !self.smooth() {
@@ -329,8 +331,8 @@ impl Equations for HybridOrbit {
         [ends, Monitor::Ends(SHORTEST)].contains(&self.monitors().swap_remove(monitor).1)
     }
 
-    /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs must be able to begin and end
-    /// where they do.
+    /// Every event, and every accumulation, must lead to the mode that the itinerary says; legs
+    /// must be able to begin and end where they do.
     fn check_ends(&self, ends: Ends<f64>, q: &[f64]) -> Result<(), Failure> {
         let ((p, extras), legs) = (self.split(q), self.legs());
         for (s, leg) in legs.iter().enumerate().filter(|(_, leg)| !leg.accumulates) {

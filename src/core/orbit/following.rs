@@ -20,7 +20,8 @@ const ACROSS: f64 = 1e-6;
 /// No more events than this follow at once.
 const MOST_LEGS: usize = 32;
 
-/// An event whose consequences are decided by rounding: the event itself, and one beside it at which they are not.
+/// An event whose consequences are decided by rounding: the event itself, and one beside it at
+/// which they are not.
 pub(super) struct Onset {
     pub guard: usize,
     pub mode: usize,
@@ -35,7 +36,8 @@ pub(super) struct Onset {
 /// A leg with the motion on it, and how long it lasts.
 pub(super) type Lasting = (Leg, Trajectory, f64);
 
-/// What follows an event at once until motion goes on in a mode: the legs, and the state with which it does.
+/// What follows an event at once until motion goes on in a mode: the legs, and the state with which
+/// it does.
 pub(super) struct Following {
     pub legs: Vec<Lasting>,
     pub state: Vec<f64>,
@@ -49,8 +51,8 @@ impl Following {
 }
 
 impl HybridOrbit {
-    /// What follows an event at once until motion goes on in a mode, at the event and beside it. Which events come next is
-    /// decided beside it.
+    /// What follows an event at once until motion goes on in a mode, at the event and beside it.
+    /// Which events come next is decided beside it.
     pub(super) fn following(
         &self,
         onset: Onset,
@@ -111,8 +113,9 @@ impl HybridOrbit {
         times.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// A state near one at which a guard vanishes, to first order: the nearest one, in units of the scales, of those that the event's
-    /// reset leaves on the surfaces on which it puts them, as where sliding ends; of all where there is none.
+    /// A state near one at which a guard vanishes, to first order: the nearest one, in units of the
+    /// scales, of those that the event's reset leaves on the surfaces on which it puts them, as
+    /// where sliding ends; of all where there is none.
     pub(super) fn onto(&self, guard: usize, at: Moment<f64>) -> Vec<f64> {
         let Moment { system, mode, t, x, p } = at;
         let sizes = system.sizes_of(mode, p);
@@ -137,9 +140,9 @@ impl HybridOrbit {
         x.iter().zip(way.iter().zip(&sizes)).map(|(x, (n, size))| x - part * n * size).collect()
     }
 
-    /// A place beside an event, still on the guard, at which a function is larger by `change`: along the part of its
-    /// gradient by the states across that of the guard; by time as well where states do not change it. The same place where
-    /// nothing does.
+    /// A place beside an event, still on the guard, at which a function is larger by `change`:
+    /// along the part of its gradient by the states across that of the guard; by time as well where
+    /// states do not change it. The same place where nothing does.
     pub(super) fn nudged(
         &self,
         guard: usize,
@@ -195,8 +198,8 @@ fn course(at: Moment<f64>, guard: usize) -> [f64; 4] {
     [at.guard(guard), rate.re.re, rate.eps.re, rate.eps.eps[0]]
 }
 
-/// When a function falls through zero first that is not negative now, from its derivatives: at once if it is `zero` and its
-/// rate negative.
+/// When a function falls through zero first that is not negative now, from its derivatives: at once
+/// if it is `zero` and its rate negative.
 fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> {
     // A zero now is divided out.
     match value.abs() <= zero[0] {
@@ -206,7 +209,8 @@ fn falls([value, rate, second, third]: [f64; 4], zero: [f64; 2]) -> Option<f64> 
     }
 }
 
-/// The first positive zero of a polynomial of degree 2 with falling values, the first coefficient of which is not negative.
+/// The first positive zero of a polynomial of degree 2 with falling values, the first coefficient
+/// of which is not negative.
 fn falling_root([c, b, a]: [f64; 3]) -> Option<f64> {
     let root = (b * b - 4.0 * a * c).sqrt();
     let time = if b < 0.0 { 2.0 * c / (root - b) } else { (b + root) / (-2.0 * a) };

@@ -11,8 +11,8 @@ use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
 use std::sync::Arc;
 
-/// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with one segment
-/// for each leg:
+/// The periodic orbits of a hybrid system with a given itinerary, as a boundary-value problem with
+/// one segment for each leg:
 ///
 /// ```text
 ///     x_s' = f_s(T_s + t, x_s, p),  0 ≤ t ≤ L_s,    T_s = T_0 + L_0 + … + L_{s−1}
@@ -21,12 +21,12 @@ use std::sync::Arc;
 ///     L_0 + … + L_{S−1} = q T(p)                    under forcing of period T
 /// ```
 ///
-/// Unknown are the states, the time `T_0` of the start (under forcing), and the durations `L_s`. These
-/// equations are regular where an event becomes tangent: a leg may last no time, and an impact may have no
-/// speed. So an impacting branch begins at a grazing point itself.
+/// Unknown are the states, the time `T_0` of the start (under forcing), and the durations `L_s`.
+/// These equations are regular where an event becomes tangent: a leg may last no time, and an
+/// impact may have no speed. So an impacting branch begins at a grazing point itself.
 ///
-/// An orbit without events is one segment that closes after `q` periods (or after a period that is unknown,
-/// with a phase condition).
+/// An orbit without events is one segment that closes after `q` periods (or after a period that is
+/// unknown, with a phase condition).
 #[derive(Clone)]
 pub struct HybridOrbit {
     pub(super) system: Arc<dyn HybridEquations>,
@@ -90,8 +90,8 @@ impl HybridOrbit {
         }
     }
 
-    /// Records [`Measure::Penetration`](crate::core::measure::Measure::Penetration) as a monitor, 0 if motion would
-    /// not turn within a period.
+    /// Records [`Measure::Penetration`](crate::core::measure::Measure::Penetration) as a monitor, 0
+    /// if motion would not turn within a period.
     pub fn with_penetration(mut self) -> Self {
         self.penetration = true;
         self
@@ -158,7 +158,8 @@ impl HybridOrbit {
         &extras[usize::from(self.forced && !self.smooth())..]
     }
 
-    /// The numbers of a leg: parameters, its beginning and its duration; all where there are no events.
+    /// The numbers of a leg: parameters, its beginning and its duration; all where there are no
+    /// events.
     pub(in crate::core) fn numbers_of(&self, leg: usize, q: &[f64]) -> Vec<f64> {
         let (p, extras) = self.split(q);
         match self.smooth() {

@@ -10,8 +10,8 @@ pub struct Leg {
     pub mode: usize,
     /// The guard at which the leg ends; `None` if nothing happens on the whole orbit.
     pub exit: Option<usize>,
-    /// Whether it begins just behind an event of this guard, and lasts for the infinitely many that follow, up to their
-    /// accumulation.
+    /// Whether it begins just behind an event of this guard, and lasts for the infinitely many that
+    /// follow, up to their accumulation.
     pub accumulates: bool,
 }
 
@@ -22,12 +22,13 @@ impl Leg {
     }
 }
 
-/// What a hybrid orbit goes through in one cycle: legs, each ended by an event, the last of which leads to the
-/// first; and, under forcing, how many of its periods that takes.
+/// What a hybrid orbit goes through in one cycle: legs, each ended by an event, the last of which
+/// leads to the first; and, under forcing, how many of its periods that takes.
 ///
-/// It is written as one word for each leg, `mode:event`, and a number of periods if there are several:
-/// `2* slip:rest stick:impact`. An orbit without events is its mode alone. `flight:impact+` stands for the infinitely many
-/// impacts that follow one before, up to their accumulation.
+/// It is written as one word for each leg, `mode:event`, and a number of periods if there are
+/// several: `2* slip:rest stick:impact`. An orbit without events is its mode alone.
+/// `flight:impact+` stands for the infinitely many impacts that follow one before, up to their
+/// accumulation.
 ///
 /// ```
 /// use tangency::core::orbit::Itinerary;

@@ -43,11 +43,13 @@ impl<M: Deref<Target: DiscreteMap> + Send + Sync> DiscreteMap for M {
     }
 }
 
-/// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed points.
+/// The cycles of a map: `x_{k+1} = f(x_k, p)`, `k = 0 … K − 1`, `x_K = x_0`; with `K = 1` its fixed
+/// points.
 ///
-/// As a boundary-value problem on segments without motion they have everything that periodic orbits have: multipliers,
-/// folds, period doublings, torus (Neimark–Sacker) points, and the curves of them; from a period doubling a branch of cycles with twice as many
-/// iterates can be [left](crate::core::continuation::Continuation::switch) along.
+/// As a boundary-value problem on segments without motion they have everything that periodic orbits
+/// have: multipliers, folds, period doublings, torus (Neimark–Sacker) points, and the curves of
+/// them; from a period doubling a branch of cycles with twice as many iterates can be
+/// [left](crate::core::continuation::Continuation::switch) along.
 ///
 /// ```
 /// use tangency::prelude::*;
@@ -91,8 +93,8 @@ impl<M: DiscreteMap + 'static> MapCycle<M> {
         MapCycle { names: map.names(), map, iterates }
     }
 
-    /// The stable cycle on which iterates of a state settle after a transient, of at most [`LONGEST`](Self::LONGEST)
-    /// iterates, with its states one after the other.
+    /// The stable cycle on which iterates of a state settle after a transient, of at most
+    /// [`LONGEST`](Self::LONGEST) iterates, with its states one after the other.
     ///
     /// # Errors
     /// [`Failure::Mismatch`] where they do not repeat.

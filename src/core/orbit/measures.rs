@@ -1,4 +1,5 @@
-//! What is recorded along branches of hybrid orbits: the system's measures, and what says where they graze.
+//! What is recorded along branches of hybrid orbits: the system's measures, and what says where
+//! they graze.
 
 use super::hybrid::HybridOrbit;
 use crate::core::bvp::{EndFunctions, Ends, Monitor, Watched};
@@ -10,8 +11,9 @@ use crate::core::scalar::Scalar;
 use crate::core::watch::Observable;
 use num_dual::Dual;
 
-/// Functions of the states at the ends: the least approach speed, the shortest duration, the penetration of the
-/// event that is approached most slowly, the least margin of decisions, and from here on the system's own.
+/// Functions of the states at the ends: the least approach speed, the shortest duration, the
+/// penetration of the event that is approached most slowly, the least margin of decisions, and from
+/// here on the system's own.
 pub(super) const APPROACH: usize = 0;
 pub(super) const SHORTEST: usize = 1;
 const PENETRATION: usize = 2;
@@ -42,7 +44,8 @@ impl HybridOrbit {
         }
     }
 
-    /// The scalar of a name on each leg. Functions are numbered from the guards on to the system's monitors.
+    /// The scalar of a name on each leg. Functions are numbered from the guards on to the system's
+    /// monitors.
     fn scalars_on_legs(&self, name: &str) -> Vec<Option<Observable>> {
         let (in_modes, guards) = (self.system().scalars(&self.modes, name), self.guards.len());
         let numbered = |observable| match observable {
@@ -61,7 +64,8 @@ impl HybridOrbit {
             let entry = before.exit.map(|g| &self.guards[g].name);
             for guard in self.guards_in(leg.mode) {
                 let Guard { name, accumulates_to, .. } = &self.guards[guard];
-                // Motion that is released from rest on a surface begins there, whatever released it.
+                // Motion that is released from rest on a surface begins there, whatever released
+                // it.
                 let rested = *accumulates_to == Some(before.mode);
                 let own = [rested || entry == Some(name), leg.exit == Some(guard)];
                 watched.push((Watched::function(s, guard), own));
@@ -70,7 +74,8 @@ impl HybridOrbit {
         watched
     }
 
-    /// The leg that each event ends, its guard, and time and state at which it is reached; none of those that accumulate.
+    /// The leg that each event ends, its guard, and time and state at which it is reached; none of
+    /// those that accumulate.
     fn events_of<'a, T: Scalar>(
         &'a self,
         ends: Ends<'a, T>,

@@ -1,8 +1,10 @@
-//! Periodic orbits of vector fields and hybrid systems, as boundary-value problems ([`HybridOrbit`]).
+//! Periodic orbits of vector fields and hybrid systems, as boundary-value problems
+//! ([`HybridOrbit`]).
 //!
-//! An orbit has the period of the forcing, a function of the parameters, or, where there is none, an unknown one,
-//! with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its predecessor on the branch.
-//! Branches start at Hopf points, at saved orbits, or at stable orbits found by simulation ([`from_cycle`]).
+//! An orbit has the period of the forcing, a function of the parameters, or, where there is none,
+//! an unknown one, with a phase condition `∫ ⟨ẋ_ref, x − x_ref⟩ dτ = 0` that ties the orbit to its
+//! predecessor on the branch. Branches start at Hopf points, at saved orbits, or at stable orbits
+//! found by simulation ([`from_cycle`]).
 
 mod accumulation;
 mod birth;

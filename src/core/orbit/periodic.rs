@@ -56,10 +56,11 @@ pub fn periodic_orbits(
     BoundarySystem::new(orbit, method, vec![Mesh::uniform(intervals)])
 }
 
-/// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of intervals for each leg, and
-/// the unknowns `z` of that cycle, from which a branch starts.
+/// The periodic orbits of a system with the itinerary of a simulated cycle, on a number of
+/// intervals for each leg, and the unknowns `z` of that cycle, from which a branch starts.
 ///
-/// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in [`Smooth`](super::Smooth).
+/// The system is smooth or hybrid, autonomous or forced; a vector field is wrapped in
+/// [`Smooth`](super::Smooth).
 ///
 /// ```
 /// use tangency::core::bvp::Collocation;
@@ -84,8 +85,8 @@ pub fn periodic_orbits(
 /// ```
 ///
 /// # Errors
-/// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a leg leaves the
-/// domain of its field.
+/// [`Failure`] if the cycle contains an accumulation of events, if there is no interval, or if a
+/// leg leaves the domain of its field.
 pub fn from_cycle(
     system: impl IntoHybrid,
     cycle: &Cycle,

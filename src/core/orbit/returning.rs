@@ -1,22 +1,25 @@
 //! Legs that end on the surface on which they begin.
 //!
-//! Such a leg, as that of a block which rocks on its other corner, or that in which a soft stop is pressed, satisfies `h = 0` at its end
-//! with no duration, too: where it vanishes, orbits that have the leg cross others that have it with no duration, and the
-//! equations are singular. Divided by the duration they are regular: what vanishes is the mean rate of the guard along the leg.
+//! Such a leg, as that of a block which rocks on its other corner, or that in which a soft stop is
+//! pressed, satisfies `h = 0` at its end with no duration, too: where it vanishes, orbits that have
+//! the leg cross others that have it with no duration, and the equations are singular. Divided by
+//! the duration they are regular: what vanishes is the mean rate of the guard along the leg.
 
 use super::itinerary::Itinerary;
 use crate::core::hybrid::{EventNumber, GuardNumber, HybridEquations, Mode, Moment, time_scale};
 use num_dual::Dual;
 
-/// The guard of a leg that is shorter, in units of the scale of time, has its mean rate half-way: the quotient is rounding, and the
-/// difference of both, of second order in the duration, is less.
+/// The guard of a leg that is shorter, in units of the scale of time, has its mean rate half-way:
+/// the quotient is rounding, and the difference of both, of second order in the duration, is less.
 const SHORT: f64 = 1e-8;
-/// Values of guards at places where they are compared differ by no more, in units of the larger one.
+/// Values of guards at places where they are compared differ by no more, in units of the larger
+/// one.
 const SAME: f64 = 1e-9;
 /// Places at which guards are compared: what is on one surface everywhere is there.
 const PLACES: usize = 4;
 
-/// Of each leg, whether its event has the guard of the one before, but for its sign and size, after the reset.
+/// Of each leg, whether its event has the guard of the one before, but for its sign and size, after
+/// the reset.
 pub(super) fn returning(
     system: &dyn HybridEquations,
     itinerary: &Itinerary,
@@ -54,8 +57,8 @@ fn scattered(index: usize) -> f64 {
     (0.5 + index as f64 * 0.618_033_988_749_894_9).fract()
 }
 
-/// The mean rate of a guard along a leg that begins on its surface, from the end of the leg, in units of the scale of time; of longer
-/// legs than this unit the guard itself.
+/// The mean rate of a guard along a leg that begins on its surface, from the end of the leg, in
+/// units of the scale of time; of longer legs than this unit the guard itself.
 pub(super) fn mean_rate<T: EventNumber>(end: Moment<T>, guard: usize, duration: T) -> T
 where
     Dual<T>: GuardNumber,

@@ -6,14 +6,15 @@ use crate::core::bvp::{Birth, Equations};
 use crate::core::condition::Failure;
 use crate::core::hybrid::{Cycle, CycleLeg};
 
-/// How many events before an accumulation belong to it at least: from as many a simulation sees that it comes, and when.
+/// How many events before an accumulation belong to it at least: from as many a simulation sees
+/// that it comes, and when.
 const SERIES: usize = 4;
 /// And how many times as long as the rest that was not simulated they last.
 const LONGER: f64 = 30.0;
 
 impl HybridOrbit {
-    /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them. Where events accumulate, the last
-    /// ones of them are one leg.
+    /// The orbits with the itinerary of a simulated cycle, and that cycle as one of them. Where
+    /// events accumulate, the last ones of them are one leg.
     ///
     /// # Errors
     /// [`Failure`] if the simulated cycle holds nothing but events that accumulate.
@@ -36,7 +37,8 @@ impl HybridOrbit {
     }
 }
 
-/// The legs of a cycle, and when the first one begins: those before an accumulation that belong to it are one with it.
+/// The legs of a cycle, and when the first one begins: those before an accumulation that belong to
+/// it are one with it.
 fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
     let (mut start, mut legs) = (cycle.start, cycle.legs.clone());
     let Some(last) = legs.iter().rposition(|leg| leg.accumulation) else {
@@ -61,8 +63,8 @@ fn gathered(cycle: &Cycle) -> Result<(f64, Vec<CycleLeg>), Failure> {
     }
 }
 
-/// Which of the legs before an accumulation is the first one that belongs to it: it follows one of its events, and the
-/// intervals between them shrink from there on.
+/// Which of the legs before an accumulation is the first one that belongs to it: it follows one of
+/// its events, and the intervals between them shrink from there on.
 fn begins(legs: &[CycleLeg], accumulation: &CycleLeg) -> usize {
     let (mut first, mut interval) = (legs.len(), accumulation.duration);
     let ended = (0..legs.len())

@@ -16,7 +16,8 @@ pub struct Found {
     pub run: usize,
     /// The values on the axes.
     pub values: Vec<f64>,
-    /// What it has settled on, or why it did not; where a crisis was sought, the last attractor before it.
+    /// What it has settled on, or why it did not; where a crisis was sought, the last attractor
+    /// before it.
     pub attractor: Result<Attractor, StroboscopicError>,
     /// Where a crisis was sought and found: on the attractor, and off it.
     pub crisis: Option<[f64; 2]>,
@@ -29,9 +30,10 @@ pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
 pub type Make<'a> =
     dyn Fn() -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> + Sync + 'a;
 
-/// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished run ended (`None`
-/// inside if it failed). `make` makes the map, once for each batch of strands; `p` are the parameters that do not vary.
-/// `goes_on` is asked between any two periods of every run: where it is false, runs that are not done are given up.
+/// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished
+/// run ended (`None` inside if it failed). `make` makes the map, once for each batch of strands;
+/// `p` are the parameters that do not vary. `goes_on` is asked between any two periods of every
+/// run: where it is false, runs that are not done are given up.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -56,7 +58,8 @@ pub type Make<'a> =
 /// ```
 ///
 /// # Errors
-/// [`PlanError`] if the plan or the part has no meaning, or threads are refused. Runs that fail are found like others.
+/// [`PlanError`] if the plan or the part has no meaning, or threads are refused. Runs that fail are
+/// found like others.
 pub fn execute(
     plan: &Plan,
     part: Part,
@@ -69,7 +72,8 @@ pub fn execute(
     plan.check()?;
     part.check()?;
     let all = plan.strand_list();
-    // Decided by the plan alone: what a run finds must not depend on which part of it is done where.
+    // Decided by the plan alone: what a run finds must not depend on which part of it is done
+    // where.
     let abreast = plan.crisis.is_none() && all.len() >= LEAST_ABREAST;
     let mine = all.into_iter().enumerate().filter(|(k, _)| k % part.of == part.number - 1);
     let unfinished = |strand: &Vec<usize>| strand.iter().any(|run| done(*run).is_none());
@@ -105,7 +109,8 @@ pub fn execute(
     Ok(())
 }
 
-/// From this number of strands on, their runs are followed abreast: fewer leave too many lanes empty …
+/// From this number of strands on, their runs are followed abreast: fewer leave too many lanes
+/// empty …
 const LEAST_ABREAST: usize = 4;
 /// … and no more at a time, since what is not done is lost where a sweep ends before.
 const MOST_ABREAST: usize = 64;

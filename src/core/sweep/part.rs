@@ -11,7 +11,8 @@ pub struct Part {
     pub number: usize,
     /// How many parts there are.
     pub of: usize,
-    /// How many threads work; by default as many as rayon has, which are as many as there are cores.
+    /// How many threads work; by default as many as rayon has, which are as many as there are
+    /// cores.
     pub threads: Option<NonZeroUsize>,
 }
 
@@ -28,8 +29,9 @@ impl Part {
         }
     }
 
-    /// The part of a sweep that follows sweeps with `strands` strands in all. Strands are dealt to parts in turn, and the turn
-    /// goes on from sweep to sweep: otherwise sweeps of few strands would all fall to the first parts.
+    /// The part of a sweep that follows sweeps with `strands` strands in all. Strands are dealt to
+    /// parts in turn, and the turn goes on from sweep to sweep: otherwise sweeps of few strands
+    /// would all fall to the first parts.
     ///
     /// ```
     /// use tangency::core::sweep::Part;

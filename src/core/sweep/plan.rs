@@ -60,7 +60,8 @@ pub enum Order {
 }
 
 impl Order {
-    /// The number of runs of a strand where `points` points are divided into strands; the last one may have fewer.
+    /// The number of runs of a strand where `points` points are divided into strands; the last one
+    /// may have fewer.
     fn strand_length(self, points: usize, strands: usize) -> usize {
         match self {
             Order::Anew => 1,

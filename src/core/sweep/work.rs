@@ -6,7 +6,8 @@ use crate::core::hybrid::Member;
 use cpu_time::ThreadTime;
 use std::time::Duration;
 
-/// How long periods are followed, in time of the processor, to see how long one takes, whatever else the machine does …
+/// How long periods are followed, in time of the processor, to see how long one takes, whatever
+/// else the machine does …
 const TRIAL: Duration = Duration::from_millis(20);
 /// … and how many at most.
 const TRIAL_PERIODS: u32 = 64;
@@ -22,7 +23,8 @@ pub struct Work {
     pub periods: usize,
     /// On how many threads.
     pub threads: usize,
-    /// How long all may take, by the first periods of the first run: most runs end as soon as they have settled.
+    /// How long all may take, by the first periods of the first run: most runs end as soon as they
+    /// have settled.
     pub time: Duration,
 }
 
@@ -39,7 +41,8 @@ impl Plan {
         one.saturating_mul(times)
     }
 
-    /// An upper estimate of the work of `runs` runs on `threads` threads; `None` if the first motion ends early.
+    /// An upper estimate of the work of `runs` runs on `threads` threads; `None` if the first
+    /// motion ends early.
     ///
     /// ```
     /// use tangency::core::attractor::{AttractorSearch, PeriodMap};

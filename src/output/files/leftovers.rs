@@ -1,14 +1,16 @@
 //! Temporary files: how they are named, and how those of killed runs are recognised.
 //!
-//! A file `NAME` is written as `.NAME.PROCESS.tmp` beside it, which its writer keeps locked. A lock ends with its process,
-//! however that ends, so that a file whose lock can be taken has no writer. (A process id alone would not do: ids are used
-//! again, and containers that share a folder have their own.)
+//! A file `NAME` is written as `.NAME.PROCESS.tmp` beside it, which its writer keeps locked. A lock
+//! ends with its process, however that ends, so that a file whose lock can be taken has no writer.
+//! (A process id alone would not do: ids are used again, and containers that share a folder have
+//! their own.)
 
 use std::ffi::OsStr;
 use std::fs::File;
 use std::path::Path;
 
-/// The name of the temporary file of a process, without its ending; a process that writes a file twice at a time numbers them.
+/// The name of the temporary file of a process, without its ending; a process that writes a file
+/// twice at a time numbers them.
 pub(super) fn temporary(name: &str, serial: usize) -> String {
     let process = std::process::id();
     match serial {
@@ -29,7 +31,8 @@ fn is_temporary(found: &OsStr, name: &str) -> bool {
     process.is_some_and(|process| process.splitn(2, '-').all(number))
 }
 
-/// Removes the temporary files of a file whose writers have ended. What cannot be removed is not in the way.
+/// Removes the temporary files of a file whose writers have ended. What cannot be removed is not in
+/// the way.
 pub(super) fn remove(folder: &Path, name: &str) {
     let entries = folder.read_dir().into_iter().flatten().flatten();
     for entry in entries.filter(|entry| is_temporary(&entry.file_name(), name)) {

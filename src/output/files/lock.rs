@@ -6,8 +6,9 @@ use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// The lock of the result `NAME` in a folder: the file `.NAME.lock`, which holds the id of the process. It is released when it
-/// is dropped, and when the process ends, however it does: a file that a killed run leaves is no lock.
+/// The lock of the result `NAME` in a folder: the file `.NAME.lock`, which holds the id of the
+/// process. It is released when it is dropped, and when the process ends, however it does: a file
+/// that a killed run leaves is no lock.
 pub(crate) struct Lock {
     path: PathBuf,
     _file: File,
@@ -20,7 +21,8 @@ impl Lock {
     /// Locks a result in a folder that exists.
     ///
     /// # Errors
-    /// [`FileError::Locked`] while another process holds the lock, [`FileError::Write`] if the folder cannot be written to.
+    /// [`FileError::Locked`] while another process holds the lock, [`FileError::Write`] if the
+    /// folder cannot be written to.
     pub fn take(folder: &Path, name: &str) -> Result<Self, FileError> {
         let path = folder.join(format!(".{name}.lock"));
         for _ in 0..ATTEMPTS {

@@ -5,10 +5,12 @@ use std::fs::FileType;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The file that writing to a path creates or replaces: the path, or the regular file that a symbolic link leads to.
+/// The file that writing to a path creates or replaces: the path, or the regular file that a
+/// symbolic link leads to.
 ///
 /// # Errors
-/// [`FileError::Special`] for anything else that is there: a rename would put a regular file in place of a device.
+/// [`FileError::Special`] for anything else that is there: a rename would put a regular file in
+/// place of a device.
 pub(crate) fn target(path: &Path) -> Result<PathBuf, FileError> {
     let failed = |source| FileError::Write { path: path.into(), source };
     let special = |kind| FileError::Special { path: path.into(), kind };

@@ -26,14 +26,15 @@ pub fn write_atomically(
     write_together(&[(path, content)])
 }
 
-/// Writes the files of one result, each whole or not at all. All are written as temporary files of the same folders, then
-/// all are renamed, one right after the other: after a failure or a kill all are as they were, unless it comes between two
-/// renames. Folders are made if they are missing. Symbolic links to regular files are followed. Temporary files of
-/// earlier writers that were killed are removed.
+/// Writes the files of one result, each whole or not at all. All are written as temporary files of
+/// the same folders, then all are renamed, one right after the other: after a failure or a kill all
+/// are as they were, unless it comes between two renames. Folders are made if they are missing.
+/// Symbolic links to regular files are followed. Temporary files of earlier writers that were
+/// killed are removed.
 ///
 /// # Errors
-/// [`FileError::Write`] with the path, if a folder cannot be made or written to; [`FileError::Special`] for a device or
-/// anything else that is no regular file.
+/// [`FileError::Write`] with the path, if a folder cannot be made or written to;
+/// [`FileError::Special`] for a device or anything else that is no regular file.
 ///
 /// ```
 /// let folder = tempfile::tempdir()?;
@@ -101,7 +102,8 @@ fn create(target: &Path) -> std::io::Result<NamedTempFile> {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         match builder.tempfile_in(folder) {
             Ok(file) => {
-                // Where there are no locks, no temporary file is ever taken for one without a writer.
+                // Where there are no locks, no temporary file is ever taken for one without a
+                // writer.
                 let _ = file.as_file().lock();
                 // Before it was locked, another writer may have removed it.
                 if leftovers::is_at(file.as_file(), file.path()) {

@@ -111,8 +111,8 @@ impl Canvas<'_> {
         self.area.draw(&Circle::new(fine(centre), radius, stroke(outline, 1.0))).map_err(failed)
     }
 
-    /// The smallest spot that can be seen at every point. Of spots in one place one is drawn, and those on top of
-    /// each other are one line: the file does not grow with the points.
+    /// The smallest spot that can be seen at every point. Of spots in one place one is drawn, and
+    /// those on top of each other are one line: the file does not grow with the points.
     pub fn specks(&self, points: &[[f64; 2]], colour: RGBColor) -> Painted {
         let cell = |at: &[f64; 2]| at.map(|x| (x / SPECK).floor() as i32);
         let cells: BTreeSet<[i32; 2]> = points.iter().map(cell).collect();
@@ -154,8 +154,8 @@ impl Canvas<'_> {
             Anchor::Middle | Anchor::Upwards => HPos::Center,
             Anchor::Right => HPos::Right,
         };
-        // The backend puts the foot of the letters 0.76 of the size below a point at their top; half
-        // the height of a digit is 0.36 of the size.
+        // The backend puts the foot of the letters 0.76 of the size below a point at their top;
+        // half the height of a digit is 0.36 of the size.
         let shift = size * (0.76 - 0.36);
         let at = match anchor {
             Anchor::Upwards => [at[0] - shift, at[1]],

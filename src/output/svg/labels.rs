@@ -7,11 +7,11 @@ const ADVANCE: f64 = 13.0;
 /// Marks of one kind that are nearer than this share a label.
 const CROWDED: f64 = 16.0;
 
-/// Chooses a place for every label, in order; `None` where each place is taken by a label or a mark, or
-/// where the same label stands close by.
+/// Chooses a place for every label, in order; `None` where each place is taken by a label or a
+/// mark, or where the same label stands close by.
 ///
-/// `marks` are the points in pixels with the sizes of their labels, `curves` points in pixels some three
-/// pixels apart, `frame` the rectangle that labels may not leave.
+/// `marks` are the points in pixels with the sizes of their labels, `curves` points in pixels some
+/// three pixels apart, `frame` the rectangle that labels may not leave.
 pub(super) fn place(
     marks: &[([f64; 2], &str, [f64; 2])],
     curves: &[[f64; 2]],

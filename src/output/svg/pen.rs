@@ -25,8 +25,8 @@ pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
 
-/// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as well. The lightest
-/// shades begin again after the darkest.
+/// The colour of a tile: shades of a hue differ in lightness, the hues for colour-blind readers as
+/// well. The lightest shades begin again after the darkest.
 pub(super) fn tint(hue: Hue, shade: usize) -> RGBColor {
     let shades = match hue {
         Hue::Green => [(178, 226, 204), (102, 194, 164), (35, 139, 105), (0, 88, 66)],

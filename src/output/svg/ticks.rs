@@ -46,8 +46,8 @@ impl Ticks {
     }
 }
 
-/// The range of the data and a margin of 4 %; values that are all the same get a range as well, and so
-/// do values so small that a power of ten for them cannot be represented.
+/// The range of the data and a margin of 4 %; values that are all the same get a range as well, and
+/// so do values so small that a power of ten for them cannot be represented.
 fn widened(low: f64, high: f64) -> [f64; 2] {
     let largest = low.abs().max(high.abs());
     let width = high - low;

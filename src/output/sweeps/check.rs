@@ -1,4 +1,5 @@
-//! What tables of a file must satisfy: they are rectangular, of the runs that there are, and those of the scene.
+//! What tables of a file must satisfy: they are rectangular, of the runs that there are, and those
+//! of the scene.
 
 use super::table::{Row, SweepTable, Sweeps};
 use crate::core::names::listed;

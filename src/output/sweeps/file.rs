@@ -1,8 +1,8 @@
 //! The file of a sweep: an archive of columns.
 //!
-//! It is a NumPy archive (`.npz`): a ZIP file whose entries are arrays in NumPy's format, compressed. The entry
-//! `about` holds UTF-8 text as bytes, a RON structure with the tag [`SWEEPS`] and all names; each column is an
-//! entry of 64-bit numbers:
+//! It is a NumPy archive (`.npz`): a ZIP file whose entries are arrays in NumPy's format,
+//! compressed. The entry `about` holds UTF-8 text as bytes, a RON structure with the tag [`SWEEPS`]
+//! and all names; each column is an entry of 64-bit numbers:
 //!
 //! ```text
 //!     about.npy
@@ -10,7 +10,8 @@
 //!     SWEEP/points/COLUMN.npy     one number for each point, run after run
 //! ```
 //!
-//! Names in it hold no `..` and begin with no `/`, so that an archive that is unpacked stays in its folder.
+//! Names in it hold no `..` and begin with no `/`, so that an archive that is unpacked stays in its
+//! folder.
 //!
 //! In Python `numpy.load("mita-diagram.npz")["up/points/displacement"]` is a column.
 
@@ -66,7 +67,8 @@ impl Sweeps {
     /// The file's content: the same bytes for the same sweeps.
     ///
     /// # Errors
-    /// [`FormatError`] if it could not be read back: a name that is none of an entry, or a name twice.
+    /// [`FormatError`] if it could not be read back: a name that is none of an entry, or a name
+    /// twice.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         check(self)?;
         self.packed().map_err(FormatError::Unwritable)
@@ -113,7 +115,8 @@ fn damaged(reason: impl ToString) -> FormatError {
     FormatError::Archive { reason: reason.to_string() }
 }
 
-/// Checks all names: those of sweeps and columns are names of entries, and that of the scene is one of a file.
+/// Checks all names: those of sweeps and columns are names of entries, and that of the scene is one
+/// of a file.
 fn check(all: &Sweeps) -> Result<(), Invalid> {
     component("the scene's name", &all.name)?;
     text("the title", &all.title)?;
@@ -152,8 +155,8 @@ fn write<T: npyz::AutoSerialize>(
 /// The longest header of an array that is looked at.
 const HEADER: usize = 1 << 16;
 
-/// Refuses an array of several axes, which no column is: the reader multiplies their lengths, and the product may be more than a
-/// number holds.
+/// Refuses an array of several axes, which no column is: the reader multiplies their lengths, and
+/// the product may be more than a number holds.
 fn one_axis(bytes: &[u8]) -> Result<(), &'static str> {
     let header = String::from_utf8_lossy(&bytes[..bytes.len().min(HEADER)]);
     let shape = header.split_once("shape").and_then(|(_, rest)| rest.split_once('('));

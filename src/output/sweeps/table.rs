@@ -42,15 +42,15 @@ pub struct Row {
 
 /// A sweep as tables.
 ///
-/// Of a run there are: its number `run` and that of its `start`; the values on the axes; where it seeks a crisis, the
-/// value of the parameter there, by its name, and `crisis_error`; the `periods` in its cycle
-/// (0 if it has none); every event by name, how often it came in a cycle (a period, if there is no cycle), and
-/// `accumulations` of infinitely many; `exponent` and `exponent_error`; `failed` (1 or 0); and the state in the end,
-/// as `end_mode`, `end_0`, `end_1`, ….
+/// Of a run there are: its number `run` and that of its `start`; the values on the axes; where it
+/// seeks a crisis, the value of the parameter there, by its name, and `crisis_error`; the `periods`
+/// in its cycle (0 if it has none); every event by name, how often it came in a cycle (a period, if
+/// there is no cycle), and `accumulations` of infinitely many; `exponent` and `exponent_error`;
+/// `failed` (1 or 0); and the state in the end, as `end_mode`, `end_0`, `end_1`, ….
 ///
-/// A point is where a period begins (`event` 0), or an event: its number from 1 on, in the order of the columns of
-/// runs. It has the number of its `run`, that of its `period`, its `time` in it, all states by name, and, where a period
-/// begins, what was measured in it. What there is not is NaN.
+/// A point is where a period begins (`event` 0), or an event: its number from 1 on, in the order of
+/// the columns of runs. It has the number of its `run`, that of its `period`, its `time` in it, all
+/// states by name, and, where a period begins, what was measured in it. What there is not is NaN.
 ///
 /// Serialized are the names and what failed; numbers are in the columns of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,8 +101,8 @@ fn all_states(modes: &[Mode]) -> Vec<&str> {
 }
 
 impl SweepTable {
-    /// A sweep over these axes, with the parameter in which each run seeks a crisis, if it does, of a motion with this
-    /// layout, of which nothing is done.
+    /// A sweep over these axes, with the parameter in which each run seeks a crisis, if it does, of
+    /// a motion with this layout, of which nothing is done.
     pub fn new(
         name: &str,
         (axes, crisis): (&[String], Option<&str>),
@@ -182,7 +182,8 @@ impl SweepTable {
         values
     }
 
-    /// The state in which a run ended, if it is done; `None` inside if it failed. A start has this time.
+    /// The state in which a run ended, if it is done; `None` inside if it failed. A start has this
+    /// time.
     pub fn end(&self, run: usize, time: f64, modes: &[Mode]) -> Option<Option<HybridState<f64>>> {
         let row = self.rows.get(&run)?;
         let first = self.run_column("end_mode")?;

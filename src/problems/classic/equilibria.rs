@@ -3,7 +3,8 @@
 use crate::core::scalar::Scalar;
 use crate::core::zero::{Names, OutOfDomain, ZeroProblem};
 
-/// `λ/(1 − u)² = u`, the parallel-plate actuator in its units of length and force: it pulls in at `u = 1/3`, `λ = 4/27`.
+/// `λ/(1 − u)² = u`, the parallel-plate actuator in its units of length and force: it pulls in at
+/// `u = 1/3`, `λ = 4/27`.
 ///
 /// ```
 /// use tangency::core::zero::ZeroProblem;
@@ -32,8 +33,8 @@ impl ZeroProblem for ParallelPlate {
     }
 }
 
-/// `x² = μ² + ε²`: two branches, `2ε` apart at `μ = 0`, where each turns by a right angle with the curvature `1/ε`. They cross
-/// for `ε = 0` only; else the branch point between them is on neither.
+/// `x² = μ² + ε²`: two branches, `2ε` apart at `μ = 0`, where each turns by a right angle with the
+/// curvature `1/ε`. They cross for `ε = 0` only; else the branch point between them is on neither.
 ///
 /// ```
 /// use tangency::core::zero::ZeroProblem;

@@ -6,18 +6,18 @@ use crate::core::scalar::Scalar;
 use crate::core::zero::OutOfDomain;
 use std::f64::consts::TAU;
 
-/// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983): a mass on
-/// a spring beside a stop, with displacement `x ≤ d` and velocity `v`,
+/// The forced linear impact oscillator (S. W. Shaw and P. J. Holmes, *J. Sound Vib.* 90:129, 1983):
+/// a mass on a spring beside a stop, with displacement `x ≤ d` and velocity `v`,
 ///
 /// ```text
 ///     x' = v,    v' = A cos ωt − x − c v;    v⁺ = −e v⁻ at x = d
 /// ```
 ///
-/// in the mode *flight*. Impacts that accumulate lead into the mode *contact*, in which the mass rests against
-/// the stop while the contact force `A cos ωt − d` is positive.
+/// in the mode *flight*. Impacts that accumulate lead into the mode *contact*, in which the mass
+/// rests against the stop while the contact force `A cos ωt − d` is positive.
 ///
-/// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω, `restitution`
-/// e, `damping` c, `clearance` d; guards `impact` and `leave`.
+/// States `displacement`, `velocity` (in flight only); parameters `amplitude` A, `frequency` ω,
+/// `restitution` e, `damping` c, `clearance` d; guards `impact` and `leave`.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;

@@ -4,8 +4,8 @@ use crate::core::field::VectorField;
 use crate::core::scalar::Scalar;
 use crate::core::zero::Names;
 
-/// `x' = −λ(x − cos t) − sin t`, whose slow motion is `x = cos t` whatever the rate λ (A. Prothero and A. Robinson, *Math.
-/// Comp.* 28, 1974).
+/// `x' = −λ(x − cos t) − sin t`, whose slow motion is `x = cos t` whatever the rate λ (A. Prothero
+/// and A. Robinson, *Math. Comp.* 28, 1974).
 ///
 /// ```
 /// use tangency::core::flow::{Flow, Scheme, Settings};

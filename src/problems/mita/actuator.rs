@@ -8,11 +8,12 @@ use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;
 use crate::core::zero::OutOfDomain;
 
-/// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry friction.
+/// Mita's impact microactuator: the block within its frame, which impacts set in motion against dry
+/// friction.
 ///
-/// With the displacement `q₂` and velocity `u₂` of the block relative to the frame, the velocity `u₁` of the frame,
-/// the mass `m₁` of the frame (that of the block is 1), `N = (m₁ + 1) g`, and the force
-/// `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
+/// With the displacement `q₂` and velocity `u₂` of the block relative to the frame, the velocity
+/// `u₁` of the frame, the mass `m₁` of the frame (that of the block is 1), `N = (m₁ + 1) g`, and
+/// the force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame (section 2.2):
 ///
 /// | mode | | while |
 /// |---|---|---|
@@ -28,13 +29,14 @@ use crate::core::zero::OutOfDomain;
 ///     u₁ ← u₁ + (1 + e) u₂/(m₁ + 1),    u₂ ← −e u₂,
 /// ```
 ///
-/// and sets the frame in motion. Where the frame comes to rest it sticks if `|R| ≤ μ_s N`, and is moved against `R`
-/// otherwise. Where impacts accumulate, the block stays in contact if it is pressed against the stopper: by the
-/// force, or because friction brakes the frame. (The force alone never presses it against the back stopper.)
+/// and sets the frame in motion. Where the frame comes to rest it sticks if `|R| ≤ μ_s N`, and is
+/// moved against `R` otherwise. Where impacts accumulate, the block stays in contact if it is
+/// pressed against the stopper: by the force, or because friction brakes the frame. (The force
+/// alone never presses it against the back stopper.)
 ///
-/// Every mode has the state `displacement`, all but those in contact `velocity`; where the frame slips there are
-/// `frame_velocity` and `frame_displacement`, which is counted from the start of the mode: no equation reads it.
-/// The voltage enters squared, so the forcing has the period `π/ω`.
+/// Every mode has the state `displacement`, all but those in contact `velocity`; where the frame
+/// slips there are `frame_velocity` and `frame_displacement`, which is counted from the start of
+/// the mode: no equation reads it. The voltage enters squared, so the forcing has the period `π/ω`.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -105,8 +107,8 @@ impl Actuator {
         }
     }
 
-    /// The force `R` in excess of what takes the block along with the frame: positive where the block is pressed
-    /// against the front stopper, negative where against the back one.
+    /// The force `R` in excess of what takes the block along with the frame: positive where the
+    /// block is pressed against the front stopper, negative where against the back one.
     fn excess<T: Scalar>(mode: usize, r: T, parameters: &Parameters<T>) -> T {
         if !Self::slips(mode) {
             return r;
@@ -306,9 +308,9 @@ impl HybridSystem for Actuator {
         VectorField::period(&Block, &Parameters::of(p).block().map(|p| *p))
     }
 
-    /// `max_displacement`; `displacement_range`; `poincare_velocity`, that of the block where it passes through
-    /// the middle, going up; `impact_velocity`, the largest one at the front stopper; `step`, that of the frame in
-    /// a period; and `average_velocity`, `ω` times the step.
+    /// `max_displacement`; `displacement_range`; `poincare_velocity`, that of the block where it
+    /// passes through the middle, going up; `impact_velocity`, the largest one at the front
+    /// stopper; `step`, that of the frame in a period; and `average_velocity`, `ω` times the step.
     fn measures(&self) -> Vec<(String, Measure)> {
         let displacement = || "displacement".to_string();
         let rising = Measure::Rising { through: displacement(), value: "velocity".into() };

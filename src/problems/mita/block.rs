@@ -11,8 +11,9 @@ use std::f64::consts::PI;
 ///     q₂' = u₂,    u₂' = V² sin²ωt/(1 − q₂)² − q₂ − c u₂
 /// ```
 ///
-/// (equations 4.1 and 4.2 for `u₁ = 0`). The voltage enters squared, so the forcing has the period `π/ω`. The
-/// block pulls in at `q₂ = 1`; the front stopper, which this field does not know, is at 0.5.
+/// (equations 4.1 and 4.2 for `u₁ = 0`). The voltage enters squared, so the forcing has the period
+/// `π/ω`. The block pulls in at `q₂ = 1`; the front stopper, which this field does not know, is
+/// at 0.5.
 ///
 /// States `displacement`, `velocity`; parameters `voltage`, `frequency`, `damping`.
 ///
@@ -33,7 +34,8 @@ impl Block {
     pub const DEFAULTS: [f64; 3] = [0.01, 0.45, 0.04];
 }
 
-/// The force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage, a frequency and a damping.
+/// The force `R = V² sin²ωt/(1 − q₂)² − q₂ − c u₂` between block and frame, for a voltage, a
+/// frequency and a damping.
 pub(super) fn force<T: Scalar>(t: T, q: T, u: T, [voltage, frequency, damping]: [&T; 3]) -> T {
     let ratio = (*frequency * t).sin() * voltage / (T::one() - q);
     ratio * ratio - q - u * damping

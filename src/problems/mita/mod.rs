@@ -1,7 +1,9 @@
 //! Mita's impact microactuator: a block on a spring within a frame, pulled by a voltage
-//! `V(t) = V sin ωt` (X. Zhao, *Modeling and Simulation of MEMS Devices*, 2004, chapters 2.2 and 4).
+//! `V(t) = V sin ωt` (X. Zhao, *Modeling and Simulation of MEMS Devices*, 2004, chapters 2.2
+//! and 4).
 //!
-//! All quantities are nondimensional: the block's mass, the spring's stiffness and the electrode gap are 1.
+//! All quantities are nondimensional: the block's mass, the spring's stiffness and the electrode
+//! gap are 1.
 
 mod actuator;
 mod block;

@@ -4,9 +4,9 @@
 //! F_q = K_b + (geometric and strain terms) − 2λ⟨φφᵀ/(1−w)³⟩ − 12α₁² BᵀK_uv⁻¹B,    B = ∂r/∂q
 //! ```
 //!
-//! Each term is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`: with the products of two functions of one
-//! variable tabulated, that is two matrix products, `X A Y`, whatever the number of functions.
-//! Tested against the derivative of the residual by dual numbers.
+//! Each term is a sum of `⟨a(ξ,ζ) · f_i f_k(ξ) · g_j g_l(ζ)⟩`: with the products of two functions
+//! of one variable tabulated, that is two matrix products, `X A Y`, whatever the number of
+//! functions. Tested against the derivative of the residual by dual numbers.
 
 use super::discretisation::{Discretisation, Membrane, PairTables};
 use super::parameters::Parameters;
@@ -150,7 +150,8 @@ impl Assembly {
         self.scatter(model, |[i, k], [j, l]| (j * ny + l) * nx * nx + i * nx + k);
     }
 
-    /// Adds the integral of each pair of products to entry `(i j, k l)`; `pair([i, k], [j, l])` is its position.
+    /// Adds the integral of each pair of products to entry `(i j, k l)`; `pair([i, k], [j, l])` is
+    /// its position.
     fn scatter(&mut self, model: &Discretisation, pair: impl Fn([usize; 2], [usize; 2]) -> usize) {
         let [nx, ny] = [0, 1].map(|axis| model.transverse[axis].len());
         for (column, entries) in self.matrix.chunks_exact_mut(nx * ny).enumerate() {

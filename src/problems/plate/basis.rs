@@ -10,8 +10,8 @@
 //! ```
 //!
 //! so that `∫ b_j^(m) b_k^(m) dξ = δ_jk`: stiffness matrices are close to diagonal at every order.
-//! Values come from the recurrence of Legendre polynomials, never from powers of `ξ` (those lose all
-//! digits by order 50). Appendix B of the dissertation has the same functions in powers.
+//! Values come from the recurrence of Legendre polynomials, never from powers of `ξ` (those lose
+//! all digits by order 50). Appendix B of the dissertation has the same functions in powers.
 
 use super::edges::{InPlane, Support};
 use super::tensor::{Rule, moments};
@@ -95,8 +95,8 @@ impl Basis {
         Basis::new(cubics, 2, 4, if even { 2 } else { 1 }, count)
     }
 
-    /// The first `count` functions for a displacement in the plane between two edges held as `ends`.
-    /// `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
+    /// The first `count` functions for a displacement in the plane between two edges held as
+    /// `ends`. `parity` is `Some(true)` for even functions only, `Some(false)` for odd ones.
     pub(super) fn in_plane(
         ends: [InPlane; 2],
         direction: Direction,
@@ -139,13 +139,14 @@ impl Basis {
         Basis { functions, integrals, boundary, degree, mix: None }
     }
 
-    /// The same space, spanned by the modes of a beam with the same ends: `⟨F_i F_k⟩` and `⟨F_i" F_k"⟩` are both
-    /// diagonal. In products of such functions the stiffness of a plate is nearly diagonal, and the
-    /// eigenvalues of the scaled matrix say something about the plate. (In the polynomials themselves its
-    /// condition is 1e6 with ten functions, and inverse iteration finds noise.)
+    /// The same space, spanned by the modes of a beam with the same ends: `⟨F_i F_k⟩` and
+    /// `⟨F_i" F_k"⟩` are both diagonal. In products of such functions the stiffness of a plate is
+    /// nearly diagonal, and the eigenvalues of the scaled matrix say something about the plate. (In
+    /// the polynomials themselves its condition is 1e6 with ten functions, and inverse iteration
+    /// finds noise.)
     ///
-    /// The first function is the lowest mode; all are positive next to `ξ = 1`. Without a solution of the eigenproblem (which would take
-    /// values that are not finite), the basis stays as it is.
+    /// The first function is the lowest mode; all are positive next to `ξ = 1`. Without a solution
+    /// of the eigenproblem (which would take values that are not finite), the basis stays as it is.
     #[must_use]
     pub(super) fn into_beam_modes(mut self, symmetric: bool) -> Basis {
         let n = self.len();
@@ -181,7 +182,8 @@ impl Basis {
         self
     }
 
-    /// Coefficients of the polynomials from those of the functions, if these are combinations; and back.
+    /// Coefficients of the polynomials from those of the functions, if these are combinations; and
+    /// back.
     pub(super) fn conversions(&self) -> Option<[&[f64]; 2]> {
         self.mix.as_ref().map(|mix| [&mix.to[..], &mix.back[..]])
     }

@@ -21,7 +21,8 @@ pub struct RitzSettings {
     pub theory: Theory,
     /// Numbers of functions; `None` for the usual ones at `aspect`.
     pub orders: Option<Orders>,
-    /// The largest aspect ratio meant (if it is above 1; the smallest one if below), for the usual orders.
+    /// The largest aspect ratio meant (if it is above 1; the smallest one if below), for the usual
+    /// orders.
     pub aspect: f64,
     /// The meaning of the named parameters.
     pub units: Units,
@@ -31,7 +32,8 @@ pub struct RitzSettings {
 }
 
 impl RitzSettings {
-    /// A plate with the usual in-plane edges, von Kármán's theory, usual orders and dimensionless parameters.
+    /// A plate with the usual in-plane edges, von Kármán's theory, usual orders and dimensionless
+    /// parameters.
     pub fn new(supports: Supports) -> RitzSettings {
         RitzSettings {
             supports,
@@ -105,7 +107,8 @@ pub(super) struct Discretisation {
     pub scale: Vec<f64>,
 }
 
-/// Deflections beyond this one are refused: the electrostatic load is no longer integrated to 1e-11.
+/// Deflections beyond this one are refused: the electrostatic load is no longer integrated to
+/// 1e-11.
 pub(super) const LARGEST_DEFLECTION: f64 = 0.96;
 
 impl Discretisation {
@@ -187,9 +190,9 @@ impl Discretisation {
 /// d_ij² (bending energy of f_i g_j + 100 mean square) = 100
 /// ```
 ///
-/// (a unit of an unknown is then a deflection of some gap in the lowest modes). Products of two high
-/// functions have next to no bending energy; unscaled, rounding would fill their coefficients with noise
-/// that no norm of the unknowns could tell from a correction.
+/// (a unit of an unknown is then a deflection of some gap in the lowest modes). Products of two
+/// high functions have next to no bending energy; unscaled, rounding would fill their coefficients
+/// with noise that no norm of the unknowns could tell from a correction.
 fn scales([x, y]: &[LineMoments; 2]) -> Vec<f64> {
     let count = [x, y].map(|line| line.means.len());
     let mut scales = Vec::with_capacity(count[0] * count[1]);

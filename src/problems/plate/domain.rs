@@ -3,8 +3,8 @@
 use super::parameters::{Parameters, Units};
 use crate::core::zero::{Failure, OutOfDomain};
 
-/// The parameters of the equations, unless one is not finite, a quantity of a device is not positive,
-/// `α ≤ 0`, `d/h < 0`, or `ν` is not between −1 and ½.
+/// The parameters of the equations, unless one is not finite, a quantity of a device is not
+/// positive, `α ≤ 0`, `d/h < 0`, or `ν` is not between −1 and ½.
 pub(super) fn parameters(units: Units, p: &[f64]) -> Result<Parameters<f64>, OutOfDomain> {
     for (name, value) in units.names().iter().zip(p) {
         let positive = matches!(

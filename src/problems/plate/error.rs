@@ -30,7 +30,8 @@ pub enum PlateError {
         /// The supports.
         supports: String,
     },
-    /// Edges that the stress function cannot describe: its shear traction vanishes on straight edges.
+    /// Edges that the stress function cannot describe: its shear traction vanishes on straight
+    /// edges.
     #[error(
         "the sine model has no in-plane edges \"{in_plane}\": choose slide or straight, or a polynomial \
          model (model=ritz)"
@@ -84,7 +85,8 @@ pub enum PlateError {
         /// How many of the lowest modes are accurate enough.
         accurate: usize,
     },
-    /// Stresses were asked of a plate without stretching, or with too many in-plane functions for them.
+    /// Stresses were asked of a plate without stretching, or with too many in-plane functions for
+    /// them.
     #[error("the plate has no in-plane stresses: set theory to von_karman, with fewer functions")]
     NoMembrane,
     /// A value of a parameter without meaning.

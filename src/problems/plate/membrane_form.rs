@@ -1,5 +1,5 @@
-//! What a reduction to a few shapes needs of the full plate: fields at nodes, and the stretching energy as a
-//! quartic form of the shapes' amplitudes.
+//! What a reduction to a few shapes needs of the full plate: fields at nodes, and the stretching
+//! energy as a quartic form of the shapes' amplitudes.
 
 use super::domain;
 use super::error::PlateError;
@@ -8,8 +8,8 @@ use super::ritz::Ritz;
 use super::tensor::{Product, Rule, weights};
 use crate::core::zero::Failure;
 
-/// A deflection and its slopes by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node `(p, q)` at
-/// `p·m_y + q`.
+/// A deflection and its slopes by `ξ = 2x − 1` and `ζ = 2y − 1` at the nodes of a grid: node
+/// `(p, q)` at `p·m_y + q`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
     /// `w`.
@@ -24,8 +24,8 @@ pub(super) struct Field {
 /// U = 6α₁² Σ_ij Σ_kl a_i a_j A_(ij)(kl) a_k a_l,    A_(ij)(kl) = ⟨ε_ij : C : ε_kl⟩ − B_ijᵀ K_uv⁻¹ B_kl
 /// ```
 ///
-/// with `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)` and the mean `⟨·⟩` over the plate. Sums run over ordered pairs; stored
-/// are the pairs with `i ≤ j`, so one with `i < j` counts twice.
+/// with `ε_ij = ½ sym(∇φ_i ⊗ ∇φ_j)` and the mean `⟨·⟩` over the plate. Sums run over ordered pairs;
+/// stored are the pairs with `i ≤ j`, so one with `i < j` counts twice.
 #[derive(Clone, Debug)]
 pub struct MembraneForm {
     /// The pairs `(i, j)`, `i ≤ j`.
@@ -34,14 +34,14 @@ pub struct MembraneForm {
     pub quartic: Vec<f64>,
     /// Rules along ξ and ζ at whose nodes the stresses are given.
     pub rules: [Rule; 2],
-    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (node `(p, q)` at `p·m_y + q`), in equilibrium in the plane, in
-    /// units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are `Σ_ij a_i a_j N_ij`.
+    /// `N₁`, `N₂`, `N₆` of each pair at the nodes (node `(p, q)` at `p·m_y + q`), in equilibrium in
+    /// the plane, in units of `Eh/(1−ν²)·d²/a²`: the stresses of `w` are `Σ_ij a_i a_j N_ij`.
     pub stress: Vec<[Vec<f64>; 3]>,
 }
 
 impl Ritz {
-    /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its slopes at the
-    /// grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
+    /// The deflection of coefficients `q` (a solution's unknowns, or a mode's) and its slopes at
+    /// the grid of `nodes` in ξ and in ζ, each in `[−1, 1]`.
     pub(super) fn field(&self, q: &[f64], nodes: [&[f64]; 2]) -> Field {
         let model = &self.model;
         let [x, y] = [0, 1].map(|axis| model.transverse[axis].table(nodes[axis]));

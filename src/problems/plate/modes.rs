@@ -1,7 +1,7 @@
 //! Natural modes about an equilibrium: all solutions of `K v = ω² M v`, both symmetric.
 //!
-//! In a polynomial basis of high order the mass matrix is singular to working accuracy (its condition is 1e11 at 10
-//! functions, 6e14 at 18), while `K + σM` is not. So the problem solved is
+//! In a polynomial basis of high order the mass matrix is singular to working accuracy (its
+//! condition is 1e11 at 10 functions, 6e14 at 18), while `K + σM` is not. So the problem solved is
 //! `M v = μ (K + σM) v`, `ω² = 1/μ − σ`.
 
 use crate::core::scalar::Scalar;
@@ -112,7 +112,8 @@ impl Eigenproblem {
         1.0 / self.values[self.values.len() - 1 - mode] - self.shift
     }
 
-    /// Coefficients of the mode, of mean square 1, into `out`. The sign makes the largest one positive.
+    /// Coefficients of the mode, of mean square 1, into `out`. The sign makes the largest one
+    /// positive.
     pub fn shape(&self, mode: usize, out: &mut [f64]) {
         let n = self.values.len();
         let column = n - 1 - mode;

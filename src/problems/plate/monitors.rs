@@ -16,8 +16,8 @@ pub(super) fn names(units: Units, unknowns: usize) -> Names {
         .with_monitors(MONITORS.into_iter().chain(displacement))
 }
 
-/// The monitors' values from the two deflections over the gap, and from the dimensionless lowest frequencies
-/// of the plate and of the flat plate.
+/// The monitors' values from the two deflections over the gap, and from the dimensionless lowest
+/// frequencies of the plate and of the flat plate.
 pub(super) fn fill<T: Scalar>(
     units: Units,
     p: &[T],

@@ -28,8 +28,8 @@ pub struct Orders {
 }
 
 impl Orders {
-    /// Orders for a plate of the given aspect ratio, at which a branch is traced: for plates without free
-    /// edges the error in a pull-in load is 1e-6 or less up to `α₁ = 2`, 6e-6 at 3.
+    /// Orders for a plate of the given aspect ratio, at which a branch is traced: for plates
+    /// without free edges the error in a pull-in load is 1e-6 or less up to `α₁ = 2`, 6e-6 at 3.
     ///
     /// A long plate needs more functions along its length: the deflection is flat but for layers, a
     /// width long, at the short edges.
@@ -37,8 +37,8 @@ impl Orders {
         Orders::of(6, 8, symmetric, aspect)
     }
 
-    /// So many functions across and in the plane of a square plate with the symmetry of both directions; and as many as
-    /// they stand for without it, and for a longer plate.
+    /// So many functions across and in the plane of a square plate with the symmetry of both
+    /// directions; and as many as they stand for without it, and for a longer plate.
     fn of(transverse: usize, in_plane: usize, symmetric: [bool; 2], aspect: f64) -> Orders {
         let stretch = [1.0 / aspect, aspect].map(|length| length.clamp(1.0, 8.0).sqrt());
         let count = |base: usize, axis: usize| {
@@ -51,9 +51,9 @@ impl Orders {
         }
     }
 
-    /// Orders from the fewest functions to many. Up to the usual ones they have the ratio that spends
-    /// work on both displacements alike, and each gains about a digit of a pull-in load; then come
-    /// [`finer`](Orders::finer) ones, and one between each two.
+    /// Orders from the fewest functions to many. Up to the usual ones they have the ratio that
+    /// spends work on both displacements alike, and each gains about a digit of a pull-in load;
+    /// then come [`finer`](Orders::finer) ones, and one between each two.
     pub(super) fn ladder(symmetric: [bool; 2], aspect: f64) -> Vec<Orders> {
         let rung = |n: usize| Orders::of(n, n + n.div_ceil(3), symmetric, aspect);
         let rungs =
@@ -61,9 +61,9 @@ impl Orders {
         rungs.into_iter().filter(|orders| orders.check().is_ok()).collect()
     }
 
-    /// The finer orders on which special points are finished, two rungs up the ladder. Twice finer than the usual
-    /// orders, pull-in loads of plates without free edges are good to 1e-8 and deflections to 1e-6
-    /// (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the edges).
+    /// The finer orders on which special points are finished, two rungs up the ladder. Twice finer
+    /// than the usual orders, pull-in loads of plates without free edges are good to 1e-8 and
+    /// deflections to 1e-6 (`0 ≤ α₁ ≤ 3`, `1 ≤ α ≤ 6`, every model of the edges).
     #[must_use]
     pub fn finer(self) -> Orders {
         Orders {

@@ -33,9 +33,9 @@ pub enum Units {
     /// `edge_force_y`, `edge_shear`, `pressure`: dimensionless, as in [`Parameters`].
     #[default]
     Dimensionless,
-    /// `voltage` (V), `length` and `width` (the sides a and b), `thickness`, `gap` (m), `young` (Pa),
-    /// `nu`, `density` (kg/m³), `permittivity` (F/m), `edge_force_x`, `edge_force_y`, `edge_shear`
-    /// (N/m), `pressure` (Pa).
+    /// `voltage` (V), `length` and `width` (the sides a and b), `thickness`, `gap` (m), `young`
+    /// (Pa), `nu`, `density` (kg/m³), `permittivity` (F/m), `edge_force_x`, `edge_force_y`,
+    /// `edge_shear` (N/m), `pressure` (Pa).
     Device,
 }
 
@@ -67,7 +67,8 @@ const DEVICE: [&str; 13] = [
 ];
 
 impl Units {
-    /// The names of the parameters, in the order in which [`parameters`](Units::parameters) reads them.
+    /// The names of the parameters, in the order in which [`parameters`](Units::parameters) reads
+    /// them.
     pub fn names(self) -> &'static [&'static str] {
         match self {
             Units::Dimensionless => &DIMENSIONLESS,
@@ -75,8 +76,8 @@ impl Units {
         }
     }
 
-    /// Default values: a square plate with `α₁ = 1`, `ν = 0.3`; or a silicon plate, 300 µm square and
-    /// 2 µm thick, over a gap of 2 µm.
+    /// Default values: a square plate with `α₁ = 1`, `ν = 0.3`; or a silicon plate, 300 µm square
+    /// and 2 µm thick, over a gap of 2 µm.
     pub fn defaults(self) -> &'static [f64] {
         match self {
             Units::Dimensionless => &[0.0, 1.0, 1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -98,8 +99,8 @@ impl Units {
         }
     }
 
-    /// The default values for a plate of this aspect ratio and Poisson's ratio (of a device, the width is
-    /// adapted).
+    /// The default values for a plate of this aspect ratio and Poisson's ratio (of a device, the
+    /// width is adapted).
     ///
     /// ```
     /// use tangency::problems::plate::Units;

@@ -1,8 +1,8 @@
 //! The in-plane problem: for a given deflection, `K_uv s = −r(w)`.
 //!
-//! With `u = Σ U_k(ξ) U_l(ζ)` and `v` alike, the stiffness matrix of plane stress on the plate (the mean
-//! over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices with coefficients of
-//! `α` and `ν`:
+//! With `u = Σ U_k(ξ) U_l(ζ)` and `v` alike, the stiffness matrix of plane stress on the plate (the
+//! mean over the plate, `x = (1 + ξ)/2`, `y = α(1 + ζ)/2`) is a sum of constant matrices with
+//! coefficients of `α` and `ν`:
 //!
 //! ```text
 //! K_uu = 4⟨u_ξ u_ξ⟩ + 2(1−ν)/α² ⟨u_ζ u_ζ⟩      K_vv = 4/α² ⟨v_ζ v_ζ⟩ + 2(1−ν)⟨v_ξ v_ξ⟩
@@ -35,10 +35,12 @@ pub(super) struct PlaneSpace {
     moments: Moments,
 }
 
-/// Mean products of the functions of two bases of one direction, by which derivative is taken of either.
+/// Mean products of the functions of two bases of one direction, by which derivative is taken of
+/// either.
 type Products = [[Vec<f64>; 2]; 2];
 
-/// One-dimensional mean products along ξ and ζ: of the functions of `u`, of `v`, and of `u` with `v`.
+/// One-dimensional mean products along ξ and ζ: of the functions of `u`, of `v`, and of `u` with
+/// `v`.
 struct Moments {
     uu: [Products; 2],
     vv: [Products; 2],
@@ -200,8 +202,8 @@ fn straight_functions(normal: &Basis, ends: [InPlane; 2], symmetric: bool) -> Ve
     }
 }
 
-/// Positions, in the grid of products of `x` and `y`, of the unknowns: all of them, except products of
-/// a straight edge's function with anything but the constant. `normal_is_y` says which is which.
+/// Positions, in the grid of products of `x` and `y`, of the unknowns: all of them, except products
+/// of a straight edge's function with anything but the constant. `normal_is_y` says which is which.
 fn active(x: &Basis, y: &Basis, straight: Vec<bool>, normal_is_y: bool) -> Vec<usize> {
     let mut positions = Vec::with_capacity(x.len() * y.len());
     for i in 0..x.len() {

@@ -16,8 +16,8 @@ pub(super) fn line(points: usize, f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     (0..points).map(|i| i as f64 * step).map(|x| (x, f(x))).collect()
 }
 
-/// The deflection that `z` describes and the first mode `shape`, which is 1 at the centre (where that is
-/// a node, at its largest). `deflection` evaluates coefficients at `x` on the centre line.
+/// The deflection that `z` describes and the first mode `shape`, which is 1 at the centre (where
+/// that is a node, at its largest). `deflection` evaluates coefficients at `x` on the centre line.
 pub(super) fn profiles(
     z: &[f64],
     shape: Option<&[f64]>,

@@ -10,8 +10,8 @@
 //!   − λ⟨1/(1−w)⟩ − P⟨w⟩                                           electrostatic load, pressure
 //! ```
 //!
-//! The in-plane displacements `s` are eliminated: `K_uv s = −r(w)`. As `Π` is stationary in `s`, `F` is its
-//! partial derivative by `q` at that `s`. The mean takes `α` out of the mass matrix.
+//! The in-plane displacements `s` are eliminated: `K_uv s = −r(w)`. As `Π` is stationary in `s`,
+//! `F` is its partial derivative by `q` at that `s`. The mean takes `α` out of the mass matrix.
 
 use super::discretisation::{Discretisation, Membrane};
 use super::edges::Support;
@@ -59,10 +59,10 @@ impl<T: Scalar> Workspace<T> {
         }
     }
 
-    /// `F` at the unknowns in `self.q` and the parameters in `self.p`, into `self.r`. Leaves the coefficients
-    /// of the products of functions in `self.q`. `largest` is the largest deflection; `plane_fixed` says
-    /// that `α` and `ν` have no derivative, so that one solution is exact to every order. Returns the
-    /// largest deflection at the nodes where the load is evaluated.
+    /// `F` at the unknowns in `self.q` and the parameters in `self.p`, into `self.r`. Leaves the
+    /// coefficients of the products of functions in `self.q`. `largest` is the largest deflection;
+    /// `plane_fixed` says that `α` and `ν` have no derivative, so that one solution is exact to
+    /// every order. Returns the largest deflection at the nodes where the load is evaluated.
     pub fn evaluate(
         &mut self,
         model: &Discretisation,
@@ -246,7 +246,8 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
-/// What `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` contribute to the strains: the derivative of which grid, to which strain, times what.
+/// What `u_ξ`, `u_ζ`, `v_ξ`, `v_ζ` contribute to the strains: the derivative of which grid, to
+/// which strain, times what.
 fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usize, usize, T); 4] {
     let [u_x, u_y] = membrane.slopes(&membrane.u);
     let [v_x, v_y] = membrane.slopes(&membrane.v);
@@ -254,9 +255,9 @@ fn plane_strains<T: Scalar>(membrane: &Membrane, along: T) -> [(Product<'_>, usi
     [(u_x, 0, 0, two), (u_y, 0, 2, along), (v_x, 1, 2, two), (v_y, 1, 1, along)]
 }
 
-/// The terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of the functions
-/// of ξ, matrix of those of ζ (transposed). A pair of edges that is free at one end carries no
-/// normal force; a plate with any free edge carries no shear.
+/// The terms of `Π` that are quadratic in `q`, as `½ qᵀ(c L ⊗ R)q`: coefficient, matrix of the
+/// functions of ξ, matrix of those of ζ (transposed). A pair of edges that is free at one end
+/// carries no normal force; a plate with any free edge carries no shear.
 pub(super) fn quadratic_terms<'a, T: Scalar>(
     model: &'a Discretisation,
     parameters: &Parameters<T>,

@@ -16,17 +16,18 @@ use crate::core::zero::{Failure, Names, OutOfDomain};
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 use std::mem::swap;
 
-/// A plate on polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the deflection, the
-/// in-plane displacements being eliminated (see [`System`](crate::core::zero::System) for what can be done
-/// with it).
+/// A plate on polynomials of high degree: `F = ∂Π/∂q = 0` for the coefficients `q` of the
+/// deflection, the in-plane displacements being eliminated (see
+/// [`System`](crate::core::zero::System) for what can be done with it).
 ///
-/// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (on polynomials) and
-/// factors `d` by which a unit of each unknown weighs alike in energy; `ξ = 2x − 1`, `ζ = 2y − 1`, where x and
-/// y run from 0 to 1 along the sides. Unknowns are the `q_ij`, in the group `w`; parameters are those of [`Units`].
+/// The deflection over the gap is `w = Σ q_ij d_ij f_i(ξ) g_j(ζ)` with beam modes `f`, `g` (on
+/// polynomials) and factors `d` by which a unit of each unknown weighs alike in energy;
+/// `ξ = 2x − 1`, `ζ = 2y − 1`, where x and y run from 0 to 1 along the sides. Unknowns are the
+/// `q_ij`, in the group `w`; parameters are those of [`Units`].
 ///
-/// Edge forces act on pairs of edges: where one of a pair is free, its normal force is zero, and where any
-/// edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used unless
-/// [`RitzSettings::symmetric`] says otherwise.
+/// Edge forces act on pairs of edges: where one of a pair is free, its normal force is zero, and
+/// where any edge is free, so is the shear. Shear breaks the symmetry of a plate, which is used
+/// unless [`RitzSettings::symmetric`] says otherwise.
 ///
 /// Monitors are those of [all plates](super#monitors).
 ///
@@ -118,14 +119,15 @@ impl Ritz {
         x
     }
 
-    /// The deflection over the gap that coefficients `q` (a solution's unknowns, or a mode's) describe, at
-    /// a point of the plate: `x` and `y` from 0 to 1 along the sides.
+    /// The deflection over the gap that coefficients `q` (a solution's unknowns, or a mode's)
+    /// describe, at a point of the plate: `x` and `y` from 0 to 1 along the sides.
     pub fn deflection(&self, q: &[f64], x: f64, y: f64) -> f64 {
         let at = [2.0 * x - 1.0, 2.0 * y - 1.0];
         shape::local(&self.model, q, at, &mut Default::default())[0]
     }
 
-    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
+    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs
+    /// `(x, w)`.
     pub fn centre_line(&self, q: &[f64], points: usize) -> Vec<(f64, f64)> {
         profile::line(points, |x| self.deflection(q, x, 0.5))
     }
@@ -220,8 +222,8 @@ impl Ritz {
     }
 }
 
-/// `T` along up to three directions: how a dual number is built from its first-order parts, and which of
-/// its parts is the mixed derivative.
+/// `T` along up to three directions: how a dual number is built from its first-order parts, and
+/// which of its parts is the mixed derivative.
 pub(super) trait Directional: Scalar {
     fn seed(value: f64, parts: [f64; 3]) -> Self;
     fn mixed(&self) -> f64;

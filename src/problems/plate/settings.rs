@@ -47,8 +47,8 @@ pub struct PlateSettings {
     pub orders: Option<Orders>,
     /// The meaning of the parameters.
     pub units: Units,
-    /// Whether the symmetry of the edges is used. If not given, it is unless edge forces act: a compressed
-    /// plate may buckle into two half waves first, which symmetry knows nothing of.
+    /// Whether the symmetry of the edges is used. If not given, it is unless edge forces act: a
+    /// compressed plate may buckle into two half waves first, which symmetry knows nothing of.
     pub symmetric: Option<bool>,
 }
 
@@ -72,8 +72,8 @@ impl Default for PlateSettings {
 const MODES: [usize; 11] = [1, 2, 3, 4, 6, 8, 11, 15, 20, 27, 36];
 
 impl PlateSettings {
-    /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and go as
-    /// far as `reach`.
+    /// The system, for a plate whose parameters begin at `p` (in the order of [`Units::names`]) and
+    /// go as far as `reach`.
     ///
     /// # Errors
     /// [`PlateError`] with what is at fault and the remedy.
@@ -116,8 +116,8 @@ impl PlateSettings {
         })
     }
 
-    /// The same plate by discretisations of growing accuracy and cost, for parameters as in [`system`](Self::system):
-    /// orders of the full model, numbers of modes of the others.
+    /// The same plate by discretisations of growing accuracy and cost, for parameters as in
+    /// [`system`](Self::system): orders of the full model, numbers of modes of the others.
     ///
     /// # Errors
     /// [`PlateError`] if the supports cannot be read.

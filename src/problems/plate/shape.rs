@@ -7,7 +7,8 @@ use super::tensor::Product;
 /// Nodes of a half side on which the largest deflection is looked for.
 const NODES: usize = 17;
 
-/// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point: `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
+/// The deflection and its slopes and curvatures by `ξ`, `ζ` at a point:
+/// `[w, w_ξ, w_ζ, w_ξξ, w_ζζ, w_ξζ]`.
 pub(super) fn local(
     model: &Discretisation,
     q: &[f64],
@@ -59,7 +60,8 @@ pub(super) fn search_nodes(symmetric: bool) -> Vec<f64> {
     (first..=last).map(|i| f64::from(i) / f64::from(last)).collect()
 }
 
-/// The position of the largest number and that number; of the first one that is not a number, if any.
+/// The position of the largest number and that number; of the first one that is not a number, if
+/// any.
 pub(super) fn highest(values: impl Iterator<Item = f64>) -> (usize, f64) {
     let mut best = (0, f64::NEG_INFINITY);
     for (k, value) in values.enumerate() {
@@ -111,8 +113,8 @@ impl Search {
         (largest, self.nodes[0][k / points[1]], self.nodes[1][k % points[1]])
     }
 
-    /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's iteration in
-    /// the variables that are not at an end which the deflection still rises towards.
+    /// The largest deflection and where it is, `(w, ξ, ζ)`: from the best node on, Newton's
+    /// iteration in the variables that are not at an end which the deflection still rises towards.
     pub fn largest(&mut self, model: &Discretisation, q: &[f64]) -> (f64, f64, f64) {
         let (best, xi, zeta) = self.on_grid(model, q);
         let held = |axis: usize| model.symmetric[axis];

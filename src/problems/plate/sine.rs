@@ -8,13 +8,15 @@
 //!     L        = ∂ξ⁴ + (2/α²) ∂ξ²∂η² + (1/α⁴) ∂η⁴
 //! ```
 //!
-//! `w = Σ w_mn sin mπξ sin nπη` over odd `m`, `n` (the plate's first instability is symmetric) meets
-//! the support conditions 3.14 term by term, and `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ cos nπη`
-//! solves the second equation exactly for any such `w`: shear traction vanishes at the edges, which
-//! stay straight. What is left are as many equations as there are `w_mn`, projections of the first.
+//! `w = Σ w_mn sin mπξ sin nπη` over odd `m`, `n` (the plate's first instability is symmetric)
+//! meets the support conditions 3.14 term by term, and
+//! `F = ½(p_y ξ² + p_x η²) + Σ f_mn cos mπξ cos nπη` solves the second equation exactly for any
+//! such `w`: shear traction vanishes at the edges, which stay straight. What is left are as many
+//! equations as there are `w_mn`, projections of the first.
 //!
-//! `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges algebraically. The load
-//! at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with 15 modes, 1e-10 with 160.
+//! `L(w) = λ ≠ 0` on the edges, where every sine vanishes: the series converges algebraically. The
+//! load at pull-in of a square plate with `α₁ = 2` is within 2e-6 of its limit with 15 modes, 1e-10
+//! with 160.
 
 mod airy;
 mod basis;
@@ -38,13 +40,14 @@ use projection::Sines;
 /// The mean square of a product of sines over the plate.
 const MEAN_SQUARE: f64 = 0.25;
 
-/// The settings of a [`SinePlate`]. The default: 15 modes, slide, von Kármán, direct, dimensionless.
+/// The settings of a [`SinePlate`]. The default: 15 modes, slide, von Kármán, direct,
+/// dimensionless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SineSettings {
     /// The number of modes, `N ≥ 1`: odd-odd pairs by `m² + n²`, then by `m`.
     pub modes: usize,
-    /// The edges in their plane, all straight and free of shear traction. [`InPlane::Slide`]: no normal
-    /// displacement ("immovable" in section 3.2), `p_x` and `p_y` by eqs. 3.22–3.23.
+    /// The edges in their plane, all straight and free of shear traction. [`InPlane::Slide`]: no
+    /// normal displacement ("immovable" in section 3.2), `p_x` and `p_y` by eqs. 3.22–3.23.
     /// [`InPlane::Straight`]: no mean normal force ("movable"), `p_x = p_y = 0`. No others.
     pub in_plane: InPlane,
     /// Linear or von Kármán's.
@@ -82,7 +85,8 @@ pub struct StressTerm<T> {
     pub coefficient: T,
 }
 
-/// The lowest mode of vibration about an equilibrium, among those symmetric about both centre lines.
+/// The lowest mode of vibration about an equilibrium, among those symmetric about both centre
+/// lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vibration {
     /// `ω a²√(ρh/D)`, or Hz for a device; `−√(−ω²)` where the equilibrium is unstable.
@@ -94,9 +98,10 @@ pub struct Vibration {
 /// A simply supported, electrically actuated plate in `N` products of sines.
 ///
 /// A [`ZeroProblem`] with unknowns `w` (the `N` coefficients `w_mn`, deflection over gap), the
-/// parameters of [`Units`] and the monitors of [all plates](super#monitors). The residual's component `i` is the projection of eq. 3.12 on `φ_i` over the
-/// unit square; for [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential
-/// energy, in units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
+/// parameters of [`Units`] and the monitors of [all plates](super#monitors). The residual's
+/// component `i` is the projection of eq. 3.12 on `φ_i` over the unit square; for
+/// [`Projection::Direct`] it is the derivative with respect to `w_i` of the potential energy, in
+/// units of `αDd²/a²`, and the mass matrix is one quarter of the identity.
 ///
 /// ```
 /// use tangency::core::zero::ZeroProblem;
@@ -119,16 +124,17 @@ impl SinePlate {
     /// Orders the modes and tabulates their couplings and values.
     ///
     /// # Errors
-    /// [`PlateError`] for no modes, for modes of wave numbers above 127, for a quadrature with fewer
-    /// points in a half direction than the largest wave number, and for edges immovable or free in
-    /// their plane.
+    /// [`PlateError`] for no modes, for modes of wave numbers above 127, for a quadrature with
+    /// fewer points in a half direction than the largest wave number, and for edges immovable or
+    /// free in their plane.
     pub fn new(settings: SineSettings) -> Result<Self, PlateError> {
         let in_plane = settings.in_plane;
         if !matches!(in_plane, InPlane::Slide | InPlane::Straight) {
             return Err(PlateError::SineInPlane { in_plane: in_plane.name() });
         }
         let count = settings.modes;
-        // Beyond this not even a full square of wave numbers holds the modes; and the list stays short.
+        // Beyond this not even a full square of wave numbers holds the modes; and the list stays
+        // short.
         let modes = ordered_modes(count.min(LARGEST * LARGEST + 1));
         let width = modes.iter().map(|&(k, l)| k.max(l) + 1).max().unwrap_or(0);
         if !(1..=LARGEST).contains(&width) {
@@ -183,8 +189,8 @@ impl SinePlate {
         terms.map(|(m, n, coefficient)| StressTerm { m, n, coefficient }).collect()
     }
 
-    /// The mean tensions `[N_x, N_y]` that the deflection `z` develops between the edges, in units of
-    /// `D/a²`, tension positive: `κp_x` and `α²κp_y`, eqs. 3.22–3.23; zero for
+    /// The mean tensions `[N_x, N_y]` that the deflection `z` develops between the edges, in units
+    /// of `D/a²`, tension positive: `κp_x` and `α²κp_y`, eqs. 3.22–3.23; zero for
     /// [`InPlane::Straight`] and in linear theory. Applied forces are not included.
     pub fn edge_tension<T: Scalar>(&self, z: &[T], p: &[T]) -> [T; 2] {
         let plate = self.settings.units.parameters(p);
@@ -192,8 +198,9 @@ impl SinePlate {
         [x, y * plate.aspect * plate.aspect]
     }
 
-    /// The lowest mode of vibration about the equilibrium `z`; `None` where it has none: values that
-    /// are not finite, or, for [`Projection::Multiplied`], a lowest eigenvalue that is not real.
+    /// The lowest mode of vibration about the equilibrium `z`; `None` where it has none: values
+    /// that are not finite, or, for [`Projection::Multiplied`], a lowest eigenvalue that is not
+    /// real.
     pub fn vibration(&self, z: &[f64], p: &[f64]) -> Option<Vibration> {
         let vectors = self.lowest(z, p)?;
         let square = self.frequency_squared(z, p, &vectors);

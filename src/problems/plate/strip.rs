@@ -4,8 +4,8 @@
 //!     w'''' = λ/(1−w)² + 6α₁² (∫₀¹ w'² dx) w''
 //! ```
 //!
-//! with `w = w'' = 0` (supported) or `w = w' = 0` (clamped) at both ends: the limit of the long plate.
-//! Galerkin's method in functions even about the middle: the residual is the gradient of
+//! with `w = w'' = 0` (supported) or `w = w' = 0` (clamped) at both ends: the limit of the long
+//! plate. Galerkin's method in functions even about the middle: the residual is the gradient of
 //! `½∫w''² + (3/2)α₁²(∫w'²)² − λ∫1/(1−w)`.
 
 use super::basis::Basis;
@@ -30,13 +30,13 @@ const MOST: usize = 512;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
-    /// Simply supported: `w = w'' = 0`. Functions: `sin kπx`, `k` odd; algebraic convergence, as `w''''`
-    /// does not vanish at the ends (the error of the load at pull-in falls with the seventh power of
-    /// their number: 6e-9 with 5, 4e-11 with 10).
+    /// Simply supported: `w = w'' = 0`. Functions: `sin kπx`, `k` odd; algebraic convergence, as
+    /// `w''''` does not vanish at the ends (the error of the load at pull-in falls with the seventh
+    /// power of their number: 6e-9 with 5, 4e-11 with 10).
     #[default]
     Supported,
-    /// Clamped: `w = w' = 0`. Functions: twice integrated Legendre polynomials, orthogonal in bending;
-    /// exponential convergence.
+    /// Clamped: `w = w' = 0`. Functions: twice integrated Legendre polynomials, orthogonal in
+    /// bending; exponential convergence.
     Clamped,
 }
 
@@ -59,9 +59,9 @@ impl Default for StripSettings {
 
 /// An electrically actuated strip in `N` functions.
 ///
-/// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap), parameters
-/// `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors of [all
-/// plates](super#monitors), the frequency being that of the modes even about the middle.
+/// A [`ZeroProblem`] with unknowns `w` (`N` coefficients of the deflection over the gap),
+/// parameters `load` (`λ`, eq. 3.17) and `gap_ratio` (`α₁ = d/h`), and the dimensionless monitors
+/// of [all plates](super#monitors), the frequency being that of the modes even about the middle.
 ///
 /// ```
 /// use tangency::core::zero::ZeroProblem;
@@ -91,7 +91,8 @@ impl Strip {
     /// Tabulates the functions and their products.
     ///
     /// # Errors
-    /// [`PlateError`] for a number of functions out of range, and for fewer quadrature points than functions.
+    /// [`PlateError`] for a number of functions out of range, and for fewer quadrature points than
+    /// functions.
     pub fn new(settings: StripSettings) -> Result<Self, PlateError> {
         let n = settings.functions;
         PlateError::check("functions", n, [1, MOST])?;

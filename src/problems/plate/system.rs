@@ -66,7 +66,8 @@ fn prolonged(from: &Discretisation, to: &Discretisation, z: &[f64]) -> Vec<f64> 
 }
 
 impl Ritz {
-    /// `x = (z, p)` of the same plate, deflected alike, on finer orders (none smaller than this one's).
+    /// `x = (z, p)` of the same plate, deflected alike, on finer orders (none smaller than this
+    /// one's).
     pub fn carry(&self, x: &[f64], finer: &Ritz) -> Vec<f64> {
         let (z, p) = x.split_at(self.model.unknowns());
         let mut carried = prolonged(&self.model, &finer.model, z);

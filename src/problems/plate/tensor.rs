@@ -2,8 +2,8 @@
 //! rule, and integrals of fields against such products, one variable after the other. With `n`
 //! functions and `m` nodes a direction that costs `n²m + nm²` products, not `n²m²`.
 //!
-//! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables are ordered as
-//! [`Table`](super::basis::Table) orders them.
+//! Coefficients are ordered `(i, j)` at `i·n_y + j`, fields `(p, q)` at `p·m_y + q`; tables are
+//! ordered as [`Table`](super::basis::Table) orders them.
 
 use crate::core::quadrature::gauss_legendre;
 use crate::core::scalar::Scalar;
@@ -32,8 +32,8 @@ impl Rule {
         }
     }
 
-    /// `count` nodes on half the interval, for functions that vary most in its middle: on `[0, 1]` if
-    /// `symmetric`, else on both halves.
+    /// `count` nodes on half the interval, for functions that vary most in its middle: on `[0, 1]`
+    /// if `symmetric`, else on both halves.
     pub fn halves(count: usize, symmetric: bool) -> Rule {
         let (nodes, weights) = gauss_legendre(count);
         let right: Vec<f64> = nodes.iter().map(|t| 0.5 + 0.5 * t).collect();

@@ -23,10 +23,10 @@ pub enum Projection {
     /// the gradient of the potential energy.
     #[default]
     Direct,
-    /// After multiplication by `(1−w)²`, eq. 3.26: the source's method, in which the load is `λ⟨φ⟩`.
-    /// The same limit, reached far more slowly. The residual is no gradient, and the inertia depends
-    /// on the deflection: stability is left to the monitor `frequency`, negative where the equilibrium
-    /// is unstable.
+    /// After multiplication by `(1−w)²`, eq. 3.26: the source's method, in which the load is
+    /// `λ⟨φ⟩`. The same limit, reached far more slowly. The residual is no gradient, and the
+    /// inertia depends on the deflection: stability is left to the monitor `frequency`, negative
+    /// where the equilibrium is unstable.
     Multiplied,
 }
 

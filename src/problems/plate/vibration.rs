@@ -1,5 +1,5 @@
-//! The lowest eigenvalue of `J v = ω² M v` and its derivative: vectors in `f64`, a Rayleigh quotient
-//! in any arithmetic.
+//! The lowest eigenvalue of `J v = ω² M v` and its derivative: vectors in `f64`, a Rayleigh
+//! quotient in any arithmetic.
 
 use super::modes::{Eigenproblem, signed_root};
 use crate::core::chunk::{CHUNK, Chunk, seeded};
@@ -15,7 +15,8 @@ pub(super) struct Lowest {
     pub right: Vec<f64>,
 }
 
-/// A residual `r` with an inertia: small vibrations about `r(z) = 0` are `J v = ω² M v`, `J = ∂r/∂z`.
+/// A residual `r` with an inertia: small vibrations about `r(z) = 0` are `J v = ω² M v`,
+/// `J = ∂r/∂z`.
 pub(super) trait Vibrates: ZeroProblem + Sized {
     /// `M(z)`, symmetric and positive definite, one column after the other.
     fn mass(&self, z: &[f64]) -> Vec<f64>;
@@ -41,8 +42,8 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         matrix
     }
 
-    /// The eigenvectors of the lowest `ω²` about an equilibrium; `None` where values are not finite, or the
-    /// lowest eigenvalue is not real.
+    /// The eigenvectors of the lowest `ω²` about an equilibrium; `None` where values are not
+    /// finite, or the lowest eigenvalue is not real.
     fn lowest(&self, z: &[f64], p: &[f64]) -> Option<Lowest> {
         let (stiffness, mass) = (self.stiffness(z, p), self.mass(z));
         if self.dynamics() != Dynamics::Potential {
@@ -52,14 +53,14 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
         Some(Lowest { left: right.clone(), right })
     }
 
-    /// Rayleigh's quotient for `ω²` between two eigenvectors: stationary, so that its first derivatives
-    /// are those of the eigenvalue.
+    /// Rayleigh's quotient for `ω²` between two eigenvectors: stationary, so that its first
+    /// derivatives are those of the eigenvalue.
     fn frequency_squared<T: Scalar>(&self, z: &[T], p: &[T], vectors: &Lowest) -> T {
         product(self, z, p, vectors) / self.inertia(z, vectors)
     }
 
-    /// The lowest dimensionless `ω`, `−√(−ω²)` where unstable; not a number where there is none. Exact with
-    /// its first derivatives; second ones leave out that the mode changes.
+    /// The lowest dimensionless `ω`, `−√(−ω²)` where unstable; not a number where there is none.
+    /// Exact with its first derivatives; second ones leave out that the mode changes.
     fn frequency<T: Scalar>(&self, z: &[T], p: &[T]) -> T {
         match self.lowest(&reals(z), &reals(p)) {
             Some(vectors) => signed_root(self.frequency_squared(z, p, &vectors)),
@@ -68,8 +69,9 @@ pub(super) trait Vibrates: ZeroProblem + Sized {
     }
 }
 
-/// Left and right eigenvectors of the `ω²` of smallest real part of `J v = ω² M v`, `M` symmetric and
-/// positive definite, `J` any matrix. `None` if the matrices are not finite or that `ω²` is not real.
+/// Left and right eigenvectors of the `ω²` of smallest real part of `J v = ω² M v`, `M` symmetric
+/// and positive definite, `J` any matrix. `None` if the matrices are not finite or that `ω²` is not
+/// real.
 fn lowest_general(jacobian: &[f64], mass: &[f64]) -> Option<Lowest> {
     let n = mass.len().isqrt();
     let [jacobian, mass] =

@@ -97,8 +97,8 @@ impl<'s> Assembling<'s> {
         self.errors_of_named().into_iter().flatten().next().map_or(Ok(()), Err)
     }
 
-    /// The errors of all definitions and functions, `None` where one has none. What a function calls is known only where it
-    /// is called itself: its names are checked here.
+    /// The errors of all definitions and functions, `None` where one has none. What a function
+    /// calls is known only where it is called itself: its names are checked here.
     pub fn errors_of_named(&self) -> Vec<Option<ModelError>> {
         let definitions = self.defined.iter().map(|value| value.clone().err());
         definitions.chain(self.scope.errors_of_functions()).collect()

@@ -125,8 +125,8 @@ impl Assembly {
         inputs.chain([&value]).any(|value| input(value) && sort(*value))
     }
 
-    /// All values in real numbers: the operation that first gives one that is not finite, with its arguments, among
-    /// those that some results need.
+    /// All values in real numbers: the operation that first gives one that is not finite, with its
+    /// arguments, among those that some results need.
     pub fn undefined(&self, results: &[Value], t: f64, x: &[f64], p: &[f64]) -> Option<Undefined> {
         let needed = self.needed(results);
         let mut values: Vec<f64> = Vec::with_capacity(self.applied.len());

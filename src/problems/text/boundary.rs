@@ -82,7 +82,8 @@ impl Conditions {
 }
 
 impl Conditions {
-    /// The error of a length that is not positive for some parameters; nothing is known of one that depends on unknowns.
+    /// The error of a length that is not positive for some parameters; nothing is known of one that
+    /// depends on unknowns.
     pub(super) fn refused_duration(&self, p: &[f64]) -> Option<ModelError> {
         self.length.as_ref()?.refused(&self.basis.source, p)
     }

@@ -1,4 +1,5 @@
-//! Names and calls in formulas, checked without values: those of functions that nothing may ever call.
+//! Names and calls in formulas, checked without values: those of functions that nothing may ever
+//! call.
 
 use super::operation::{FUNCTIONS, Operation};
 use super::scope::{Function, Meaning, Scope};
@@ -66,7 +67,8 @@ impl Scope {
         self.meaning(name).is_some() || ["pi", "e"].contains(&name)
     }
 
-    /// Refuses a call of what is no function, or with another number of arguments. A state may be called for its value at an end.
+    /// Refuses a call of what is no function, or with another number of arguments. A state may be
+    /// called for its value at an end.
     pub fn check_call(
         &self,
         function: &str,

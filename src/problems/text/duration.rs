@@ -13,7 +13,8 @@ pub(super) struct Duration {
     what: &'static str,
     phrase: Phrase,
     tape: Tape,
-    /// The parameters that it depends on: names and positions. Further unknown numbers stand behind the parameters.
+    /// The parameters that it depends on: names and positions. Further unknown numbers stand behind
+    /// the parameters.
     needs: Vec<(String, usize)>,
 }
 

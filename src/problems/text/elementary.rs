@@ -1,8 +1,9 @@
 //! Elementary functions of numbers of any depth, by their Taylor series where numbers are nested.
 //!
-//! `x = x₀ + h` with a real number `x₀`, and `h` has a vanishing power `h^{N+1}` where `N` is the number of derivatives, so that
-//! `f(x) = Σ_{k ≤ N} f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call some thirty functions in some forty scalars: one composition is compiled
-//! for each scalar, in place of a chain rule for each function and each layer.
+//! `x = x₀ + h` with a real number `x₀`, and `h` has a vanishing power `h^{N+1}` where `N` is the
+//! number of derivatives, so that `f(x) = Σ_{k ≤ N} f⁽ᵏ⁾(x₀)/k! hᵏ`. Interpreted formulas call some
+//! thirty functions in some forty scalars: one composition is compiled for each scalar, in place of
+//! a chain rule for each function and each layer.
 
 use crate::core::jet::MOST_ORDER;
 use crate::core::jet::powers::{by_quotient, by_squares};
@@ -10,8 +11,9 @@ use crate::core::jet::series;
 use crate::core::jet::taylor::{self, Series};
 use crate::core::scalar::Scalar;
 
-/// Whether functions of this scalar are compositions: the chain rule is faster for one derivative, which numbers in lanes have at
-/// most, and jets compose by themselves, to the order that they have.
+/// Whether functions of this scalar are compositions: the chain rule is faster for one derivative,
+/// which numbers in lanes have at most, and jets compose by themselves, to the order that they
+/// have.
 const fn composes<T: Scalar>() -> bool {
     T::NDERIV > 1 && T::NDERIV < MOST_ORDER
 }

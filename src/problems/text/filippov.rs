@@ -97,8 +97,8 @@ impl TwoFields {
         self.period.refused(&self.basis.source, p)
     }
 
-    /// The formula that has no finite value where motion begins in a mode, if one has none: the surface, the rates, and on the
-    /// surface all that decides there.
+    /// The formula that has no finite value where motion begins in a mode, if one has none: the
+    /// surface, the rates, and on the surface all that decides there.
     pub(super) fn undefined(
         &self,
         mode: usize,
@@ -187,7 +187,8 @@ fn names(source: &Source, stated: &Formulas) -> Result<FilippovNames, ModelError
     Ok(FilippovNames { above, below, sliding, surface })
 }
 
-/// The functions that are positive while sliding is held against leaving to each side, where they are stated.
+/// The functions that are positive while sliding is held against leaving to each side, where they
+/// are stated.
 fn holds(statement: &FilippovEquations, scope: &Scope) -> Result<[Option<Tape>; 2], ModelError> {
     let mut holds = [None, None];
     for (side, formula) in &statement.holds {

@@ -213,7 +213,8 @@ impl HybridSystem for Hybrid {
         }
     }
 
-    /// The mode that is given, if its guards hold there; else the first one with the same states of which the guards do.
+    /// The mode that is given, if its guards hold there; else the first one with the same states of
+    /// which the guards do.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         // A guard that is not finite is reported where motion begins.
         let fallen = |guard: usize, mode: usize| {

@@ -1,4 +1,5 @@
-//! Where the values of a tape are: registers, which values share that are not needed at the same time.
+//! Where the values of a tape are: registers, which values share that are not needed at the same
+//! time.
 
 use super::assembly::{Assembly, Value};
 use super::operation::Operation;
@@ -57,8 +58,8 @@ impl<'a> Layout<'a> {
         layout
     }
 
-    /// The states of a small system, of which all are read, and a few parameters are in registers from the beginning: a
-    /// step for each would take longer.
+    /// The states of a small system, of which all are read, and a few parameters are in registers
+    /// from the beginning: a step for each would take longer.
     fn preload(&mut self) {
         let read = (0..PRELOADED as u32).take_while(|k| self.reads.contains_key(&Value::State(*k)));
         self.preloaded = read.count();
@@ -92,7 +93,8 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The tape. A few results stay in registers until the end, many are put away as soon as they are there.
+    /// The tape. A few results stay in registers until the end, many are put away as soon as they
+    /// are there.
     pub fn tape(mut self, results: &[Value]) -> Tape {
         let (kept, stored) = results.split_at(if results.len() > KEPT { 0 } else { results.len() });
         let mut at: HashMap<Value, Vec<u32>> = HashMap::new();

@@ -9,10 +9,11 @@
 //! )
 //! ```
 //!
-//! `docs/models.md` has the language. A formula is read into nodes in postfix order; what its names mean is looked up
-//! in the scope of its mode, and all formulas that are evaluated together become one tape of operations, in which
-//! common parts are computed once. A tape is evaluated over any [`Scalar`](crate::core::scalar::Scalar) without
-//! allocation, so that a [`Model`] is a problem like any other: derivatives of every order, orbits, local maps.
+//! `docs/models.md` has the language. A formula is read into nodes in postfix order; what its names
+//! mean is looked up in the scope of its mode, and all formulas that are evaluated together become
+//! one tape of operations, in which common parts are computed once. A tape is evaluated over any
+//! [`Scalar`](crate::core::scalar::Scalar) without allocation, so that a [`Model`] is a problem
+//! like any other: derivatives of every order, orbits, local maps.
 
 mod assembling;
 mod assembly;
@@ -115,7 +116,8 @@ pub const KINDS: [(&str, &[&str]); 6] = [
 ];
 
 impl Statement {
-    /// Reads what stands between the brackets of a statement, brackets included, and stands in the source at `part`.
+    /// Reads what stands between the brackets of a statement, brackets included, and stands in the
+    /// source at `part`.
     ///
     /// # Errors
     /// [`ModelError`] with the place, if it is not of the form.
@@ -185,7 +187,8 @@ fn options() -> ron::Options {
 }
 
 impl Model {
-    /// Reads and understands the statement that is all of a text; with the names of parameters that a scene gives.
+    /// Reads and understands the statement that is all of a text; with the names of parameters that
+    /// a scene gives.
     ///
     /// # Errors
     /// [`ModelError`] with the place.
@@ -208,14 +211,15 @@ impl Model {
         &self.basis().unused
     }
 
-    /// The line in which a definition stands, `equations.ron:7` or `line 7`; `None` if there is none of this name.
+    /// The line in which a definition stands, `equations.ron:7` or `line 7`; `None` if there is
+    /// none of this name.
     pub fn line_of_definition(&self, name: &str) -> Option<&str> {
         let mut definitions = self.basis().definitions.iter();
         definitions.find(|(known, _)| known == name).map(|(_, line)| line.as_str())
     }
 
-    /// Whether time enters, but not with a period: such motion can be simulated, but has no equilibria and no periodic
-    /// orbits.
+    /// Whether time enters, but not with a period: such motion can be simulated, but has no
+    /// equilibria and no periodic orbits.
     pub fn is_aperiodic(&self) -> bool {
         match self {
             Model::Field(field) => field.is_aperiodic(),
@@ -225,7 +229,8 @@ impl Model {
         }
     }
 
-    /// The value that is not finite where motion or a branch begins, at time 0: a division by zero, a logarithm of a negative number.
+    /// The value that is not finite where motion or a branch begins, at time 0: a division by zero,
+    /// a logarithm of a negative number.
     ///
     /// ```
     /// use tangency::problems::text::{Model, Source};

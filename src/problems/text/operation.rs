@@ -113,7 +113,8 @@ operations! {
 
 /// Functions of several names, in other programs written so.
 impl Operation {
-    /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for several motions at once.
+    /// Whether its value is chosen by a comparison, so that one evaluation cannot be right for
+    /// several motions at once.
     pub fn decides(self) -> bool {
         use Operation::*;
         matches!(
@@ -162,8 +163,8 @@ fn hypotenuse<T: Scalar>(a: &T, b: &T) -> T {
     elementary::sqrt(&(a * a + b * b)) * scale
 }
 
-/// `tanh a`: by `e^{−2|a|}` away from zero, since the quotient of `sinh` and `cosh` has no value, nor derivative, where these are
-/// infinite, as in friction laws `tanh(v/ε)`.
+/// `tanh a`: by `e^{−2|a|}` away from zero, since the quotient of `sinh` and `cosh` has no value,
+/// nor derivative, where these are infinite, as in friction laws `tanh(v/ε)`.
 fn hyperbolic_tangent<T: Scalar>(a: &T) -> T {
     let sign = a.real().signum();
     if a.real().abs() < 1.0 || a.real().is_nan() {

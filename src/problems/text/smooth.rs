@@ -55,7 +55,8 @@ impl Field {
         Ok(Field { basis, statement, names, measures, rates, period, monitors, scales, aperiodic })
     }
 
-    /// Whether time enters, but not with a period: there are no equilibria and no periodic orbits then.
+    /// Whether time enters, but not with a period: there are no equilibria and no periodic orbits
+    /// then.
     pub fn is_aperiodic(&self) -> bool {
         self.aperiodic
     }

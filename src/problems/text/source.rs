@@ -55,7 +55,8 @@ impl Source {
         within(&self.masked).or(within(&self.text))
     }
 
-    /// The file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if it was not taken from this text.
+    /// The file and the line of a phrase, `equations.ron:7`, or `line 7`; `None` if it was not
+    /// taken from this text.
     pub(super) fn line_of(&self, phrase: &Phrase) -> Option<String> {
         let line = self.line(self.offset(phrase)?);
         Some(match self.name.is_empty() {

@@ -74,7 +74,8 @@ statements! {
     Boundary {
         /// States with their rates.
         states: Formulas,
-        /// The boundary conditions: functions that vanish, of the states at the ends, as `u(0)` and `u(1)`.
+        /// The boundary conditions: functions that vanish, of the states at the ends, as `u(0)` and
+        /// `u(1)`.
         conditions: Vec<Phrase>,
         /// Formulas whose integrals vanish.
         integrals: Vec<Phrase>,
@@ -106,13 +107,14 @@ statements! {
         below: Formulas,
         /// The function that vanishes on the surface, positive above and negative below.
         surface: Option<Phrase>,
-        /// States with their rates on the surface; if they are left out, the convex combination of both fields that is
-        /// tangent to it.
+        /// States with their rates on the surface; if they are left out, the convex combination of
+        /// both fields that is tangent to it.
         sliding: Formulas,
-        /// What is positive where sliding is held against leaving to a side, `above` or `below`; if it is left out, the speed at
-        /// which the field of the side approaches the surface.
+        /// What is positive where sliding is held against leaving to a side, `above` or `below`; if
+        /// it is left out, the speed at which the field of the side approaches the surface.
         holds: Formulas,
-        /// The names of the modes `above`, `below` and `sliding`, and of the event `surface`, if they are others.
+        /// The names of the modes `above`, `below` and `sliding`, and of the event `surface`, if
+        /// they are others.
         names: Formulas,
         /// The period in which time enters, if it does.
         period: Option<Phrase>,
@@ -144,7 +146,8 @@ pub struct Mode {
 #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Guard {
-    /// The event's name. Guards of one name in different modes are one event, whichever mode it comes in.
+    /// The event's name. Guards of one name in different modes are one event, whichever mode it
+    /// comes in.
     pub name: Phrase,
     /// The modes that end there; may be left out where there is one mode only.
     #[serde(default)]

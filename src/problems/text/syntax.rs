@@ -1,8 +1,8 @@
 //! Formulas: from text to nodes in postfix order.
 //!
-//! From the weakest: `|`, `&`, comparisons, `+ -`, `* /`, the signs `- + !`, and `^` (or `**`), which goes from right to
-//! left and may be followed by a sign. `if(c, a, b)` may be written `if(c)then(a)else(b)`, and
-//! `sum(i, 1, n, …)` as `sum(1, n)of(…i'…)`, as in XPPAUT.
+//! From the weakest: `|`, `&`, comparisons, `+ -`, `* /`, the signs `- + !`, and `^` (or `**`),
+//! which goes from right to left and may be followed by a sign. `if(c, a, b)` may be written
+//! `if(c)then(a)else(b)`, and `sum(i, 1, n, …)` as `sum(1, n)of(…i'…)`, as in XPPAUT.
 
 use super::operation::Operation;
 use super::source::{Fault, ModelError, Phrase, Source};
@@ -158,7 +158,8 @@ fn symbol<'a>(
     (text, multispace0).void()
 }
 
-/// A name: letters, digits and underscores, not first a digit. Only the index of XPPAUT's sums, `i'`, has a prime.
+/// A name: letters, digits and underscores, not first a digit. Only the index of XPPAUT's sums,
+/// `i'`, has a prime.
 fn name(input: &mut Input) -> ModalResult<String> {
     let letter = |c: char| c.is_alphabetic() || c == '_';
     let name = (one_of(letter), take_while(0.., move |c: char| letter(c) || c.is_numeric()));

@@ -6,7 +6,8 @@ use crate::core::scalar::Scalar;
 
 /// The instruction of a step. `a`, `b` and `c` are registers, `n` is a number.
 ///
-/// Products are added as soon as they are there: every step costs a dispatch, which for real numbers takes longer than what it does.
+/// Products are added as soon as they are there: every step costs a dispatch, which for real
+/// numbers takes longer than what it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
     /// A state, by its position `a`.
@@ -15,7 +16,8 @@ pub(super) enum Code {
     Parameter,
     /// `n`.
     Number,
-    /// Puts register `a` where results are, at `into`: where there are too many to keep them in registers.
+    /// Puts register `a` where results are, at `into`: where there are too many to keep them in
+    /// registers.
     Result,
     /// `a + b`.
     Add,
@@ -70,7 +72,8 @@ pub(super) struct Step {
     pub n: f64,
 }
 
-/// Several formulas of time, states and parameters as a list of steps, in which common parts are computed once.
+/// Several formulas of time, states and parameters as a list of steps, in which common parts are
+/// computed once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     pub steps: Vec<Step>,
@@ -84,7 +87,8 @@ pub(super) struct Tape {
     pub outputs: Vec<u32>,
 }
 
-/// A register. Vectors in it never cross lines of the cache: to read what has just been stored there would take long.
+/// A register. Vectors in it never cross lines of the cache: to read what has just been stored
+/// there would take long.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 struct Register<T>(T);

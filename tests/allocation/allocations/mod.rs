@@ -7,8 +7,8 @@ use tangency::core::zero::System;
 
 const TOLERANCES: Tolerances = Tolerances { tolerance: 1e-12, max_iterations: 12 };
 
-/// Solves four times from the same start, in which everything beyond the held condition is square, and
-/// counts what the last solve allocates.
+/// Solves four times from the same start, in which everything beyond the held condition is square,
+/// and counts what the last solve allocates.
 pub fn allocations(
     system: &mut dyn System,
     x: &[f64],
@@ -23,7 +23,8 @@ pub fn allocations(
     let weights = vec![1.0; start.len()];
     let mut newton = Newton::default();
     let mut unknowns = start.clone();
-    // What was learned about the equations' curvature may change the way, and with it the buffers in use.
+    // What was learned about the equations' curvature may change the way, and with it the buffers
+    // in use.
     for _ in 0..3 {
         newton.solve(&mut equations, &mut unknowns, None, &weights, TOLERANCES).unwrap();
         unknowns.copy_from_slice(&start);

@@ -9,8 +9,8 @@ use tangency::core::orbit::{HybridOrbit, Itinerary, Leg};
 use tangency::problems::classic::ImpactOscillator;
 use tangency::problems::mita::Actuator;
 
-/// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact the frame
-/// slips forward until it rests.
+/// The touch of the actuator's front stopper at a voltage, a frequency and a phase: after an impact
+/// the frame slips forward until it rests.
 pub fn actuator(voltage: f64, frequency: f64, phase: f64) -> GrazingPoint {
     let front = Actuator::FRONT;
     let mut p = Actuator::DEFAULTS;
@@ -54,8 +54,8 @@ fn along<S: HybridSystem>(system: &S, time: f64, (t, x): &mut (f64, Vec<f64>), p
     *t += time;
 }
 
-/// The image of a virtual point on the section by event-driven simulation: after one turn of a duration, or,
-/// for none, by the discontinuity map.
+/// The image of a virtual point on the section by event-driven simulation: after one turn of a
+/// duration, or, for none, by the discontinuity map.
 pub fn simulated<S: Touching>(
     system: &S,
     start: &(f64, Vec<f64>),
@@ -97,8 +97,8 @@ pub fn oscillator(form: &ClosedForm, parameters: &[&str], order: usize) -> Local
     LocalMap::of(&ImpactOscillator, &point, parameters, settings).unwrap()
 }
 
-/// The grazing orbit of the actuator without impacts at a frequency near 0.4878, from that point in small
-/// steps.
+/// The grazing orbit of the actuator without impacts at a frequency near 0.4878, from that point in
+/// small steps.
 pub fn along_grazings(frequency: f64) -> GrazingPoint {
     let mut point = actuator(0.171066688958, 0.487808700440, 5.496543861);
     let steps = 10;

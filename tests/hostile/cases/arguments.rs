@@ -23,8 +23,8 @@ const COMMANDS: &[&str] = &[
     "",
 ];
 
-/// Where results may go. Nothing here may be a device of the machine on which tests run: a program that replaces it must
-/// do so in the folder of the case.
+/// Where results may go. Nothing here may be a device of the machine on which tests run: a program
+/// that replaces it must do so in the folder of the case.
 const OUTPUTS: &[&str] = &[
     "out",
     "a/b/c",

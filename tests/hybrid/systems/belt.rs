@@ -1,15 +1,17 @@
-//! A mass of 1 on a spring of stiffness 1, on a belt of velocity `v`, with dry friction: `|friction| ≤ F_s`
-//! while it moves with the belt, and `F_k` towards the belt's velocity while it does not.
+//! A mass of 1 on a spring of stiffness 1, on a belt of velocity `v`, with dry friction:
+//! `|friction| ≤ F_s` while it moves with the belt, and `F_k` towards the belt's velocity while it
+//! does not.
 //!
-//! With `Δ = F_s − F_k` the mass leaves the belt at `x = F_s`, moves as `x = F_k + Δ cos t + v sin t`, and
-//! has the belt's velocity again where `x − F_k` has the opposite sign, at `x = 2 F_k − F_s`, from which the
-//! belt carries it back over `2Δ`.
+//! With `Δ = F_s − F_k` the mass leaves the belt at `x = F_s`, moves as
+//! `x = F_k + Δ cos t + v sin t`, and has the belt's velocity again where `x − F_k` has the
+//! opposite sign, at `x = 2 F_k − F_s`, from which the belt carries it back over `2Δ`.
 
 use std::f64::consts::TAU;
 use tangency::core::hybrid::filippov::{Filippov, FilippovNames, FilippovSystem, Side};
 use tangency::core::scalar::Scalar;
 
-/// Modes `faster` than the belt, `slower`, and `stick`; parameters `static_friction`, `kinetic_friction`, `belt`.
+/// Modes `faster` than the belt, `slower`, and `stick`; parameters `static_friction`,
+/// `kinetic_friction`, `belt`.
 #[derive(Clone, Copy, Debug)]
 pub struct Belt;
 

@@ -1,17 +1,19 @@
-//! A ball on a table that moves as `Γ sin t`, in units of time `1/ω` and of length `g/ω²`: `y'' = −1`.
+//! A ball on a table that moves as `Γ sin t`, in units of time `1/ω` and of length `g/ω²`:
+//! `y'' = −1`.
 //!
-//! A ball that leaves the table at `t` with the velocity `v` over the ground reaches it again after `τ`, and
-//! is thrown back by the part `e` of its speed over the table. With one impact in `n` periods, `τ = 2πn` and
-//! `v = πn`, impacts come at the phase with `Γ cos t = πn (1 − e)/(1 + e)`. There the map from `(t, v)` to
-//! the next has the derivative `[[1, 1 + e], [−(1 + e) S, e² − (1 + e)² S]]` with `S = Γ sin t`.
+//! A ball that leaves the table at `t` with the velocity `v` over the ground reaches it again after
+//! `τ`, and is thrown back by the part `e` of its speed over the table. With one impact in `n`
+//! periods, `τ = 2πn` and `v = πn`, impacts come at the phase with `Γ cos t = πn (1 − e)/(1 + e)`.
+//! There the map from `(t, v)` to the next has the derivative
+//! `[[1, 1 + e], [−(1 + e) S, e² − (1 + e)² S]]` with `S = Γ sin t`.
 
 use std::f64::consts::{PI, TAU};
 use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
-/// Modes `flight` and `contact`, in which the ball moves with the table; parameters `acceleration` Γ and
-/// `restitution` e. Without restitution it is in contact at once where the table presses.
+/// Modes `flight` and `contact`, in which the ball moves with the table; parameters `acceleration`
+/// Γ and `restitution` e. Without restitution it is in contact at once where the table presses.
 #[derive(Clone, Copy, Debug)]
 pub struct BouncingBall;
 
@@ -85,8 +87,8 @@ pub fn doubling(n: usize, e: f64) -> f64 {
     fold(n, e).hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2))
 }
 
-/// The orbit with one impact in `n` periods that doubles its period (`0 ≤ t ≤ π/2`): the time of the impact
-/// and the velocity of launch.
+/// The orbit with one impact in `n` periods that doubles its period (`0 ≤ t ≤ π/2`): the time of
+/// the impact and the velocity of launch.
 pub fn orbit(n: usize, gamma: f64, e: f64) -> [f64; 2] {
     [(fold(n, e) / gamma).acos(), n as f64 * PI]
 }
@@ -97,13 +99,14 @@ pub fn map(n: usize, gamma: f64, e: f64) -> [f64; 2] {
     [1.0 + e * e - (1.0 + e).powi(2) * s, e * e]
 }
 
-/// Over a resting table: when a ball released at rest at a height has come to rest, after infinitely many
-/// impacts, by the geometric series of its times of flight.
+/// Over a resting table: when a ball released at rest at a height has come to rest, after
+/// infinitely many impacts, by the geometric series of its times of flight.
 pub fn rest(height: f64, e: f64) -> f64 {
     (2.0 * height).sqrt() * (1.0 + e) / (1.0 - e)
 }
 
-/// When a ball at rest on the table is thrown off, for `Γ > 1`: the table's acceleration is that of weight.
+/// When a ball at rest on the table is thrown off, for `Γ > 1`: the table's acceleration is that of
+/// weight.
 pub fn leave(gamma: f64) -> f64 {
     gamma.recip().asin()
 }

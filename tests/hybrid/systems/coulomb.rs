@@ -1,5 +1,5 @@
-//! The forced oscillator with Coulomb's friction, `x'' + x + F sgn x' = cos βt` (J. P. Den Hartog, *Trans.
-//! ASME* 53:107, 1931).
+//! The forced oscillator with Coulomb's friction, `x'' + x + F sgn x' = cos βt` (J. P. Den
+//! Hartog, *Trans. ASME* 53:107, 1931).
 
 use std::f64::consts::{PI, TAU};
 use tangency::core::field::Forcing;
@@ -113,8 +113,8 @@ pub fn amplitude(beta: f64, friction: f64) -> f64 {
     (response.powi(2) - (friction * hartog(beta)).powi(2)).sqrt()
 }
 
-/// The backward half of that motion, displacement and velocity so long after its start at the amplitude `X`,
-/// at the phase `φ` of the force with `cos φ = X/V`, `sin φ = −F H/V`:
+/// The backward half of that motion, displacement and velocity so long after its start at the
+/// amplitude `X`, at the phase `φ` of the force with `cos φ = X/V`, `sin φ = −F H/V`:
 /// `x = V cos(φ + βs) + F − F cos s − F tan(π/2β) sin s`.
 pub fn backward<T: Scalar>(beta: f64, friction: f64, after: T) -> [T; 2] {
     let response = 1.0 / (1.0 - beta * beta);

@@ -1,10 +1,12 @@
-//! A mass on a spring with dry friction, `m x'' + k x = ∓F` for `x' ≷ 0`, at rest while `|k x| ≤ F`, which a
-//! stop moving as `q(t) = −b + a sin ωt` hits from below: `v⁺ = −e v⁻ + (1 + e) q'`.
+//! A mass on a spring with dry friction, `m x'' + k x = ∓F` for `x' ≷ 0`, at rest while
+//! `|k x| ≤ F`, which a stop moving as `q(t) = −b + a sin ωt` hits from below:
+//! `v⁺ = −e v⁻ + (1 + e) q'`.
 //!
-//! On an orbit that rests at `x`, is hit there, moves up, down and rests again, the motions are half circles
-//! about `∓f` with `f = F/k`: about `−f` of the radius `R² = (x + f)² + m v²/k`, `v = (1 + e) q'`, up to
-//! `R − f`, and about `f` down to `3f − R`. Hence the orbit is a fixed point of `x ↦ 3f − R(x)`, or
-//! `v² = (8F/m)(f − x)`, and `v² = (1 + e)² ω² (a² − (x + b)²)` makes it a root of a quadratic.
+//! On an orbit that rests at `x`, is hit there, moves up, down and rests again, the motions are
+//! half circles about `∓f` with `f = F/k`: about `−f` of the radius `R² = (x + f)² + m v²/k`,
+//! `v = (1 + e) q'`, up to `R − f`, and about `f` down to `3f − R`. Hence the orbit is a fixed
+//! point of `x ↦ 3f − R(x)`, or `v² = (8F/m)(f − x)`, and `v² = (1 + e)² ω² (a² − (x + b)²)` makes
+//! it a root of a quadratic.
 
 use super::quadratic;
 use std::f64::consts::TAU;
@@ -12,8 +14,8 @@ use tangency::core::field::Forcing;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
 use tangency::core::scalar::Scalar;
 
-/// Modes `stick`, `up` and `down`; parameters `stiffness` k, `friction` F, `amplitude` a, `offset` b,
-/// `frequency` ω, `restitution` e, `mass` m.
+/// Modes `stick`, `up` and `down`; parameters `stiffness` k, `friction` F, `amplitude` a, `offset`
+/// b, `frequency` ω, `restitution` e, `mass` m.
 #[derive(Clone, Copy, Debug)]
 pub struct DryImpact;
 
@@ -132,8 +134,8 @@ impl ClosedForm {
         ClosedForm { stiffness, friction, amplitude, offset, frequency, mass, kick, brake }
     }
 
-    /// Where the mass rests on the two orbits, ascending, by `kick (a² − (x + b)²) = brake (f − x)`; physical
-    /// where `|x| ≤ f`.
+    /// Where the mass rests on the two orbits, ascending, by
+    /// `kick (a² − (x + b)²) = brake (f − x)`; physical where `|x| ≤ f`.
     pub fn rest(&self) -> [f64; 2] {
         let constant = self.brake * self.friction / self.stiffness
             - self.kick * (self.amplitude.powi(2) - self.offset.powi(2));
@@ -164,8 +166,8 @@ impl ClosedForm {
         self.brake * self.friction / constant
     }
 
-    /// The stiffnesses, ascending, at which an orbit rests at `x = −f`: beyond, the spring moves the mass
-    /// before it is hit. There `kick (a² − (b − f)²) = 2 brake f`.
+    /// The stiffnesses, ascending, at which an orbit rests at `x = −f`: beyond, the spring moves
+    /// the mass before it is hit. There `kick (a² − (b − f)²) = 2 brake f`.
     pub fn switching_sliding(&self) -> Vec<f64> {
         let linear = 2.0 * (self.brake - self.kick * self.offset);
         let constant = -self.kick * (self.amplitude.powi(2) - self.offset.powi(2));

@@ -1,9 +1,10 @@
 //! Closed forms of `tangency::problems::classic::ImpactOscillator`, of stiffness 1.
 //!
-//! The motion is the forced one, `p(t)` of amplitude `A/D`, and a free one `z`. An orbit with one impact in a
-//! period `T`, with the incoming speed `u`, has `z⁻ = Φ z⁺` and `z⁻ = z⁺ + (1 + e) u (0, 1)ᵀ`, so that
-//! `z⁺ = u (a, b)ᵀ` with `(a, b)ᵀ = (1 + e)(Φ − I)⁻¹ (0, 1)ᵀ`. At the impact `p = d − a u` and
-//! `p' = −(e + b) u`, and the sum of their squares, weighted, is the amplitude's.
+//! The motion is the forced one, `p(t)` of amplitude `A/D`, and a free one `z`. An orbit with one
+//! impact in a period `T`, with the incoming speed `u`, has `z⁻ = Φ z⁺` and
+//! `z⁻ = z⁺ + (1 + e) u (0, 1)ᵀ`, so that `z⁺ = u (a, b)ᵀ` with
+//! `(a, b)ᵀ = (1 + e)(Φ − I)⁻¹ (0, 1)ᵀ`. At the impact `p = d − a u` and `p' = −(e + b) u`, and the
+//! sum of their squares, weighted, is the amplitude's.
 
 use std::f64::consts::TAU;
 use tangency::core::scalar::Scalar;
@@ -46,7 +47,8 @@ impl ClosedForm {
         self.stiffness * self.clearance
     }
 
-    /// The forced motion at the impact of incoming speed `u`, and its derivative over the frequency.
+    /// The forced motion at the impact of incoming speed `u`, and its derivative over the
+    /// frequency.
     fn forced(&self, u: f64) -> [f64; 2] {
         [self.clearance - self.a * u, -(self.restitution + self.b) * u / self.frequency]
     }
@@ -75,7 +77,8 @@ impl ClosedForm {
         [phase.cos() * size, -phase.sin() * size * self.frequency]
     }
 
-    /// The motion so long after it left the stop at a time with a velocity: displacement and velocity.
+    /// The motion so long after it left the stop at a time with a velocity: displacement and
+    /// velocity.
     pub fn flight<T: Scalar>(&self, amplitude: f64, start: [T; 2], after: T) -> [T; 2] {
         let [left, velocity] = start;
         let [x, v] = self.motion(amplitude, left);
@@ -112,8 +115,8 @@ impl ClosedForm {
         self.regular_trace() - self.singular_trace() / u
     }
 
-    /// The incoming speed at the fold, where the sum of the multipliers is 1 and their product; physical if
-    /// positive.
+    /// The incoming speed at the fold, where the sum of the multipliers is 1 and their product;
+    /// physical if positive.
     pub fn fold(&self) -> f64 {
         let ratio = (self.restitution + self.b) / self.frequency;
         self.a * self.clearance / (self.a.powi(2) + ratio.powi(2))

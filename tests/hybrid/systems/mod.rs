@@ -1,5 +1,5 @@
-//! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside its
-//! equations.
+//! Hybrid systems with known answers, shared by tests: one file a system, its closed forms beside
+//! its equations.
 
 pub mod belt;
 pub mod bouncing_ball;
@@ -15,8 +15,8 @@ use num_dual::Dual64;
 use tangency::core::hybrid::HybridSystem;
 use tangency::core::scalar::Scalar;
 
-/// The event that ends an exact flight, given as its state so long after its start at `t`, near an expected
-/// duration: the duration and the state after the reset, with their derivatives.
+/// The event that ends an exact flight, given as its state so long after its start at `t`, near an
+/// expected duration: the duration and the state after the reset, with their derivatives.
 pub fn event<S: HybridSystem, T: Scalar, const N: usize>(
     system: &S,
     (guard, mode): (usize, usize),
@@ -41,7 +41,8 @@ pub fn event<S: HybridSystem, T: Scalar, const N: usize>(
     (after, state)
 }
 
-/// How far the velocity of an exact flight is from the system's field, a time after its start at `t`.
+/// How far the velocity of an exact flight is from the system's field, a time after its start at
+/// `t`.
 pub fn defect<S: HybridSystem, const N: usize>(
     system: &S,
     mode: usize,
@@ -64,8 +65,8 @@ pub fn quadratic(a: f64, b: f64, c: f64) -> [f64; 2] {
     [one.min(other), one.max(other)]
 }
 
-/// The multipliers of a map of the plane, from the trace and the determinant of its derivative: real and
-/// imaginary parts, the largest modulus first.
+/// The multipliers of a map of the plane, from the trace and the determinant of its derivative:
+/// real and imaginary parts, the largest modulus first.
 pub fn multipliers(trace: f64, determinant: f64) -> [(f64, f64); 2] {
     let discriminant = 0.25 * trace * trace - determinant;
     if discriminant < 0.0 {

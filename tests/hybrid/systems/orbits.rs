@@ -25,9 +25,9 @@ pub struct Start {
     pub p: Vec<f64>,
 }
 
-/// The orbits of an itinerary by collocation and by shooting. Legs start at given states, where trajectories
-/// begin that the methods' nodes are set on; the extras are the time of the first leg's start, if the system
-/// is forced, and the durations of the legs.
+/// The orbits of an itinerary by collocation and by shooting. Legs start at given states, where
+/// trajectories begin that the methods' nodes are set on; the extras are the time of the first
+/// leg's start, if the system is forced, and the durations of the legs.
 pub fn by_both(
     hybrid: Reference,
     itinerary: &str,
@@ -47,7 +47,8 @@ pub fn by_both(
     systems.map(|(method, system)| Start { method, system, z: z.next().unwrap(), p: p.to_vec() })
 }
 
-/// The orbit of the impact oscillator without impacts, at a part of the amplitude at which it grazes.
+/// The orbit of the impact oscillator without impacts, at a part of the amplitude at which it
+/// grazes.
 pub fn nonimpacting(form: &ClosedForm, part: f64) -> [Start; 2] {
     let amplitude = part * form.grazing();
     let p = [amplitude, form.frequency, form.restitution, form.damping, form.clearance];

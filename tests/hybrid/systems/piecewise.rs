@@ -5,10 +5,10 @@
 //!     r' = α r (β − r),    θ' = γ + β − r    on the right.
 //! ```
 //!
-//! On either side `r` is logistic in time, and on the right `∫(β − r) dt = ln(r₁/r₀)/α`. An orbit that leaves
-//! the left side at `r₁` and the right side at `r₀` therefore spends the time `π` on the left, and `s` on the
-//! right with `γ s + ln(r₀/r₁)/α = π`. Its multiplier is the product over both sides of
-//! `g(r_end)/g(r_start)`, where `dr/dθ = g(r)`.
+//! On either side `r` is logistic in time, and on the right `∫(β − r) dt = ln(r₁/r₀)/α`. An orbit
+//! that leaves the left side at `r₁` and the right side at `r₀` therefore spends the time `π` on
+//! the left, and `s` on the right with `γ s + ln(r₀/r₁)/α = π`. Its multiplier is the product over
+//! both sides of `g(r_end)/g(r_start)`, where `dr/dθ = g(r)`.
 
 use std::f64::consts::PI;
 use tangency::core::hybrid::{Guard, HybridSystem, Mode};
@@ -51,8 +51,8 @@ impl HybridSystem for Piecewise {
     }
 }
 
-/// The limit cycle: where it leaves the right side (at the top) and the left one (at the bottom), how long it
-/// stays on the right, and its multiplier.
+/// The limit cycle: where it leaves the right side (at the top) and the left one (at the bottom),
+/// how long it stays on the right, and its multiplier.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle {
     pub top: f64,
@@ -63,7 +63,8 @@ pub struct Cycle {
 
 /// The limit cycle around the origin, its radius at the top by bisection.
 pub fn cycle(alpha: f64, beta: f64, gamma: f64) -> Cycle {
-    // From the top over the left side, and on by the time that remains, to the radius at the top again.
+    // From the top over the left side, and on by the time that remains, to the radius at the top
+    // again.
     let left = |top: f64| top * PI.exp() / (1.0 + top * PI.exp_m1());
     let over_the_right = |top: f64, bottom: f64| (PI - (top / bottom).ln() / alpha) / gamma;
     let excess = |top: f64| {

@@ -1,4 +1,5 @@
-//! Any of the systems with known answers, as one type: what is generic over systems is compiled once for all.
+//! Any of the systems with known answers, as one type: what is generic over systems is compiled
+//! once for all.
 
 use super::belt::Belt;
 use super::bouncing_ball::BouncingBall;

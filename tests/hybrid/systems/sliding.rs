@@ -1,5 +1,6 @@
-//! Two fields and a surface, as one type: what is generic over systems is compiled once for all. Beside each the same by hand,
-//! with normal velocities and sliding worked out on paper, in fixed steps.
+//! Two fields and a surface, as one type: what is generic over systems is compiled once for all.
+//! Beside each the same by hand, with normal velocities and sliding worked out on paper, in fixed
+//! steps.
 
 use std::f64::consts::TAU;
 use tangency::core::field::Forcing;
@@ -8,13 +9,15 @@ use tangency::core::scalar::Scalar;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sliding {
-    /// Relay feedback, `u = −sgn x`, of the plant `(s² + 2σρ s + ρ²)/((s² + 2ζω s + ω²)(s + λ))` (M. di Bernardo, K. H. Johansson,
-    /// F. Vasca, *Int. J. Bifurcation Chaos* 11:1121, 2001).
+    /// Relay feedback, `u = −sgn x`, of the plant `(s² + 2σρ s + ρ²)/((s² + 2ζω s + ω²)(s + λ))`
+    /// (M. di Bernardo, K. H. Johansson, F. Vasca, *Int. J. Bifurcation Chaos* 11:1121, 2001).
     Relay,
-    /// A mass on a spring on a belt of velocity 1, with friction `a₀ sgn w − a₁ w + a₂ w³` at the relative velocity
-    /// `w = 1 − v` (M. di Bernardo, P. Kowalczyk, A. Nordmark, *Int. J. Bifurcation Chaos* 13:2935, 2003).
+    /// A mass on a spring on a belt of velocity 1, with friction `a₀ sgn w − a₁ w + a₂ w³` at the
+    /// relative velocity `w = 1 − v` (M. di Bernardo, P. Kowalczyk, A. Nordmark, *Int. J.
+    /// Bifurcation Chaos* 13:2935, 2003).
     Friction,
-    /// Chua's circuit with a cubic resistor, and a current `J` that is drawn where the voltage exceeds `E`.
+    /// Chua's circuit with a cubic resistor, and a current `J` that is drawn where the voltage
+    /// exceeds `E`.
     Chua,
     /// Rotation, and a pull of 1 towards the circle `x² + y² = 1 + a sin t`.
     Circle,
@@ -144,8 +147,8 @@ pub struct ByHand<'a> {
     pub step: f64,
 }
 
-/// The mass on a belt by hand, `h = 1 − v`, at a frequency and a force. Its probe is what turns where motion touches: the
-/// surface's function below the belt's velocity, the force in sliding.
+/// The mass on a belt by hand, `h = 1 − v`, at a frequency and a force. Its probe is what turns
+/// where motion touches: the surface's function below the belt's velocity, the force in sliding.
 pub fn on_belt<R>([nu, a]: [f64; 2], with: impl FnOnce(ByHand) -> R) -> R {
     let force = move |t: f64, x: &[f64; 3]| {
         let w = 1.0 - x[1];
@@ -234,7 +237,8 @@ impl ByHand<'_> {
         self.follow((0, 0.0, start), duration, show);
     }
 
-    /// Follows motion from a mode, a time and a state until a time, no farther than a step beyond it, and shows its marks.
+    /// Follows motion from a mode, a time and a state until a time, no farther than a step beyond
+    /// it, and shows its marks.
     pub fn follow(
         &self,
         (mut mode, mut t, mut x): (usize, f64, [f64; 3]),
@@ -246,7 +250,8 @@ impl ByHand<'_> {
             let probe = |t, x: &[f64; 3]| (self.probe)(mode, t, x);
             let [before, after] = [probe(t, &x), probe(t + self.step, &next)];
             let here = (mode, t, &x);
-            // One that leaves the surface begins with a negative rate, and is above it again at once.
+            // One that leaves the surface begins with a negative rate, and is above it again at
+            // once.
             let ends = self.exits(mode, t + self.step, &next) < 0.0;
             let part = ends.then(|| self.part(here, &|t, x| self.exits(mode, t, x)));
             if let (Some(before), Some(after)) = (before, after)
@@ -269,7 +274,8 @@ impl ByHand<'_> {
         (mode, t, x)
     }
 
-    /// How far motion is from where it was a period ago, with the last part of the period in one step.
+    /// How far motion is from where it was a period ago, with the last part of the period in one
+    /// step.
     pub fn miss(
         &self,
         (mode, t, x): (usize, f64, [f64; 3]),
@@ -283,7 +289,8 @@ impl ByHand<'_> {
     }
 }
 
-/// Where a margin that some simulations have on one side of a place vanishes: by the polynomial through their parameters.
+/// Where a margin that some simulations have on one side of a place vanishes: by the polynomial
+/// through their parameters.
 pub fn vanishing(margin: impl Fn(f64) -> f64, near: f64, aside: f64) -> f64 {
     let samples: Vec<[f64; 2]> =
         (1..=5).map(|k| near + aside * k as f64).map(|p| [margin(p), p]).collect();

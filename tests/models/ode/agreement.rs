@@ -1,4 +1,5 @@
-//! Files and the same models in RON: names, values where motion begins, and values of everything at random points.
+//! Files and the same models in RON: names, values where motion begins, and values of everything at
+//! random points.
 
 use super::{Random, files};
 use tangency::core::field::VectorField;

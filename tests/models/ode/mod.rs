@@ -1,5 +1,5 @@
-//! XPPAUT's `.ode` files. Those in this folder are written after what its manual documents; each stands beside the same
-//! model in RON.
+//! XPPAUT's `.ode` files. Those in this folder are written after what its manual documents; each
+//! stands beside the same model in RON.
 
 mod agreement;
 mod mutated;

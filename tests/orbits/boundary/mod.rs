@@ -22,7 +22,8 @@ pub fn collocated(
 /// The fold of Bratu's problem: `λ* = 8θ²/cosh²θ` with `θ tanh θ = 1`.
 pub const FOLD: f64 = 3.51383071912516;
 
-/// `ε u'' + u' = 0`, `u(0) = 0`, `u(1) = 1`: a layer of width `ε` at the left end, as `(u, v) = (u, ε u')`.
+/// `ε u'' + u' = 0`, `u(0) = 0`, `u(1) = 1`: a layer of width `ε` at the left end, as
+/// `(u, v) = (u, ε u')`.
 #[derive(Clone)]
 pub struct Layer;
 
@@ -46,7 +47,8 @@ impl BoundaryProblem for Layer {
     }
 }
 
-/// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`, `u(0) = u(1) = 0`: branch points on `u = 0` at `a = (kπ)²/10`.
+/// `u'' + 10 a (eᵘ − 1 − b u²/2) = 0`, `u(0) = u(1) = 0`: branch points on `u = 0` at
+/// `a = (kπ)²/10`.
 #[derive(Clone)]
 pub struct TrivialBranch;
 
@@ -106,9 +108,10 @@ impl BoundaryProblem for Eigenvalue {
     }
 }
 
-/// Everything at once: two segments of different fields, sizes and durations, one of them unknown, forcing,
-/// nonlinear boundary conditions and an integral one. The first segment, `x' = a x cos t`, lasts `d` with
-/// `x(d) = 2`; the second, `y' = w − b y²`, `w' = −y`, lasts `c`, starts at `y = x(d)` with `∫y = e₂`.
+/// Everything at once: two segments of different fields, sizes and durations, one of them unknown,
+/// forcing, nonlinear boundary conditions and an integral one. The first segment, `x' = a x cos t`,
+/// lasts `d` with `x(d) = 2`; the second, `y' = w − b y²`, `w' = −y`, lasts `c`, starts at
+/// `y = x(d)` with `∫y = e₂`.
 #[derive(Clone)]
 pub struct Glued;
 

@@ -76,8 +76,8 @@ impl VectorField for PredatorPrey {
     }
 }
 
-/// Bautin's normal form: `r' = r(μ + 2κr² − r⁴), θ' = 1`. Cycles `μ = r⁴ − 2κr²` of period 2π fold at
-/// `μ = −κ²`, `r² = κ`; the multiplier is `exp(2π(4κr² − 4r⁴))`.
+/// Bautin's normal form: `r' = r(μ + 2κr² − r⁴), θ' = 1`. Cycles `μ = r⁴ − 2κr²` of period 2π fold
+/// at `μ = −κ²`, `r² = κ`; the multiplier is `exp(2π(4κr² − 4r⁴))`.
 #[derive(Clone, Copy, Debug)]
 pub struct Bautin;
 
@@ -93,8 +93,8 @@ impl VectorField for Bautin {
     }
 }
 
-/// The circle of radius 1, and a pitchfork across it: `z' = (μ − 1 − κ² + x) z − z³`. On the circle the mean
-/// of `x` is zero: the branch point is at `μ = 1 + κ²`.
+/// The circle of radius 1, and a pitchfork across it: `z' = (μ − 1 − κ² + x) z − z³`. On the circle
+/// the mean of `x` is zero: the branch point is at `μ = 1 + κ²`.
 #[derive(Clone, Copy, Debug)]
 pub struct PitchforkOfCycles;
 
@@ -111,8 +111,8 @@ impl VectorField for PitchforkOfCycles {
 }
 
 /// A spiral about a forced motion `a(t) = (cos νt, sin νt)`: with `w = x + iy − e^{iνt}`,
-/// `w' = (μ − κ² + iΩ) w − |w|² w`. The motion `w = 0` has the multipliers `exp((μ − κ² ± iΩ) 2π/ν)`, and a
-/// torus point at `μ = κ²`.
+/// `w' = (μ − κ² + iΩ) w − |w|² w`. The motion `w = 0` has the multipliers
+/// `exp((μ − κ² ± iΩ) 2π/ν)`, and a torus point at `μ = κ²`.
 #[derive(Clone, Copy, Debug)]
 pub struct ForcedSpiral;
 
@@ -141,8 +141,8 @@ impl VectorField for ForcedSpiral {
     }
 }
 
-/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the periodic
-/// solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
+/// `x' = λ(x − A cos t) − A sin t`, `y' = −λ(y − A sin t) + A cos t`: whatever the rate λ, the
+/// periodic solution is `(A cos t, A sin t)`, with the multipliers `exp(±2πλ)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Saddle;
 

@@ -80,8 +80,8 @@ pub fn folds_from<'a>(
         .forward()
 }
 
-/// The pull-in of a branch: its first fold, where the equilibria that begin at rest lose stability. (A
-/// long plate may fold again far beyond.)
+/// The pull-in of a branch: its first fold, where the equilibria that begin at rest lose stability.
+/// (A long plate may fold again far beyond.)
 pub fn pull_in(branch: &Branch) -> &SpecialPoint {
     let fold = branch.of_kind(Kind::LP).next();
     fold.unwrap_or_else(|| panic!("no fold on {}: {:?}", branch.name, branch.ends))

@@ -2,7 +2,8 @@
 
 use tangency::prelude::*;
 
-/// The Brusselator: `x' = a − (b + 1) x + x² y`, `y' = b x − x² y`, with a Hopf point at `b = 1 + a²`.
+/// The Brusselator: `x' = a − (b + 1) x + x² y`, `y' = b x − x² y`, with a Hopf point at
+/// `b = 1 + a²`.
 pub struct Brusselator;
 
 impl VectorField for Brusselator {
@@ -19,8 +20,8 @@ impl VectorField for Brusselator {
     }
 }
 
-/// A rigid rod under a load, held upright by a spring: `load · sin u = u`, which buckles at `load = 1`. It has no
-/// default values, so that scenes must give them.
+/// A rigid rod under a load, held upright by a spring: `load · sin u = u`, which buckles at
+/// `load = 1`. It has no default values, so that scenes must give them.
 pub struct Rod;
 
 impl ZeroProblem for Rod {

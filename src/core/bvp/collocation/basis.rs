@@ -55,7 +55,8 @@ impl Basis {
         &table[c * self.nodes.len()..(c + 1) * self.nodes.len()]
     }
 
-    /// Places between 0 and 1 where the slope of a polynomial, given by its values at the nodes, vanishes.
+    /// Places between 0 and 1 where the slope of a polynomial, given by its values at the nodes,
+    /// vanishes.
     pub fn stationary(&self, values: impl Fn(usize) -> f64, mut visit: impl FnMut(f64)) {
         let m = self.gauss.len();
         let mut slope = [0.0; MOST];
@@ -82,8 +83,8 @@ pub(super) fn combine<T: Scalar>(coefficients: &[f64], nodes: &[T], x: &mut [T])
     }
 }
 
-/// The Lobatto nodes: the ends, and the stationary points between Gauss points of `p(s) = Π (s − ρ_c)`, where
-/// `p'/p = Σ 1/(s − ρ_c)` vanishes.
+/// The Lobatto nodes: the ends, and the stationary points between Gauss points of
+/// `p(s) = Π (s − ρ_c)`, where `p'/p = Σ 1/(s − ρ_c)` vanishes.
 fn lobatto(gauss: &[f64]) -> Vec<f64> {
     let mut nodes = vec![0.0];
     for pair in gauss.windows(2) {
@@ -112,7 +113,8 @@ fn powers_of_lagrange(nodes: &[f64], j: usize) -> Vec<f64> {
     powers
 }
 
-/// `P` is largest where its slope vanishes: at a Gauss point. The rule of `m` points is exact for it.
+/// `P` is largest where its slope vanishes: at a Gauss point. The rule of `m` points is exact for
+/// it.
 fn error_constant(gauss: &[f64]) -> f64 {
     let (places, weights) = gauss_legendre(gauss.len());
     let factorial: f64 = (1..=gauss.len()).map(|k| k as f64).product();

@@ -17,8 +17,8 @@ pub(super) struct Passes<const W: usize> {
     real: Vec<f64>,
 }
 
-/// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the point, then the
-/// active numbers.
+/// Residual and Jacobian at all Gauss points, `W` directions at a time: the `n` states at the
+/// point, then the active numbers.
 pub(super) fn linearise_in<const W: usize>(
     basis: &Basis,
     passes: &mut Passes<W>,
@@ -137,7 +137,8 @@ where
     }
 }
 
-/// `−ℓ_j f_k` for the few states that most fields have: lengths known beforehand make short loops fast.
+/// `−ℓ_j f_k` for the few states that most fields have: lengths known beforehand make short loops
+/// fast.
 fn outer_product<const N: usize>(row: &mut [f64], values: &[f64], parts: &[f64]) {
     let Some(parts) = parts.first_chunk::<N>() else { return };
     for (entries, value) in row.as_chunks_mut::<N>().0.iter_mut().zip(values) {

@@ -8,7 +8,8 @@ use crate::core::scalar_field::FieldIn;
 use crate::core::watch::{Observable, WatchIn};
 use std::ops::ControlFlow;
 
-/// The search for extrema of monitored functions along an interval; `visit` gets function, place and value.
+/// The search for extrema of monitored functions along an interval; `visit` gets function, place
+/// and value.
 pub(super) struct ExtremumSearch<'a> {
     pub functions: MonitoredFunctions<'a>,
     pub observers: &'a mut Observers,
@@ -61,7 +62,8 @@ impl ExtremumSearch<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Visits extrema and crossings in a step of dual numbers of an explicit method, unless the ends of the step exclude both.
+    /// Visits extrema and crossings in a step of dual numbers of an explicit method, unless the
+    /// ends of the step exclude both.
     pub fn dual<F: FieldIn<T>, T: Scalar>(
         &mut self,
         interval: &Interval<f64>,

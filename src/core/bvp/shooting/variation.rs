@@ -29,8 +29,8 @@ impl<const N: usize> Variation<N>
 where
     DualChunk<f64, N>: Number,
 {
-    /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left states,
-    /// then the active numbers.
+    /// Writes the end of the flow, and its derivatives by the directions from `first` on: the left
+    /// states, then the active numbers.
     pub fn linearise(
         &mut self,
         settings: Settings,

@@ -1,4 +1,5 @@
-//! The other solutions that graze where one of a system does: with the event that it touches, or without it.
+//! The other solutions that graze where one of a system does: with the event that it touches, or
+//! without it.
 
 use super::BoundarySystem;
 use super::layout::Segment;
@@ -25,8 +26,8 @@ pub(in crate::core) struct Known {
 }
 
 impl BoundarySystem {
-    /// A solution by its trajectories, with the states where intervals begin: the problem that it solves on meshes from 0 to 1, the
-    /// trajectories, and the numbers `q`.
+    /// A solution by its trajectories, with the states where intervals begin: the problem that it
+    /// solves on meshes from 0 to 1, the trajectories, and the numbers `q`.
     pub(in crate::core) fn trajectories_of(&self, z: &[f64], p: &[f64]) -> Known {
         let (layout, mut numbers) = (&self.equations.layout, Vec::new());
         let q = [p, &z[layout.values()..]].concat();

@@ -6,10 +6,12 @@ use crate::core::bvp::{BoundaryError, Mesh};
 use crate::core::failure::Failure;
 
 impl BoundarySystem {
-    /// The estimated error of a solution that its mesh causes: the largest of any state anywhere, in units of
-    /// the state's largest value; 0 for a method without one. It is the monitor `mesh_error` as well.
+    /// The estimated error of a solution that its mesh causes: the largest of any state anywhere,
+    /// in units of the state's largest value; 0 for a method without one. It is the monitor
+    /// `mesh_error` as well.
     ///
-    /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than that.
+    /// At the nodes, and the more so at the ends of intervals, a solution is more accurate than
+    /// that.
     pub fn mesh_error(&mut self, x: &[f64]) -> f64 {
         self.plain.load(&self.equations.layout, |i| x[i]);
         let Work { nodes, numbers, .. } = &self.plain;
@@ -17,12 +19,14 @@ impl BoundarySystem {
     }
 
     /// Redistributes the mesh so that every interval has the same share of the error, with as many
-    /// intervals as before. The solution `x = (z, p)`, directions at it and the reference of the phase
-    /// condition are carried over by interpolation: `x` then needs to be corrected. Of directions what
-    /// follows the values at nodes is left as it is. A method whose mesh causes no error keeps it.
+    /// intervals as before. The solution `x = (z, p)`, directions at it and the reference of the
+    /// phase condition are carried over by interpolation: `x` then needs to be corrected. Of
+    /// directions what follows the values at nodes is left as it is. A method whose mesh causes no
+    /// error keeps it.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field; nothing is changed then.
+    /// [`Failure::OutOfDomain`] where the trajectory leaves the domain of the field; nothing is
+    /// changed then.
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};
@@ -67,13 +71,14 @@ impl BoundarySystem {
         Ok(())
     }
 
-    /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried over to it,
-    /// which then needs to be corrected. Each segment gets as many intervals as it takes, of evenly spread
-    /// error; an estimate from a coarse mesh may be too small, so the new solution's is to be looked at
-    /// again.
+    /// The system on a mesh on which the estimated error is below a tolerance, with `x` carried
+    /// over to it, which then needs to be corrected. Each segment gets as many intervals as it
+    /// takes, of evenly spread error; an estimate from a coarse mesh may be too small, so the new
+    /// solution's is to be looked at again.
     ///
     /// # Errors
-    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and [`BoundaryError::Evaluation`].
+    /// [`BoundaryError::TooFine`] if it takes more than 4096 intervals, and
+    /// [`BoundaryError::Evaluation`].
     ///
     /// ```
     /// # use tangency::core::{bvp::*, zero::System};

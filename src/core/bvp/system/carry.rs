@@ -20,7 +20,8 @@ impl Discretised {
         self.method.value(interval, place, &mut work.local.method, out)
     }
 
-    /// The values at all nodes, given for each segment and time in units of its duration, and others behind them.
+    /// The values at all nodes, given for each segment and time in units of its duration, and
+    /// others behind them.
     pub fn sampled<E>(
         &self,
         others: &[f64],
@@ -47,8 +48,8 @@ impl Discretised {
         onto.sampled(others, |segment, tau, out| self.value(&mut work, segment, tau, out))
     }
 
-    /// Takes vectors that begin with values at the nodes, ordered as `z`, to the nodes of other meshes with as many
-    /// intervals. What follows the values stays.
+    /// Takes vectors that begin with values at the nodes, ordered as `z`, to the nodes of other
+    /// meshes with as many intervals. What follows the values stays.
     pub fn remesh(&self, meshes: &[Mesh], vectors: &mut [Vec<f64>]) {
         let (m, places, before) = (self.layout.degree, self.method.places(), vectors.to_vec());
         // The first of `m + 1` old nodes for each new one, and their weights.

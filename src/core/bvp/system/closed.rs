@@ -88,7 +88,8 @@ impl Cycles for BoundarySystem {
         if whole == 0.0 {
             return Some(0.0);
         }
-        // Beyond an equilibrium the oscillation is the same upside down; what is alike neither way is another one.
+        // Beyond an equilibrium the oscillation is the same upside down; what is alike neither way
+        // is another one.
         let alike = product.abs() > ALIKE * (own * whole).sqrt();
         Some(if alike { product / whole } else { (own / whole).sqrt() })
     }
@@ -137,7 +138,8 @@ impl BoundarySystem {
         Ok(images)
     }
 
-    /// The extras of a solution that begins with a later segment instead, near those of another one in time.
+    /// The extras of a solution that begins with a later segment instead, near those of another one
+    /// in time.
     fn rotated(&self, x: &[f64], segments: usize, near: &[f64]) -> Option<Vec<f64>> {
         let Layout { dimension, .. } = *self.equations.layout;
         let extras = self.equations.layout.values()..dimension;
@@ -157,8 +159,8 @@ impl BoundarySystem {
         self.taken_over(from, x, &extras, (0, shift))
     }
 
-    /// A solution on other meshes as one on these, with these extras, that begins with a later segment or by a shift
-    /// later.
+    /// A solution on other meshes as one on these, with these extras, that begins with a later
+    /// segment or by a shift later.
     fn taken_over(
         &self,
         from: &mut BoundarySystem,

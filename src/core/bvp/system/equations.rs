@@ -31,8 +31,8 @@ pub(super) struct Discretised {
     pub positions: Vec<usize>,
 }
 
-/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature weights `w`
-/// of the nodes. Without a reference, it has none yet.
+/// The phase condition `Σ_k w_k ⟨ẋ_k, x_k − x̂_k⟩ = 0`, with a reference `x̂` and the quadrature
+/// weights `w` of the nodes. Without a reference, it has none yet.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Phase {
     /// The reference, as `x = (z, p)`; empty before it is set.
@@ -180,7 +180,8 @@ impl Discretised {
         self.residual_beside(work)
     }
 
-    /// The same in real numbers, with the extremes that monitors will ask for where they come with it.
+    /// The same in real numbers, with the extremes that monitors will ask for where they come with
+    /// it.
     pub fn residual_watching(&mut self, work: &mut Work<f64>) -> Result<(), Failure> {
         if self.method.watches_with_residual() {
             self.find_extremes(&work.nodes, (&work.q, &work.numbers), Some(&mut work.r))?;
@@ -219,8 +220,8 @@ impl Discretised {
         Ok(())
     }
 
-    /// The left sides of the boundary conditions; `ends` holds the states where all segments begin, then
-    /// those where they end.
+    /// The left sides of the boundary conditions; `ends` holds the states where all segments begin,
+    /// then those where they end.
     pub fn boundary<T: Number>(&self, ends: &[T], q: &[T], b: &mut [T]) {
         let (layout, problem) = (&self.layout, T::residual(&*self.problem));
         let (start, end) = ends.split_at(layout.states);
@@ -315,8 +316,8 @@ impl Discretised {
         Ok(motion)
     }
 
-    /// Makes `x = (z, p)` the reference of the phase condition, with a motion (ordered as `z`) that may be
-    /// another than its own.
+    /// Makes `x = (z, p)` the reference of the phase condition, with a motion (ordered as `z`) that
+    /// may be another than its own.
     pub fn set_reference_with_motion(&mut self, x: &[f64], motion: &[f64]) {
         let layout = &self.layout;
         let weights = node_weights(self.method.places());
@@ -331,8 +332,8 @@ impl Discretised {
                 row.iter_mut().zip(order).for_each(|(r, &z)| *r += h * weight * motion[z]);
             }
         }
-        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant tells branch
-        // points.
+        // The condition may be multiplied by −1. Its sign is kept, for that of the determinant
+        // tells branch points.
         let along: f64 = row.iter().zip(&self.phase.row).map(|(new, old)| new * old).sum();
         if along < 0.0 {
             row.iter_mut().for_each(|r| *r = -*r);

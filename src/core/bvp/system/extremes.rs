@@ -22,8 +22,8 @@ pub(super) struct Seen {
     first: Option<f64>,
     /// The place visited last: at the end of all, the end of the segment.
     pub last: Option<Sighting>,
-    /// Local minima inside: the one to which it falls from the beginning, the least one between two maxima,
-    /// and the one from which it rises to the end.
+    /// Local minima inside: the one to which it falls from the beginning, the least one between two
+    /// maxima, and the one from which it rises to the end.
     leading: Option<Sighting>,
     between: Option<Sighting>,
     trailing: Option<Sighting>,
@@ -39,8 +39,8 @@ pub(super) struct Seen {
 /// A scalar falls or rises if it changes by more than this, in units of its scale,
 const DEPTH: f64 = 1e-12;
 
-/// and by more than this share of the mesh's error: where a segment begins or ends tangent to a surface, rounding and
-/// polynomials make minima of their own, shallower than the error elsewhere.
+/// and by more than this share of the mesh's error: where a segment begins or ends tangent to a
+/// surface, rounding and polynomials make minima of their own, shallower than the error elsewhere.
 const FALSE_DIPS: f64 = 1e-3;
 
 /// A segment begins on a surface where a guard is no larger than this, in units of its scale.
@@ -98,8 +98,9 @@ impl Seen {
         }
     }
 
-    /// Local minima inside that count where the scalar vanishes in the events that begin or end the segment. A reset that
-    /// leads away from the surface, as that of a neuron that fires, begins a segment elsewhere.
+    /// Local minima inside that count where the scalar vanishes in the events that begin or end the
+    /// segment. A reset that leads away from the surface, as that of a neuron that fires, begins a
+    /// segment elsewhere.
     pub fn dips(self, [begins, ends]: [bool; 2]) -> impl Iterator<Item = Sighting> {
         let begins = begins && self.first.is_none_or(|first| first.abs() <= ON * self.scale);
         let leading = self.leading.filter(|_| !begins);
@@ -157,7 +158,8 @@ impl Extremes {
         Extremes { segments, ..Extremes::default() }
     }
 
-    /// Where a scalar rises through zero on its segment, with the value of another one: the largest of these.
+    /// Where a scalar rises through zero on its segment, with the value of another one: the largest
+    /// of these.
     pub fn risen(&self, through: Watched, value: Observable) -> Option<Sighting> {
         let OnSegment { rises, risen, .. } = &self.segments[through.segment];
         let position = rises.iter().position(|rise| *rise == [through.observable, value])?;
@@ -195,7 +197,8 @@ impl Extremes {
         self.rough = rough;
     }
 
-    /// What is asked for on a segment, and what takes in the extrema and rises of an interval, by number.
+    /// What is asked for on a segment, and what takes in the extrema and rises of an interval, by
+    /// number.
     pub fn visitor(
         &mut self,
         segment: usize,

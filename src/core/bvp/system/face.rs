@@ -14,8 +14,8 @@ use crate::core::zero::{
 };
 use num_dual::{Dual64, HyperDual64, HyperHyperDual64};
 
-/// Gradients of conditions may err by this much, relatively: they decide how fast Newton's iteration
-/// converges, not where to.
+/// Gradients of conditions may err by this much, relatively: they decide how fast Newton's
+/// iteration converges, not where to.
 const GRADIENT: f64 = 1e-8;
 
 impl BoundarySystem {
@@ -24,8 +24,8 @@ impl BoundarySystem {
         self.linearisation.dense(&self.equations.layout, out);
     }
 
-    /// The first point at which the equations are evaluated is the reference of the phase condition, where
-    /// none is given.
+    /// The first point at which the equations are evaluated is the reference of the phase
+    /// condition, where none is given.
     fn refer(&mut self, x: &[f64]) -> Result<(), Failure> {
         if self.equations.layout.phase && self.equations.phase.reference.is_empty() {
             self.set_reference(x)?;
@@ -114,8 +114,8 @@ impl System for BoundarySystem {
         self.factor_form(form, border, into)
     }
 
-    /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which provides it
-    /// from then on.
+    /// In the unit direction of a parameter, the derivative comes from assembling at `x`, which
+    /// provides it from then on.
     fn derivative(
         &mut self,
         x: &[f64],

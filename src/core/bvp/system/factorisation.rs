@@ -1,7 +1,7 @@
 //! The factored Jacobian within a border.
 //!
-//! Each segment's chain of intervals is condensed to the states at its ends, the extras and the border, and
-//! legs of an orbit one to the next. What is left is a small dense matrix:
+//! Each segment's chain of intervals is condensed to the states at its ends, the extras and the
+//! border, and legs of an orbit one to the next. What is left is a small dense matrix:
 //!
 //! ```text
 //!            x(0)   x(1)   extras and border
@@ -141,7 +141,8 @@ impl Factorisation {
         }
     }
 
-    /// Takes the extras out of a chain's columns, and integral and phase conditions out of its rows.
+    /// Takes the extras out of a chain's columns, and integral and phase conditions out of its
+    /// rows.
     fn untie_extras(&mut self, layout: &Layout, columns: usize, rows: usize) {
         for row in self.columns.chunks_exact_mut(columns.max(1)) {
             row[..layout.extras].fill(0.0);
@@ -217,8 +218,8 @@ impl Factorisation {
         }
     }
 
-    /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices (one row
-    /// after the other); false if it is not this assembly that was factored last.
+    /// The condensed equations of the first segment, `P x(0) + Q x(1) + … = 0`, into two matrices
+    /// (one row after the other); false if it is not this assembly that was factored last.
     pub fn pencil(&self, assembled: &Linearisation, out: &mut [Vec<f64>; 2]) -> bool {
         let (Some(chain), true) = (self.chains.first(), self.condensed == assembled.count) else {
             return false;
@@ -234,7 +235,8 @@ impl Factorisation {
         true
     }
 
-    /// Eliminates what is inside the chains from a right side: what is left is [`left`](Self::left).
+    /// Eliminates what is inside the chains from a right side: what is left is
+    /// [`left`](Self::left).
     pub fn forward(&mut self, right: &mut [f64]) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
@@ -262,7 +264,8 @@ impl Factorisation {
         }
     }
 
-    /// From what is left to all unknowns. `right` is what [`forward`](Self::forward) has left of it.
+    /// From what is left to all unknowns. `right` is what [`forward`](Self::forward) has left of
+    /// it.
     pub fn back(&mut self, right: &mut [f64]) {
         let layout = &*self.layout;
         let all = layout.rest().states;
@@ -324,7 +327,8 @@ impl Factorisation {
         }
     }
 
-    /// As [`back`](Self::back) for the transposed matrix. The chains remember what was eliminated last.
+    /// As [`back`](Self::back) for the transposed matrix. The chains remember what was eliminated
+    /// last.
     pub fn back_transposed(&mut self, right: &mut [f64]) {
         let layout = &*self.layout;
         let Rest { states, boundary, .. } = layout.rest();
@@ -357,8 +361,8 @@ impl Factorisation {
 }
 
 impl linear::Factorisation for Factorisation {
-    /// The right side is as the equations are ordered, the solution as the unknowns are, each followed by what belongs to
-    /// the border.
+    /// The right side is as the equations are ordered, the solution as the unknowns are, each
+    /// followed by what belongs to the border.
     fn solve(&mut self, right: &mut [f64]) {
         self.forward(right);
         self.lu.solve(&mut self.left.dense);

@@ -11,7 +11,8 @@ use crate::core::zero::{Border, Form};
 use std::sync::Arc;
 
 impl BoundarySystem {
-    /// Factors a form of what is assembled. What is left of the first segment is kept for multipliers.
+    /// Factors a form of what is assembled. What is left of the first segment is kept for
+    /// multipliers.
     pub(super) fn factor_form(
         &mut self,
         form: Form,
@@ -59,8 +60,9 @@ impl BoundarySystem {
         intervals.fold(1.0, f64::max)
     }
 
-    /// Where deviations grow by `G` over an interval, pivots as small as `1/G²` belong to regular matrices: those of the states at
-    /// its end, and of the border. If these count as zero nothing is known of the matrix.
+    /// Where deviations grow by `G` over an interval, pivots as small as `1/G²` belong to regular
+    /// matrices: those of the states at its end, and of the border. If these count as zero nothing
+    /// is known of the matrix.
     pub(super) fn singular_by_growth(&self, cause: Failure) -> Failure {
         let growth = self.growth_of_deviations();
         match cause {

@@ -1,15 +1,17 @@
 //! The legs of an orbit, condensed one to the next.
 //!
-//! What is left of a leg's chain are `n` equations by the states `x(0)`, `x(1)` at its ends, the time `T` at which it
-//! begins and its duration `L`. With the conditions where it leads to the next leg,
+//! What is left of a leg's chain are `n` equations by the states `x(0)`, `x(1)` at its ends, the
+//! time `T` at which it begins and its duration `L`. With the conditions where it leads to the next
+//! leg,
 //!
 //! ```text
 //!     x⁺ − r(x(1), T + L) = 0,    h(x(1), T + L) = 0,    T⁺ − T − L = 0,
 //! ```
 //!
-//! they are an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`: so legs are condensed as intervals
-//! are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`, and under forcing `T⁺ − T` is the cycle.
-//! Legs with fewer states than others have further ones that are zero.
+//! they are an interval of a chain with nodes `(x(0), T)`, `(x(1), L)`, `(x⁺, T⁺)`: so legs are
+//! condensed as intervals are, at a cost linear in their number. In the end it closes: `x(0) = x⁺`,
+//! and under forcing `T⁺ − T` is the cycle. Legs with fewer states than others have further ones
+//! that are zero.
 
 use super::layout::Layout;
 use super::linearisation::Bordered;
@@ -174,7 +176,8 @@ impl Joined {
         &mut right[leg * 2 * self.n..(leg + 1) * 2 * self.n]
     }
 
-    /// Takes the conditions' part of a right side: that of the legs, and how they close, with the border.
+    /// Takes the conditions' part of a right side: that of the legs, and how they close, with the
+    /// border.
     pub fn load(&self, layout: &Layout, from: &[f64], right: &mut Vec<f64>, closing: &mut [f64]) {
         right.clear();
         right.resize(self.legs * 2 * self.n, 0.0);
@@ -254,8 +257,8 @@ impl Joined {
         self.chain.forward_transposed(&self.nodes, &self.reduced, dense);
     }
 
-    /// As [`back`](Self::back) for the transposed matrix: into `joined` what the legs' chains go on with, and into `right`
-    /// what belongs to conditions and border.
+    /// As [`back`](Self::back) for the transposed matrix: into `joined` what the legs' chains go on
+    /// with, and into `right` what belongs to conditions and border.
     pub fn back_transposed(
         &mut self,
         layout: &Layout,

@@ -1,8 +1,9 @@
 //! Where each leg of an orbit leads to the next one: conditions that depend on the leg's end only.
 //!
-//! Derivatives of the conditions of a leg are rows by the states at its end and by its numbers: one for each state with
-//! which the next leg begins (of what the event makes of the end, with the opposite sign), then that of the event. The
-//! rows of all legs follow each other; those of the condition on the cycle, by numbers, come last.
+//! Derivatives of the conditions of a leg are rows by the states at its end and by its numbers: one
+//! for each state with which the next leg begins (of what the event makes of the end, with the
+//! opposite sign), then that of the event. The rows of all legs follow each other; those of the
+//! condition on the cycle, by numbers, come last.
 
 use super::equations::{Discretised, Work, gather_ends};
 use super::layout::Layout;

@@ -24,9 +24,9 @@ pub(super) struct Segment {
 
 /// The places of all unknowns and equations.
 ///
-/// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras. Equations:
-/// those of the intervals, segment by segment; boundary conditions; integral conditions; the phase
-/// condition.
+/// Unknowns `z`: for each segment and state the values at the segment's nodes, then the extras.
+/// Equations: those of the intervals, segment by segment; boundary conditions; integral conditions;
+/// the phase condition.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layout {
     /// The number `m` of nodes beyond the first in each interval.
@@ -137,7 +137,8 @@ impl Layout {
         }
     }
 
-    /// Whether the problem is one segment with the boundary conditions `x(0) − x(1) = 0` and no others.
+    /// Whether the problem is one segment with the boundary conditions `x(0) − x(1) = 0` and no
+    /// others.
     pub fn closes(&self) -> bool {
         self.closes
     }
@@ -147,7 +148,8 @@ impl Layout {
         alone && self.returns == Return::of_states(self.states) && self.subtracts(problem)
     }
 
-    /// Whether the boundary conditions are `x(0) − x(1)`: those of a map have the image of `x(1)` there.
+    /// Whether the boundary conditions are `x(0) − x(1)`: those of a map have the image of `x(1)`
+    /// there.
     fn subtracts(&self, problem: &dyn Equations) -> bool {
         let values = |first: f64| (0..self.states).map(|i| first + 0.375 * i as f64).collect();
         let [start, end]: [Vec<f64>; 2] = [values(0.625), values(-1.25)];
@@ -176,7 +178,8 @@ impl Layout {
         if self.legs.is_some() { 2 } else { self.extras }
     }
 
-    /// The numbers of a segment among those of all of them, as [`spread`](Self::spread) writes them.
+    /// The numbers of a segment among those of all of them, as [`spread`](Self::spread) writes
+    /// them.
     pub fn local(&self, segment: usize) -> std::ops::Range<usize> {
         let (width, leg) = (self.parameters + self.own(), self.legs.map_or(0, |_| segment));
         leg * width..(leg + 1) * width
@@ -220,7 +223,8 @@ impl Layout {
         }
     }
 
-    /// Adds the derivatives of an equation by a leg's start and duration to a dense Jacobian, one column after the other.
+    /// Adds the derivatives of an equation by a leg's start and duration to a dense Jacobian, one
+    /// column after the other.
     pub fn place_numbers(&self, leg: usize, slopes: &[f64], equation: usize, out: &mut [f64]) {
         let forced = usize::from(self.forced());
         let first = self.values();
@@ -230,8 +234,8 @@ impl Layout {
         }
     }
 
-    /// The condition that belongs to a state with which the segment after another one begins, or after all of these to the
-    /// event.
+    /// The condition that belongs to a state with which the segment after another one begins, or
+    /// after all of these to the event.
     pub fn joint(&self, segment: usize, i: usize) -> usize {
         let next = self.after(segment);
         self.conditions() + if i < next.states { next.ends + i } else { self.states + segment }
@@ -322,7 +326,8 @@ impl Layout {
     }
 }
 
-/// The unknowns and equations of the dense matrix that is left: states at both ends, and conditions.
+/// The unknowns and equations of the dense matrix that is left: states at both ends, and
+/// conditions.
 #[derive(Clone, Copy)]
 pub(super) struct Rest {
     pub states: usize,

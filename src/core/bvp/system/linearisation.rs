@@ -1,5 +1,5 @@
-//! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and rows of
-//! integral and phase conditions.
+//! The assembled Jacobian, in the pieces in which it comes: intervals, boundary conditions, and
+//! rows of integral and phase conditions.
 
 use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
@@ -17,19 +17,22 @@ pub(super) struct Linearisation {
     pub residual: Vec<f64>,
     /// For each segment, `m·n` rows of `(m + 1)·n` for each interval.
     pub blocks: Vec<Vec<f64>>,
-    /// Derivatives by the active numbers, for each segment one row for each equation of its intervals.
+    /// Derivatives by the active numbers, for each segment one row for each equation of its
+    /// intervals.
     pub numbers: Vec<Vec<f64>>,
-    /// Derivatives of the boundary conditions by the states where all segments begin, then by those where
-    /// they end, then by the active numbers: one row for each condition. Those of legs are in [`joints`](super::joints).
+    /// Derivatives of the boundary conditions by the states where all segments begin, then by those
+    /// where they end, then by the active numbers: one row for each condition. Those of legs are in
+    /// [`joints`](super::joints).
     pub boundary: Vec<f64>,
     /// Rows of the integral conditions and the phase condition by all values, node by node.
     pub closing: Vec<f64>,
     /// The same by the active numbers.
     pub closing_numbers: Vec<f64>,
-    /// Which of the segments' numbers derivatives are taken by: all but parameters, then parameters as they are asked for.
+    /// Which of the segments' numbers derivatives are taken by: all but parameters, then parameters
+    /// as they are asked for.
     pub active: Vec<usize>,
-    /// Typical sizes of the states where all segments begin, of those where they end, and of the extras; empty if all
-    /// are 1.
+    /// Typical sizes of the states where all segments begin, of those where they end, and of the
+    /// extras; empty if all are 1.
     pub units: Vec<f64>,
     /// Room for the states at the ends.
     pub ends: Vec<f64>,
@@ -46,8 +49,8 @@ pub(super) struct Linearisation {
 pub(super) enum Form {
     /// The Jacobian.
     Jacobian,
-    /// The same with the extras zero in place of integral and phase conditions: what is left of a periodic
-    /// orbit's linearisation when its boundary conditions are others.
+    /// The same with the extras zero in place of integral and phase conditions: what is left of a
+    /// periodic orbit's linearisation when its boundary conditions are others.
     Twisted,
 }
 

@@ -158,7 +158,8 @@ impl<T: Directional> Passes<T> {
         }
     }
 
-    /// Takes arguments, seeded if they are among the directions of the chunk that begins at `start`.
+    /// Takes arguments, seeded if they are among the directions of the chunk that begins at
+    /// `start`.
     pub fn load(&mut self, layout: &Layout, dependence: Dependence, start: usize, at: Arguments) {
         let Arguments { x, v } = at;
         let unknowns = dependence.unknowns.iter().enumerate();
@@ -187,8 +188,8 @@ impl<T: Directional> Passes<T> {
         }
     }
 
-    /// Adds the gradient of a function of some unknowns and numbers to `out` (as long as `x`), with arguments as
-    /// [`load`](Self::load) takes them.
+    /// Adds the gradient of a function of some unknowns and numbers to `out` (as long as `x`), with
+    /// arguments as [`load`](Self::load) takes them.
     pub fn add_gradient(
         &mut self,
         layout: &Layout,
@@ -218,7 +219,8 @@ pub(super) struct Weighted<'a> {
 }
 
 impl Discretised {
-    /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as `x`).
+    /// Adds the gradient of a derivative of a weighted sum of all left sides to `out` (as long as
+    /// `x`).
     pub fn add_gradient<T: Directional>(
         &self,
         weighted: &Weighted,
@@ -250,8 +252,8 @@ impl Discretised {
         })
     }
 
-    /// The share of an interval: its equations are linear but for functions of few arguments each, which are
-    /// combinations of the values at its nodes.
+    /// The share of an interval: its equations are linear but for functions of few arguments each,
+    /// which are combinations of the values at its nodes.
     fn add_gradient_inside<T: Directional>(
         &self,
         (s, j): (usize, usize),

@@ -1,15 +1,16 @@
-//! The error that a mesh causes, estimated from how the constant `m`-th derivatives of the polynomials differ between
-//! neighbouring intervals (C. de Boor, *Good approximation by splines with variable knots II*, 1974; U. Ascher,
-//! R. Mattheij and R. Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential Equations*,
-//! 1988, section 9.1):
+//! The error that a mesh causes, estimated from how the constant `m`-th derivatives of the
+//! polynomials differ between neighbouring intervals (C. de Boor, *Good approximation by splines
+//! with variable knots II*, 1974; U. Ascher, R. Mattheij and R. Russell, *Numerical Solution of
+//! Boundary Value Problems for Ordinary Differential Equations*, 1988, section 9.1):
 //!
 //! ```text
 //!     |x^{(m+1)}| ≈ max |x^{(m)}_{j±1} − x^{(m)}_j| / ½(h_{j±1} + h_j)    in interval j
 //! ```
 //!
-//! Twice `C h^{m+1}` times that is reported, since the derivative varies within an interval, and the square of the last
-//! term of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`: in a layer that is missed the neighbouring
-//! polynomials may be alike, and as wrong. Where the mesh resolves the solution, it is negligible.
+//! Twice `C h^{m+1}` times that is reported, since the derivative varies within an interval, and
+//! the square of the last term of the polynomial's Legendre series, `h^m |x^{(m)}| m!/(2m)!`: in a
+//! layer that is missed the neighbouring polynomials may be alike, and as wrong. Where the mesh
+//! resolves the solution, it is negligible.
 
 use super::equations::{Discretised, LargestError, Work};
 use super::local::{Arguments, Dependence, Gradient};
@@ -17,19 +18,21 @@ use crate::core::failure::Failure;
 use crate::core::scalar::Scalar;
 use crate::core::vector::{largest, refill};
 
-/// Values of a state that are smaller than this, compared with the largest value of any, may be rounding.
+/// Values of a state that are smaller than this, compared with the largest value of any, may be
+/// rounding.
 const SMALL: f64 = 1e-9;
 
 /// A polynomial whose highest term is larger than this, compared with its values, is noise.
 const ROUGH: f64 = 0.5;
 
-/// On a segment shorter than this, compared with all of them, no solution changes by what a mesh could miss; states that
-/// begin at rest are rounding all along it.
+/// On a segment shorter than this, compared with all of them, no solution changes by what a mesh
+/// could miss; states that begin at rest are rounding all along it.
 const SHORT: f64 = 1e-9;
 
 impl Discretised {
-    /// The largest value of a state on a segment; `None` where it vanishes but for rounding: there its values are small
-    /// and its polynomials, in most intervals, noise. `most` is the largest value of all states.
+    /// The largest value of a state on a segment; `None` where it vanishes but for rounding: there
+    /// its values are small and its polynomials, in most intervals, noise. `most` is the largest
+    /// value of all states.
     fn size_of(&self, segment: usize, state: usize, nodes: &[f64], most: f64) -> Option<f64> {
         let s = &self.layout.segments[segment];
         let value = |k: usize| nodes[s.values + k * s.states + state];
@@ -39,7 +42,8 @@ impl Discretised {
         (size > SMALL * most || size > 0.0 && !noise()).then_some(size)
     }
 
-    /// The largest estimated error of a solution with the numbers of all segments; `None` if the method has none, or all states vanish.
+    /// The largest estimated error of a solution with the numbers of all segments; `None` if the
+    /// method has none, or all states vanish.
     pub fn largest_error(&mut self, nodes: &[f64], numbers: &[f64]) -> Option<LargestError> {
         self.method.error_constant()?;
         let at = nodes.iter().chain(numbers);
@@ -71,8 +75,8 @@ impl Discretised {
         largest
     }
 
-    /// The estimated error, in units of its size, of a state in an interval, given by its `x^{(m)}` in the segment's
-    /// intervals.
+    /// The estimated error, in units of its size, of a state in an interval, given by its `x^{(m)}`
+    /// in the segment's intervals.
     fn error<T: Scalar>(
         &self,
         segment: usize,
@@ -107,7 +111,8 @@ impl Discretised {
         self.highest_sum(interval, value) / (span.end - span.start).powi(self.layout.degree as i32)
     }
 
-    /// For all intervals of a segment, `x^{(m)}` in the interval before, in it, and in the one behind.
+    /// For all intervals of a segment, `x^{(m)}` in the interval before, in it, and in the one
+    /// behind.
     fn for_intervals(
         &self,
         segment: usize,
@@ -126,9 +131,9 @@ impl Discretised {
         }
     }
 
-    /// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals. A single interval has no
-    /// neighbour: what its polynomial's own highest derivative changes over its length is taken, an overestimate where the
-    /// series converges.
+    /// `|x^{(m+1)}|` of a state in an interval, given by its `x^{(m)}` in the segment's intervals.
+    /// A single interval has no neighbour: what its polynomial's own highest derivative changes
+    /// over its length is taken, an overestimate where the series converges.
     fn next_derivative<T: Scalar>(
         &self,
         segment: usize,
@@ -153,8 +158,8 @@ impl Discretised {
         largest
     }
 
-    /// Adds the gradient of the largest estimated error, which depends on the state in the interval and its
-    /// neighbours, and on its largest value.
+    /// Adds the gradient of the largest estimated error, which depends on the state in the interval
+    /// and its neighbours, and on its largest value.
     pub fn add_error_gradient(
         &mut self,
         work: &Work<f64>,
@@ -185,9 +190,10 @@ impl Discretised {
         outcome
     }
 
-    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a mesh of
-    /// evenly spread error makes equal, once multiplied by the intervals' lengths. Where the derivative
-    /// happens to vanish, a tenth of the mean keeps intervals from growing without bound.
+    /// For each interval of a segment, the largest `(|x_i^{(m+1)}| / size_i)^{1/(m+1)}`: what a
+    /// mesh of evenly spread error makes equal, once multiplied by the intervals' lengths. Where
+    /// the derivative happens to vanish, a tenth of the mean keeps intervals from growing without
+    /// bound.
     pub fn density(&self, segment: usize, nodes: &[f64]) -> Vec<f64> {
         let s = &self.layout.segments[segment];
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);
@@ -207,8 +213,8 @@ impl Discretised {
         density
     }
 
-    /// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare; not
-    /// rounded, and not finite where no number does.
+    /// How many intervals of evenly spread error keep it below a tolerance, with a tenth to spare;
+    /// not rounded, and not finite where no number does.
     pub fn intervals_for(&self, segment: usize, density: &[f64], tolerance: f64) -> f64 {
         let constant = self.method.error_constant().unwrap_or(0.0);
         let exponent = 1.0 / (self.layout.degree as f64 + 1.0);

@@ -215,7 +215,8 @@ impl Discretised {
         }
     }
 
-    /// The least local minimum of scalars, at ends where that counts; where there is none, the largest value.
+    /// The least local minimum of scalars, at ends where that counts; where there is none, the
+    /// largest value.
     fn nearest(&self, watched: &[(Watched, [bool; 2])]) -> Option<Term> {
         let candidates = watched.iter().flat_map(|(w, own)| {
             let seen = self.extremes.seen(*w);
@@ -227,8 +228,8 @@ impl Discretised {
         candidates.min_by(by_value).or_else(|| largest.max_by(by_value))
     }
 
-    /// Finds what is seen of all scalars that monitors ask for, in one pass over the intervals, and writes the
-    /// intervals' residuals where these are asked for.
+    /// Finds what is seen of all scalars that monitors ask for, in one pass over the intervals, and
+    /// writes the intervals' residuals where these are asked for.
     pub(super) fn find_extremes(
         &mut self,
         nodes: &[f64],
@@ -257,7 +258,8 @@ impl Discretised {
         Ok(())
     }
 
-    /// Which scalar rises through zero, of those on all segments with the largest value of another one, and where.
+    /// Which scalar rises through zero, of those on all segments with the largest value of another
+    /// one, and where.
     fn rising(&self, pairs: &[(Watched, Observable)]) -> Option<((Watched, Observable), Sighting)> {
         let sighting = |pair: &(Watched, Observable)| self.extremes.risen(pair.0, pair.1);
         let risen = pairs.iter().filter_map(|pair| Some((*pair, sighting(pair)?)));
@@ -284,8 +286,8 @@ impl Discretised {
         Ok(watched.map(|watched| problem.watch_in(watched, Dual64::new(t, 1.0), &moving, &q)))
     }
 
-    /// At an extremum inside, the derivative by the place vanishes, and at an end the place is fixed: the
-    /// gradient is that of the value at a fixed place.
+    /// At an extremum inside, the derivative by the place vanishes, and at an end the place is
+    /// fixed: the gradient is that of the value at a fixed place.
     fn add_term(
         &self,
         (watched, sighting, factor): &Term,

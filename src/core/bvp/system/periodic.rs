@@ -6,10 +6,10 @@
 //!     F_z + (μ − 1) E,    E = Σ e_condition e_yᵀ,
 //! ```
 //!
-//! the linearisation is singular exactly where `μ` is a multiplier. (Where the returns are `x(0) = x(1)` on a
-//! single segment, extras, which are the period, are zero and integral and phase conditions fall away.) The
-//! chains of intervals are condensed in real arithmetic as they are; only what is left of them, a small
-//! dense matrix, is complex for `μ = e^{iω}`.
+//! the linearisation is singular exactly where `μ` is a multiplier. (Where the returns are
+//! `x(0) = x(1)` on a single segment, extras, which are the period, are zero and integral and phase
+//! conditions fall away.) The chains of intervals are condensed in real arithmetic as they are;
+//! only what is left of them, a small dense matrix, is complex for `μ = e^{iω}`.
 
 use super::BoundarySystem;
 use super::factorisation::form_of;
@@ -24,9 +24,9 @@ use crate::core::zero::{Border, Spectrum};
 
 impl BoundarySystem {
     /// The multipliers of a periodic solution, at the point assembled last: the eigenvalues `μ` of
-    /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever multiplying them
-    /// (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An autonomous orbit's trivial
-    /// multiplier 1 is among them.
+    /// `P v + μ Q v = 0`, the largest first. `P` and `Q` condense all intervals without ever
+    /// multiplying them (T. F. Fairgrieve and A. D. Jepson, *SIAM J. Numer. Anal.* 28 (1991)). An
+    /// autonomous orbit's trivial multiplier 1 is among them.
     ///
     /// ```
     /// use tangency::core::{bvp::Collocation, orbit::periodic_orbits, zero::System};
@@ -44,7 +44,8 @@ impl BoundarySystem {
     ///
     /// # Errors
     /// [`Failure::Singular`] if the equations of some interval do not determine what is inside it,
-    /// [`Failure::Mismatch`] if nothing is assembled, and as [`multipliers`](crate::core::linear::multipliers).
+    /// [`Failure::Mismatch`] if nothing is assembled, and as
+    /// [`multipliers`](crate::core::linear::multipliers).
     pub fn multipliers(&mut self) -> Result<Spectrum, Failure> {
         if !self.equations.layout.closes() {
             return self.returning_multipliers();
@@ -54,9 +55,9 @@ impl BoundarySystem {
         multipliers(p, q, n)
     }
 
-    /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its vector is
-    /// known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or a branch point it
-    /// could not be told from the one that is about to become 1.
+    /// The multipliers that decide stability: all but the trivial one of an autonomous orbit. Its
+    /// vector is known, the motion `f(x(0))`, so that it is taken out of the pencil: near a fold or
+    /// a branch point it could not be told from the one that is about to become 1.
     pub(super) fn deciding_multipliers(&mut self) -> Result<Spectrum, Failure> {
         let found = self.nontrivial_multipliers()?;
         if self.equations.layout.closes() { orientable(found) } else { Ok(found) }
@@ -75,7 +76,8 @@ impl BoundarySystem {
         if let Some(found) = self.fast_multipliers(least)? {
             return Ok(found);
         }
-        // At a Hopf point, where the motion at the start vanishes, that of the orbits to come is the reference's.
+        // At a Hopf point, where the motion at the start vanishes, that of the orbits to come is
+        // the reference's.
         let reference = self.equations.phase.row.iter().take(n).copied().collect();
         let mut motions = [self.motion_at(0), reference];
         let mut units = self.linearisation.units.clone();
@@ -99,9 +101,10 @@ impl BoundarySystem {
         Ok(found)
     }
 
-    /// The multipliers but for the trivial one of an autonomous orbit that begins where its motion is slow, seen from where it
-    /// is fastest: beside a saddle the vector of the trivial multiplier, the motion, is known badly, and multipliers
-    /// that are small would drown in its errors. `None` where the motion at the start is fast enough.
+    /// The multipliers but for the trivial one of an autonomous orbit that begins where its motion
+    /// is slow, seen from where it is fastest: beside a saddle the vector of the trivial
+    /// multiplier, the motion, is known badly, and multipliers that are small would drown in its
+    /// errors. `None` where the motion at the start is fast enough.
     fn fast_multipliers(&mut self, least: f64) -> Result<Option<Spectrum>, Failure> {
         let (layout, assembled) = (&self.equations.layout, &self.linearisation);
         let (s, m) = (&layout.segments[0], layout.degree);
@@ -151,9 +154,9 @@ impl BoundarySystem {
         motion
     }
 
-    /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns' size they
-    /// are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros of `Q`, and nothing
-    /// in it grows.
+    /// All multipliers of returns of any kind. With `Q = E (F_z + (μ₀ − 1) E)⁻¹ Eᵀ` of the returns'
+    /// size they are those of `(I − μ₀ Q) v + μ Q v = 0`: infinite ones, as at a grazing, are zeros
+    /// of `Q`, and nothing in it grows.
     fn returning_multipliers(&mut self) -> Result<Spectrum, Failure> {
         let k = self.equations.layout.returns.len();
         // The trial multiplier, the sign of its determinant, and the size of Q.
@@ -182,7 +185,8 @@ impl BoundarySystem {
         if let Some(cause) = singular.filter(|_| best.is_infinite()) {
             return Err(self.singular_by_growth(cause));
         }
-        // Where motion goes on behind an event of no speed as if it were none, every μ solves the equations.
+        // Where motion goes on behind an event of no speed as if it were none, every μ solves the
+        // equations.
         if best > SINGULAR {
             return Err(undetermined());
         }
@@ -217,8 +221,9 @@ impl BoundarySystem {
     }
 }
 
-/// Multipliers of a smooth flow, whose product is positive: with an odd number of negative ones, the sign of one of them
-/// is rounding. It is that of a very small or large one; if there is none, nothing is known.
+/// Multipliers of a smooth flow, whose product is positive: with an odd number of negative ones,
+/// the sign of one of them is rounding. It is that of a very small or large one; if there is none,
+/// nothing is known.
 fn orientable(mut found: Spectrum) -> Result<Spectrum, Failure> {
     let negative = |mu: &(f64, f64)| mu.1 == 0.0 && mu.0 < 0.0;
     if found.iter().filter(|mu| negative(mu)).count().is_multiple_of(2) {
@@ -236,7 +241,8 @@ fn orientable(mut found: Spectrum) -> Result<Spectrum, Failure> {
 /// The logarithm of a multiplier, or of its inverse, beyond which its sign may be rounding.
 const EXTREME: f64 = 9.0;
 
-/// A motion that is slower than this part of the fastest one is not a good vector of the trivial multiplier.
+/// A motion that is slower than this part of the fastest one is not a good vector of the trivial
+/// multiplier.
 const SLOW: f64 = 0.1;
 
 /// Trial multipliers: the first one that is far enough from all true ones is taken.
@@ -245,15 +251,16 @@ const TRIAL_MULTIPLIERS: [f64; 4] = [-0.4, 0.6, -2.3, 3.1];
 /// A trial multiplier is far enough from all true ones if no entry of `Q` is larger.
 const MODERATE: f64 = 1e3;
 
-/// Where an entry of `Q` is larger for all trials the equations are singular for every multiplier, and none is known.
+/// Where an entry of `Q` is larger for all trials the equations are singular for every multiplier,
+/// and none is known.
 const SINGULAR: f64 = 1e12;
 
-/// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are smaller, unless
-/// multipliers mean nothing anyhow.
+/// A vector belongs to the multiplier 1 if its equation holds to this part: mesh errors are
+/// smaller, unless multipliers mean nothing anyhow.
 const TRIVIAL: f64 = 1e-3;
 
-/// Rows of a pencil that are smaller than this, compared with its largest entry, are errors of mesh and integration, and
-/// leave multipliers undetermined.
+/// Rows of a pencil that are smaller than this, compared with its largest entry, are errors of mesh
+/// and integration, and leave multipliers undetermined.
 const UNDETERMINED: f64 = 1e-7;
 
 /// The matrices `P` and `Q` of a pencil.
@@ -275,8 +282,9 @@ fn in_units(p: &[f64], q: &[f64], units: &[f64]) -> Result<Pencil, Failure> {
     Ok((p, q))
 }
 
-/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases that begin
-/// with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such vector.
+/// The pencil `P + μ Q` without its eigenvalue 1, whose vector `v` is given: in orthonormal bases
+/// that begin with `v` and with `Q v = −P v` it is block triangular. `None` if `v` is no such
+/// vector.
 ///
 /// # Errors
 /// [`Failure::Undetermined`] if a row is smaller than `least_row`, relative to all.
@@ -304,7 +312,8 @@ fn deflated(p: &[f64], q: &[f64], v: &[f64], least_row: f64) -> Result<Option<Pe
         (1..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
     };
     let (reduced_p, reduced_q) = (block(p), block(q));
-    // Each row, compared with those it was made of: beside a homoclinic orbit some vanish but for rounding.
+    // Each row, compared with those it was made of: beside a homoclinic orbit some vanish but for
+    // rounding.
     let rest = n - 1;
     let least = (0..rest)
         .map(|i| {

@@ -8,9 +8,9 @@ use crate::core::zero::Profile;
 const FEWEST_POINTS: usize = 100;
 
 impl Discretised {
-    /// The time history of each state and, of two or more on a segment, the portrait of the first two. Where
-    /// several segments have states of the same name, their curves are one: segments follow each other if the
-    /// solution is periodic, and begin together otherwise.
+    /// The time history of each state and, of two or more on a segment, the portrait of the first
+    /// two. Where several segments have states of the same name, their curves are one: segments
+    /// follow each other if the solution is periodic, and begin together otherwise.
     pub fn profiles(&self, work: &mut Work<f64>) -> Result<Vec<Profile>, Failure> {
         let mut profiles: Vec<Profile> = Vec::new();
         let mut draw = |name: &str, along: &str, curve: Vec<[f64; 2]>| {
@@ -41,7 +41,8 @@ impl Discretised {
         Ok(profiles)
     }
 
-    /// Time (from `begin` on) and states along a segment, at places spread evenly over each interval.
+    /// Time (from `begin` on) and states along a segment, at places spread evenly over each
+    /// interval.
     fn history(
         &self,
         segment: usize,

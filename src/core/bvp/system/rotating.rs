@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 /// The factored linearisation of a complex multiplier, within a complex column and row.
 ///
-/// A complex column `b` is two real ones, `b_r` and `b_i`, which the chains eliminate independently:
-/// `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`. So is the row `c*`.
+/// A complex column `b` is two real ones, `b_r` and `b_i`, which the chains eliminate
+/// independently: `b g = (b_r g_r − b_i g_i) + i (b_r g_i + b_i g_r)`. So is the row `c*`.
 pub(super) struct Rotating {
     factors: Factorisation,
     omega: f64,

@@ -1,4 +1,5 @@
-//! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period doubling.
+//! Starts of branches: from a saved solution on its own mesh, from a Hopf point, from a period
+//! doubling.
 
 use super::across::Known;
 use super::equations::Discretised;
@@ -36,8 +37,8 @@ impl From<BoundaryError> for Failure {
 }
 
 impl BoundarySystem {
-    /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses accuracy. A
-    /// solution of another method is carried over to this mesh.
+    /// A start from a saved solution. The finer of its mesh and this one is taken: no start loses
+    /// accuracy. A solution of another method is carried over to this mesh.
     pub(super) fn take_over(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         let states = self.equations.layout.states;
         if solution.mesh.is_empty() && self.equations.layout.phase && solution.state.len() == states
@@ -95,7 +96,8 @@ impl BoundarySystem {
         Ok(())
     }
 
-    /// The solution twice, and its direction, as one of the problem in which everything happens twice.
+    /// The solution twice, and its direction, as one of the problem in which everything happens
+    /// twice.
     fn repeat(
         &mut self,
         solution: &mut Solution,
@@ -114,7 +116,8 @@ impl BoundarySystem {
         self.change_to(problem)
     }
 
-    /// Those of the solutions that are born where one touches a surface, beginning with the one that touches.
+    /// Those of the solutions that are born where one touches a surface, beginning with the one
+    /// that touches.
     fn born_at_grazing(&mut self, z: &[f64], p: &[f64], which: usize) -> Result<Adopted, Failure> {
         let Known { problem, trajectories, q } = self.trajectories_of(z, p);
         let Some(birth) = problem.born_at_grazing(&trajectories, &q, which)? else {
@@ -193,7 +196,8 @@ impl BoundarySystem {
         )))
     }
 
-    /// A solution saved on other meshes, by a method with `degree` nodes an interval beyond its first, on this one's.
+    /// A solution saved on other meshes, by a method with `degree` nodes an interval beyond its
+    /// first, on this one's.
     fn resampled(
         &self,
         solution: &Solution,
@@ -225,8 +229,9 @@ impl BoundarySystem {
         solution.mesh.extend(second);
     }
 
-    /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction in `ε`:
-    /// `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the period `2π/ω`.
+    /// The orbit of vanishing amplitude at a Hopf point, `x* + ε Re(v e^{2πiτ})`, and its direction
+    /// in `ε`: `v` is the eigenvector of the field's Jacobian with the eigenvalue `iω`, and the
+    /// period `2π/ω`.
     fn born_at_hopf(&mut self, solution: &Solution) -> Result<Adopted, Failure> {
         let problem = self.problem().clone();
         let n = self.equations.layout.states;
@@ -272,8 +277,8 @@ impl BoundarySystem {
 }
 
 impl<P: IntoEquations> Birth<P> {
-    /// The system of the problem, with a number of intervals for each segment, and its unknowns `z` at parameters `p`,
-    /// integrated from one node of the known trajectories to the next.
+    /// The system of the problem, with a number of intervals for each segment, and its unknowns `z`
+    /// at parameters `p`, integrated from one node of the known trajectories to the next.
     ///
     /// # Errors
     /// [`Failure`] if there is no interval, or where a trajectory leaves the domain of its field.
@@ -336,7 +341,8 @@ fn jacobian(problem: &dyn Equations, x: &[f64], q: &[f64]) -> Result<Vec<f64>, F
 /// Eigenvalues with a smaller real part, in units of the imaginary one, are those of a Hopf point.
 const NEAR_THE_AXIS: f64 = 1e-4;
 
-/// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary) parts.
+/// The eigenvalue `iω` nearest to the imaginary axis, and its eigenvector as (real, imaginary)
+/// parts.
 fn oscillating_pair(jacobian: &[f64], n: usize) -> Result<(f64, Vec<[f64; 2]>), Failure> {
     let matrix = faer::MatRef::from_column_major_slice(jacobian, n, n);
     let decomposition =

@@ -1,7 +1,8 @@
-//! Numbers side by side, one in each lane of a vector register: several flows of one field take a step at once.
+//! Numbers side by side, one in each lane of a vector register: several flows of one field take a
+//! step at once.
 //!
-//! Every lane is computed as if the others were not there, to the last bit, so that what is found does not depend on
-//! which flows go together.
+//! Every lane is computed as if the others were not there, to the last bit, so that what is found
+//! does not depend on which flows go together.
 
 mod dual;
 mod sine;
@@ -14,8 +15,8 @@ use std::ops::Neg;
 
 #[cfg(not(target_feature = "avx512f"))]
 use wide::f64x4 as Vector;
-/// As many numbers as registers hold: more of them would not stay in registers. What a lane holds does not depend on
-/// their number.
+/// As many numbers as registers hold: more of them would not stay in registers. What a lane holds
+/// does not depend on their number.
 #[cfg(target_feature = "avx512f")]
 use wide::f64x8 as Vector;
 
@@ -75,8 +76,8 @@ impl InLanes for Dual64 {
     }
 }
 
-/// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison, or a decision by
-/// the real part, can only be one for all, and sees the first lane.
+/// Numbers side by side. Arithmetic and elementary functions are those of each lane; a comparison,
+/// or a decision by the real part, can only be one for all, and sees the first lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes(Vector);
 

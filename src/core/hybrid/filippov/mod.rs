@@ -31,7 +31,8 @@ impl Side {
     }
 }
 
-/// The names of modes and of the event on the surface. Events at which sliding ends have the name of the mode that follows.
+/// The names of modes and of the event on the surface. Events at which sliding ends have the name
+/// of the mode that follows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FilippovNames {
     /// Motion above the surface.
@@ -59,9 +60,10 @@ impl Default for FilippovNames {
     }
 }
 
-/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the surface where both fields point
-/// at it. [`Filippov`] is the hybrid system that it makes: what slides, what crosses, and where sliding ends are known from
-/// the normal velocities `L_f h = h_t + h_x f` of both fields, which come from automatic differentiation.
+/// A Filippov system: a field on each side of a surface `h(t, x, p) = 0`, and sliding on the
+/// surface where both fields point at it. [`Filippov`] is the hybrid system that it makes: what
+/// slides, what crosses, and where sliding ends are known from the normal velocities
+/// `L_f h = h_t + h_x f` of both fields, which come from automatic differentiation.
 ///
 /// ```
 /// use tangency::core::hybrid::HybridSystem;
@@ -107,23 +109,24 @@ pub trait FilippovSystem: Send + Sync {
         FilippovNames::default()
     }
 
-    /// The switching surface: a function that vanishes on it, positive above and negative below. Its gradient must not
-    /// vanish there.
+    /// The switching surface: a function that vanishes on it, positive above and negative below.
+    /// Its gradient must not vanish there.
     fn surface<T: Scalar>(&self, t: T, x: &[T], p: &[T]) -> T;
 
     /// The field on a side, written into `f` (as long as `x`). It is evaluated on the surface, too.
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T], f: &mut [T]);
 
-    /// The field of sliding motion, written into `f`: by default Filippov's [`convex_combination`] of both fields. Another one
-    /// must keep motion on the surface: its normal velocity `h_t + h_x f` must vanish there. That is checked where sliding begins
-    /// and ends.
+    /// The field of sliding motion, written into `f`: by default Filippov's [`convex_combination`]
+    /// of both fields. Another one must keep motion on the surface: its normal velocity
+    /// `h_t + h_x f` must vanish there. That is checked where sliding begins and ends.
     fn sliding<T: Scalar>(&self, t: T, x: &[T], p: &[T], f: &mut [T]) {
         convex_combination(self, t, x, p, f);
     }
 
-    /// What is positive where sliding is held against leaving to a side: by default the speed at which the field of the
-    /// side approaches the surface ([`held_by_field`]). Where it vanishes sliding ends; where motion arrives from the other side and it is
-    /// negative the surface is crossed. Static friction above the kinetic one holds longer.
+    /// What is positive where sliding is held against leaving to a side: by default the speed at
+    /// which the field of the side approaches the surface ([`held_by_field`]). Where it vanishes
+    /// sliding ends; where motion arrives from the other side and it is negative the surface is
+    /// crossed. Static friction above the kinetic one holds longer.
     fn holds<T: Scalar>(&self, side: Side, t: T, x: &[T], p: &[T]) -> T {
         held_by_field(self, side, t, x, p)
     }
@@ -133,7 +136,8 @@ pub trait FilippovSystem: Send + Sync {
         Forcing::None
     }
 
-    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in scenes.
+    /// The period of a periodic [`forcing`](Self::forcing); without one, the unit of time in
+    /// scenes.
     fn period<T: Scalar>(&self, _p: &[T]) -> T {
         T::one()
     }
@@ -153,7 +157,8 @@ pub trait FilippovSystem: Send + Sync {
         T::from(f64::NAN)
     }
 
-    /// What is recorded of orbits: by default the extremes of every state, and mean and extremes of every monitor.
+    /// What is recorded of orbits: by default the extremes of every state, and mean and extremes of
+    /// every monitor.
     fn measures(&self) -> Vec<(String, Measure)> {
         Measure::by_default(self.states(), self.monitors())
     }

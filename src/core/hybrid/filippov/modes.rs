@@ -15,15 +15,16 @@ use crate::core::scalar::Scalar;
 
 /// The hybrid system that a [`FilippovSystem`] makes.
 ///
-/// Its modes are those above, below and on the surface, all with the same states. The event on the surface leads across it,
-/// or to sliding; sliding ends where one of the fields leaves the surface, at the event of the name of that side's mode.
+/// Its modes are those above, below and on the surface, all with the same states. The event on the
+/// surface leads across it, or to sliding; sliding ends where one of the fields leaves the surface,
+/// at the event of the name of that side's mode.
 #[derive(Clone, Copy, Debug)]
 pub struct Filippov<S>(pub S);
 
 /// Where motion reaches the surface, from either side.
 const SURFACE: usize = 0;
-/// Sliding that is faster across the surface, in units of what moves there, is off it: less is the rounding of stated
-/// constants.
+/// Sliding that is faster across the surface, in units of what moves there, is off it: less is the
+/// rounding of stated constants.
 const OFF: f64 = 1e-6;
 
 impl<S> Filippov<S> {
@@ -75,8 +76,9 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         vec![Guard::new(surface, [Self::ABOVE, Self::BELOW]), exit(above), exit(below)]
     }
 
-    /// That of the side on which the state is. On the surface motion slides where it is held on both sides, and leaves to the
-    /// one on which it is not; where it may leave to both it is the mode that is given.
+    /// That of the side on which the state is. On the surface motion slides where it is held on
+    /// both sides, and leaves to the one on which it is not; where it may leave to both it is the
+    /// mode that is given.
     fn initial_mode(&self, mode: usize, t: f64, x: &[f64], p: &[f64]) -> usize {
         let (height, scale) =
             (self.0.surface(t, x, p), guard_scale(self, (SURFACE, mode), (t, x), p));
@@ -108,7 +110,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
         }
     }
 
-    /// Sliding begins and ends on the surface itself: what motion along it has drifted off is taken back.
+    /// Sliding begins and ends on the surface itself: what motion along it has drifted off is taken
+    /// back.
     fn reset<T: Scalar>(
         &self,
         _guard: usize,
@@ -170,7 +173,8 @@ impl<S: FilippovSystem> HybridSystem for Filippov<S> {
                 false => Some("switching-sliding"),
             },
             Tangency::Decision { mode, .. } => {
-                // Sliding that begins at the end of where it is held goes on along it, or leaves at once.
+                // Sliding that begins at the end of where it is held goes on along it, or leaves at
+                // once.
                 let exit = Self::mode(Self::side(mode).other()) + 1;
                 let sliding = Moment { system: self, mode: Self::SLIDING, t, x, p };
                 match sliding.rate(exit) > 0.0 {

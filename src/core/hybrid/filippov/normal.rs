@@ -17,8 +17,8 @@ fn lie_derivative<S: FilippovSystem + ?Sized, T: Scalar>(
     system.surface(Dual::new(t, T::one()), &x, &p).eps
 }
 
-/// How fast the field of a side approaches the surface, by its normal velocity `L_f h = h_t + h_x f`: where it does not, it
-/// leaves.
+/// How fast the field of a side approaches the surface, by its normal velocity
+/// `L_f h = h_t + h_x f`: where it does not, it leaves.
 pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     side: Side,
@@ -35,8 +35,9 @@ pub fn held_by_field<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
-/// Filippov's field of sliding motion, the convex combination of the fields `f⁺` above and `f⁻` below that is tangent to the
-/// surface, `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` with the normal velocities `L±`, written into `f`. It is not finite where both vanish.
+/// Filippov's field of sliding motion, the convex combination of the fields `f⁺` above and `f⁻`
+/// below that is tangent to the surface, `(L⁻ f⁺ − L⁺ f⁻)/(L⁻ − L⁺)` with the normal velocities
+/// `L±`, written into `f`. It is not finite where both vanish.
 pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     t: T,
@@ -54,7 +55,8 @@ pub fn convex_combination<S: FilippovSystem + ?Sized, T: Scalar>(
     }
 }
 
-/// How fast sliding motion moves across the surface, and the sizes of the terms of which that is the sum.
+/// How fast sliding motion moves across the surface, and the sizes of the terms of which that is
+/// the sum.
 pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     system: &S,
     (t, x, p): (f64, &[f64], &[f64]),
@@ -66,8 +68,8 @@ pub(super) fn sliding_velocity<S: FilippovSystem + ?Sized>(
     terms.fold([0.0, 0.0], |[sum, size], term| [sum + term, size + term.abs()])
 }
 
-/// Moves a state that is on the surface but for an error onto it, by one step of Newton's in units of the states' sizes.
-/// Of states on the surface derivatives along it stay what they are.
+/// Moves a state that is on the surface but for an error onto it, by one step of Newton's in units
+/// of the states' sizes. Of states on the surface derivatives along it stay what they are.
 pub(super) fn project<S: FilippovSystem + ?Sized, T: Scalar>(
     system: &S,
     (t, x, p): (T, &mut [T], &[T]),

@@ -1,4 +1,5 @@
-//! Many motions of one system at once, the flows of which step abreast in the lanes of a vector register.
+//! Many motions of one system at once, the flows of which step abreast in the lanes of a vector
+//! register.
 
 mod slot;
 mod steps;
@@ -20,7 +21,8 @@ pub trait FleetNumber: EventNumber + InLanes<Wide: FieldNumber> {}
 
 impl<T: EventNumber + InLanes<Wide: FieldNumber>> FleetNumber for T {}
 
-/// So many motions are under way at the same time: with a few modes, most find others in theirs to go abreast.
+/// So many motions are under way at the same time: with a few modes, most find others in theirs to
+/// go abreast.
 const UNDER_WAY: usize = 64;
 
 /// One of many motions.
@@ -52,8 +54,8 @@ pub trait FleetObserver<T: Scalar> {
     /// An event of a member.
     fn event(&mut self, _member: usize, _event: &Event<T>) {}
 
-    /// The duration of a member has passed. It goes on for the same duration from the state as it is left here, or
-    /// ends.
+    /// The duration of a member has passed. It goes on for the same duration from the state as it
+    /// is left here, or ends.
     fn arrived(
         &mut self,
         member: usize,
@@ -62,13 +64,14 @@ pub trait FleetObserver<T: Scalar> {
     ) -> ControlFlow<()>;
 }
 
-/// The motions of many members of one system, each as if it were alone: what becomes of a member is the same to the
-/// last bit whatever others there are, and in whichever order.
+/// The motions of many members of one system, each as if it were alone: what becomes of a member is
+/// the same to the last bit whatever others there are, and in whichever order.
 ///
-/// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken, and guards are seen to keep clear of zero, for
-/// several members at a time that are in the same mode; where a guard may vanish, one member is looked at alone. A
-/// system says by [`in_lanes`](super::HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise, and by an
-/// implicit method, members are followed one after the other.
+/// It is what [`HybridFlow`] finds, but for rounding, for `f64` and for `Dual64`. Steps are taken,
+/// and guards are seen to keep clear of zero, for several members at a time that are in the same
+/// mode; where a guard may vanish, one member is looked at alone. A system says by
+/// [`in_lanes`](super::HybridSystem::in_lanes) that its equations can be evaluated so. Otherwise,
+/// and by an implicit method, members are followed one after the other.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -123,8 +126,8 @@ where
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })
     }
 
-    /// Moves all members on, each for its duration, and again as long as the observer says so. Where an error ends
-    /// the motion of a member, its state is that after its last event.
+    /// Moves all members on, each for its duration, and again as long as the observer says so.
+    /// Where an error ends the motion of a member, its state is that after its last event.
     ///
     /// # Errors
     /// For each member, as [`HybridFlow::advance`].

@@ -67,5 +67,6 @@ pub(super) enum Next {
     Finish,
 }
 
-/// What becomes of a member after something was done with it: it goes on in the lanes, or has ended.
+/// What becomes of a member after something was done with it: it goes on in the lanes, or has
+/// ended.
 pub(super) type Outcome = Result<ControlFlow<()>, HybridError>;

@@ -49,8 +49,8 @@ impl Direct {
 }
 
 impl Multiplied {
-    /// `∂r_i/∂q_k` at `k·N + i` of `out`: the integrand's derivatives by what it is made of at each node
-    /// from dual numbers, those of its ingredients by `q` from the tables.
+    /// `∂r_i/∂q_k` at `k·N + i` of `out`: the integrand's derivatives by what it is made of at each
+    /// node from dual numbers, those of its ingredients by `q` from the tables.
     pub fn stiffness(&self, linear: &Linear, q: &[f64], plate: &Parameters<f64>, out: &mut [f64]) {
         let n = q.len();
         out.fill(0.0);

@@ -2,8 +2,9 @@
 //! [`MembraneForm`](crate::problems::plate::MembraneForm).
 //!
 //! With `w = Σ q_i φ_i` the strains of eq. 2.6 are `Σ q_i q_j ε_ij` plus those of the in-plane
-//! displacements, and these depend on the products `q_i q_j` linearly: for each pair one solution with
-//! `K_uv` gives the whole stress `N_ij` that the pair develops, in equilibrium in the plane. Then
+//! displacements, and these depend on the products `q_i q_j` linearly: for each pair one solution
+//! with `K_uv` gives the whole stress `N_ij` that the pair develops, in equilibrium in the plane.
+//! Then
 //!
 //! ```text
 //! U_m = 6α₁² Σ s_P A_PQ s_Q,    A_PQ = ⟨N_P : ε_Q⟩,    s_P = q_i² or 2q_i q_j for the pairs P = (i ≤ j)

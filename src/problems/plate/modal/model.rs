@@ -23,9 +23,10 @@ const SAME: f64 = 1e-12;
 /// A plate in `N` of its flat modes.
 ///
 /// A [`ZeroProblem`] with the unknowns `w` (the `N` coefficients `q_i`, deflection over gap), the
-/// parameters of [`Units`](crate::problems::plate::Units) and the monitors of [all plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
-/// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the source's
-/// method, the equation is multiplied by `(1−w)²` before it is projected.
+/// parameters of [`Units`](crate::problems::plate::Units) and the monitors of
+/// [all plates](crate::problems::plate#monitors). With [`Projection::Direct`] the residual is the
+/// gradient of `Π`, and the mass matrix is the identity. With [`Projection::Multiplied`], the
+/// source's method, the equation is multiplied by `(1−w)²` before it is projected.
 ///
 /// ```
 /// use tangency::core::continuation::{Continuation, Kind};
@@ -111,7 +112,8 @@ impl Modal {
         dot(z, &modes)
     }
 
-    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs `(x, w)`.
+    /// The deflection along the centre line `y = ½` at `points ≥ 2` equidistant points: pairs
+    /// `(x, w)`.
     pub fn centre_line(&self, z: &[f64], points: usize) -> Vec<(f64, f64)> {
         self.plate.centre_line(&self.coefficients(z), points)
     }
@@ -201,7 +203,8 @@ impl ZeroProblem for Modal {
 
     fn domain(&self, z: &[f64], p: &[f64]) -> Result<(), OutOfDomain> {
         self.check_parameters(p)?;
-        // Polynomials need no limit but contact; the load is integrated to ten digits up to the other.
+        // Polynomials need no limit but contact; the load is integrated to ten digits up to the
+        // other.
         let limit = match self.settings.projection {
             Projection::Direct => LARGEST_DEFLECTION,
             Projection::Multiplied => 1.0,

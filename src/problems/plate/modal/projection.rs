@@ -13,9 +13,9 @@ use crate::problems::plate::parameters::Parameters;
 use crate::problems::plate::tensor::{Rule, dot};
 use crate::problems::plate::terms::Theory;
 
-/// Up to which deflection, how many nodes in each half direction for the load; and how many more for each
-/// half wave of the highest mode, which enters by itself (deflections are mostly the lowest mode). With twenty
-/// more, loads at pull-in agree to nine digits.
+/// Up to which deflection, how many nodes in each half direction for the load; and how many more
+/// for each half wave of the highest mode, which enters by itself (deflections are mostly the
+/// lowest mode). With twenty more, loads at pull-in agree to nine digits.
 const LOAD_NODES: [(f64, usize); 4] = [(0.5, 16), (0.75, 24), (0.88, 32), (LARGEST_DEFLECTION, 48)];
 const LOAD_NODES_PER_WAVE: f64 = 0.8;
 
@@ -142,8 +142,8 @@ impl Direct {
 
 impl Multiplied {
     pub fn new(settings: &ModalSettings, flat: &mut FlatModes) -> Result<Multiplied, PlateError> {
-        // Integrands are products of six modes or slopes. The rule for products of four is made for the
-        // polynomials' degrees, twice what the modes themselves need.
+        // Integrands are products of six modes or slopes. The rule for products of four is made for
+        // the polynomials' degrees, twice what the modes themselves need.
         let (rules, stress) = match membrane_form(settings, flat)? {
             Some(form) => {
                 let nodes = form.rules[0].len() * form.rules[1].len();
@@ -237,8 +237,9 @@ impl Multiplied {
     }
 }
 
-/// What `φ_i`, `φ_ix`, `φ_iy` are multiplied by in the multiplied projection (the load, a constant, apart),
-/// from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and the pressure.
+/// What `φ_i`, `φ_ix`, `φ_iy` are multiplied by in the multiplied projection (the load, a constant,
+/// apart), from `[w, w_x, w_y, L(w), 12α₁²N₁, 12α₁²N₂, 12α₁²N₆]` at a point, the applied forces and
+/// the pressure.
 pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -> [T; 3] {
     let [w, w_x, w_y, bending, n1, n2, n6] = local;
     let [compression_x, compression_y, shear] = forces;
@@ -250,8 +251,8 @@ pub(super) fn integrand<T: Scalar>(local: [T; 7], forces: [T; 3], pressure: T) -
     [gap_squared * (bending - pressure) - along, gap_squared * force_x, gap_squared * force_y]
 }
 
-/// Rules with `base` nodes in each half direction, and `per_wave` more for each half wave that the highest
-/// mode may have along the whole side: `ω = k²` of a mode of wave number `k`.
+/// Rules with `base` nodes in each half direction, and `per_wave` more for each half wave that the
+/// highest mode may have along the whole side: `ω = k²` of a mode of wave number `k`.
 fn halves(settings: &ModalSettings, flat: &FlatModes, base: usize, per_wave: f64) -> [Rule; 2] {
     let symmetric = flat.plate.model.symmetric;
     let highest = flat.squares.last().map_or(0.0, |square| square.max(0.0).sqrt().sqrt());

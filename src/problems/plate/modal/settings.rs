@@ -10,8 +10,8 @@ pub const MOST_MODES: usize = 40;
 /// The settings of a [`Modal`](super::Modal).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModalSettings {
-    /// Supports, edges in the plane, theory, units, symmetry, and the aspect ratio of the plate, which is
-    /// fixed. Without `orders` as many functions are taken as the modes need.
+    /// Supports, edges in the plane, theory, units, symmetry, and the aspect ratio of the plate,
+    /// which is fixed. Without `orders` as many functions are taken as the modes need.
     pub plate: RitzSettings,
     /// Poisson's ratio of the plate, fixed as well.
     pub nu: f64,
@@ -24,9 +24,9 @@ pub struct ModalSettings {
 }
 
 impl ModalSettings {
-    /// Eight modes of a square plate with `ν = 0.3`, in the direct projection, accurate to 1e-8, or to 1e-4
-    /// if some edge is free: where it meets a clamped one, or another free one, the modes have
-    /// singularities that polynomials approach slowly.
+    /// Eight modes of a square plate with `ν = 0.3`, in the direct projection, accurate to 1e-8, or
+    /// to 1e-4 if some edge is free: where it meets a clamped one, or another free one, the modes
+    /// have singularities that polynomials approach slowly.
     pub fn new(supports: Supports) -> ModalSettings {
         ModalSettings {
             plate: RitzSettings::new(supports),

@@ -14,10 +14,12 @@ use faer::{Mat, Side};
 /// The most transverse functions tried: the eigenproblem of the next rung would take seconds.
 const LARGEST_RUNG: usize = 600;
 
-/// Modes computed beyond those asked for, so that the last one's equals are all there to be ordered.
+/// Modes computed beyond those asked for, so that the last one's equals are all there to be
+/// ordered.
 const BEYOND: usize = 6;
 
-/// In-plane functions beyond the transverse ones in each direction: stresses contain products of slopes.
+/// In-plane functions beyond the transverse ones in each direction: stresses contain products of
+/// slopes.
 const IN_PLANE_BEYOND: usize = 6;
 
 /// The lowest modes of the flat plate.
@@ -31,8 +33,9 @@ pub(super) struct FlatModes {
 }
 
 impl FlatModes {
-    /// As many modes as the settings ask for. Without orders in the settings, rung after rung of the
-    /// ladder of orders until two agree; with them, their modes must agree with the next rung's.
+    /// As many modes as the settings ask for. Without orders in the settings, rung after rung of
+    /// the ladder of orders until two agree; with them, their modes must agree with the next
+    /// rung's.
     pub fn new(settings: &ModalSettings) -> Result<FlatModes, PlateError> {
         let asked = settings.modes;
         let mut orders = settings.plate.orders.unwrap_or_else(|| first_rung(settings));
@@ -101,7 +104,8 @@ impl Rung {
         Ok(Rung { plate, modes })
     }
 
-    /// The largest relative difference of `ω²` among the lowest modes; infinite where there are not as many.
+    /// The largest relative difference of `ω²` among the lowest modes; infinite where there are not
+    /// as many.
     fn error(&self, finer: &Rung, count: usize) -> f64 {
         let (coarse, fine) = (&self.modes.squares, &finer.modes.squares);
         if coarse.len().min(fine.len()) < count {
@@ -111,9 +115,10 @@ impl Rung {
         pairs.map(|(a, b)| (a - b).abs() / b.abs()).fold(0.0, f64::max)
     }
 
-    /// Chooses among modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending order.
-    /// The eigenproblem leaves their combination to rounding; a supported square plate's become
-    /// (1,3), (3,1). Signs are such that the first of some moments that is not zero is positive.
+    /// Chooses among modes of equal frequency: those in which `⟨φ_x²⟩` is diagonal, in ascending
+    /// order. The eigenproblem leaves their combination to rounding; a supported square plate's
+    /// become (1,3), (3,1). Signs are such that the first of some moments that is not zero is
+    /// positive.
     fn ordered(self, settings: &ModalSettings, orders: Orders) -> Result<FlatModes, PlateError> {
         let Rung { plate: bending, modes: Modes { squares, mut shapes } } = self;
         let rules = bending.model.product_rules();

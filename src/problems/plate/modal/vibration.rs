@@ -10,13 +10,13 @@ use crate::problems::plate::vibration::{Lowest, Vibrates};
 use nalgebra::DMatrix;
 
 impl Modal {
-    /// The `count` lowest modes of vibration about an equilibrium, as coefficients of the flat modes with
-    /// mean square 1 over the plate ([`Modal::deflection`] evaluates them). The multiplied equations
-    /// tell the lowest one alone.
+    /// The `count` lowest modes of vibration about an equilibrium, as coefficients of the flat
+    /// modes with mean square 1 over the plate ([`Modal::deflection`] evaluates them). The
+    /// multiplied equations tell the lowest one alone.
     ///
     /// # Errors
-    /// [`Failure::OutOfDomain`] where the equations have no meaning, [`Failure::Undetermined`] if the lowest
-    /// eigenvalue of the multiplied equations is not real.
+    /// [`Failure::OutOfDomain`] where the equations have no meaning, [`Failure::Undetermined`] if
+    /// the lowest eigenvalue of the multiplied equations is not real.
     pub fn modes(&self, z: &[f64], p: &[f64], count: usize) -> Result<Modes, Failure> {
         self.domain(z, p)?;
         let none = || {

@@ -87,8 +87,8 @@ impl Airy {
 
     /// Adds `−κ ∫∫ φ_i Φ(w, Σ f_mn ψ_mn)` to `r_i`, with `κ = 12(1−ν²)α₁²/α²`.
     ///
-    /// The bracket's trilinear form is symmetric for these functions, so that the integral is half the
-    /// derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, a quadratic form already at hand.
+    /// The bracket's trilinear form is symmetric for these functions, so that the integral is half
+    /// the derivative of `∫∫ Φ(w,w) ψ_mn` with respect to `w_i`, a quadratic form already at hand.
     pub fn add_force<T: Scalar>(&self, w: &[T], aspect: T, kappa: T, r: &mut [T]) {
         for function in &self.functions {
             let square = |m: u32| if m == 0 { 1.0 } else { 0.5 };

@@ -52,8 +52,8 @@ impl Formulas {
         (0..self.functions.len()).find(circular)
     }
 
-    /// Constants that are formulas, in an order in which each follows those that it depends on; or one that depends on
-    /// itself.
+    /// Constants that are formulas, in an order in which each follows those that it depends on; or
+    /// one that depends on itself.
     pub fn order(&self) -> Result<Vec<usize>, usize> {
         let count = self.constants.len();
         let needs = |k: usize| -> Vec<usize> {
@@ -90,7 +90,8 @@ impl Formulas {
         Ok(order)
     }
 
-    /// A formula after states have got other values; with `fixed`, what depends on them is computed anew.
+    /// A formula after states have got other values; with `fixed`, what depends on them is computed
+    /// anew.
     pub fn after(&self, tree: &Tree, states: &BTreeMap<usize, Tree>, fixed: bool) -> Option<Tree> {
         let mut left = LARGEST;
         self.replaced(tree, &Replacing { states, fixed }, None, &mut left)

@@ -1,7 +1,8 @@
 //! Conditions with resets, `global`, as guards.
 //!
-//! A condition may go on in its direction after it was met, or be met at the start already: motion is then in a further
-//! mode until it comes back. Where the resets stop it, as at impacts, there is one mode.
+//! A condition may go on in its direction after it was met, or be met at the start already: motion
+//! is then in a further mode until it comes back. Where the resets stop it, as at impacts, there is
+//! one mode.
 
 use super::super::source::{ModelError, Source};
 use super::super::statement::{Formulas as Pairs, Guard, HybridEquations, Mode, Next};
@@ -143,7 +144,8 @@ impl Hybrid<'_, '_> {
         model.modes().swap_remove(0).states.iter().map(value).collect()
     }
 
-    /// The statement in which motion may be beyond some of the conditions; the first mode is that of the start.
+    /// The statement in which motion may be beyond some of the conditions; the first mode is that
+    /// of the start.
     fn with_modes(
         &self,
         passable: &[usize],
@@ -248,7 +250,8 @@ impl Hybrid<'_, '_> {
         Ok(Guard { function, next, reset, ..Guard::default() })
     }
 
-    /// The values that are set at an event, with what is set at once where that meets other conditions.
+    /// The values that are set at an event, with what is set at once where that meets other
+    /// conditions.
     fn resets(
         &self,
         k: usize,

@@ -11,7 +11,8 @@ const LETTERS: usize = 4_000_000;
 /// The longest source.
 const LONGEST: usize = 16_000_000;
 
-/// What becomes of a line that has been written out, and whether of an array; a break ends the file.
+/// What becomes of a line that has been written out, and whether of an array; a break ends the
+/// file.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(Text, bool) -> Result<ControlFlow<()>, ModelError>;
 
 /// The lines of a source, those that end in a backslash joined with the next one.

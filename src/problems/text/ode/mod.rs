@@ -1,9 +1,10 @@
 //! XPPAUT's `.ode` files.
 //!
-//! [`read`] makes a [`Statement`] of a file, which means what XPPAUT takes the file for: letters of both cases are the
-//! same, comparisons bind as strongly as powers and all operators go from left to right, quantities are computed in
-//! their order, resets count for those behind them. Arrays are written out, as XPPAUT does. What has no counterpart is
-//! refused with its line and column; what has no effect is listed.
+//! [`read`] makes a [`Statement`] of a file, which means what XPPAUT takes the file for: letters of
+//! both cases are the same, comparisons bind as strongly as powers and all operators go from left
+//! to right, quantities are computed in their order, resets count for those behind them. Arrays are
+//! written out, as XPPAUT does. What has no counterpart is refused with its line and column; what
+//! has no effect is listed.
 
 mod command;
 mod common;

@@ -113,7 +113,8 @@ fn statement(
     hybrid.statement().map(Statement::HybridEquations)
 }
 
-/// The formulas behind constants, quantities and functions; that nothing leads to itself or to what comes later.
+/// The formulas behind constants, quantities and functions; that nothing leads to itself or to what
+/// comes later.
 fn formulas_of(names: &Names, parts: &Parts) -> Result<Formulas, ModelError> {
     let mut formulas = Formulas::default();
     for function in &parts.functions {
@@ -156,7 +157,8 @@ fn check_constants(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<
     Ok(())
 }
 
-/// Refuses quantities that are used before they are computed: in XPPAUT they have the value of the step before.
+/// Refuses quantities that are used before they are computed: in XPPAUT they have the value of the
+/// step before.
 fn check_order(names: &Names, parts: &Parts, formulas: &Formulas) -> Result<(), ModelError> {
     for (k, (named, tree)) in parts.fixed.iter().zip(&formulas.fixed).enumerate() {
         let later = |known: &Known| matches!(known, Known::Fixed(other) if *other >= k);

@@ -109,7 +109,8 @@ impl<'s> Names<'s> {
         Ok(written)
     }
 
-    /// A name as it may be written here, which nothing has yet, nor a function of the language if it is a function's.
+    /// A name as it may be written here, which nothing has yet, nor a function of the language if
+    /// it is a function's.
     pub fn free(&mut self, name: &str, function: bool) -> String {
         let mut written: String = name.replace('.', "_");
         let ours = |written: &str| {

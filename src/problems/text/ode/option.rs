@@ -40,7 +40,8 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Reads a line from behind its `@`. XPPAUT knows an option by its first letters, and the last one counts.
+    /// Reads a line from behind its `@`. XPPAUT knows an option by its first letters, and the last
+    /// one counts.
     pub fn read(&mut self, source: &Source, line: Slice) -> Result<(), ModelError> {
         let mut at = 0;
         for piece in line.text.split_inclusive([' ', ',', '\t']) {

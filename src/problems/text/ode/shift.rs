@@ -1,4 +1,5 @@
-//! What remains to be replaced in a formula: the index of a sum, and names by how far they are from others.
+//! What remains to be replaced in a formula: the index of a sum, and names by how far they are from
+//! others.
 
 use super::super::source::ModelError;
 use super::names::Names;

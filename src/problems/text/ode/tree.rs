@@ -31,7 +31,8 @@ pub(super) struct Operator {
     pub here: u8,
 }
 
-/// The operations of two operands. In XPPAUT comparisons bind as strongly as powers, and all go from left to right.
+/// The operations of two operands. In XPPAUT comparisons bind as strongly as powers, and all go
+/// from left to right.
 pub(super) const OPERATORS: [Operator; 13] = [
     Operator { sign: "|", there: 4, here: 1 },
     Operator { sign: "&", there: 6, here: 2 },
