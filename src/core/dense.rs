@@ -1,7 +1,7 @@
 //! A zero problem as a dense system: Jacobians and higher derivatives by dual numbers.
 
 use super::chunk::{CHUNK, Chunk, seeded};
-use super::domain::OutOfDomain;
+use super::failure::OutOfDomain;
 use super::failure::{DIFFERENTIABLE, finite, finite_gradient, unknown_order};
 use super::linear::{BorderedLu, Factors, ShiftedLu};
 use super::potential::PotentialGradient;

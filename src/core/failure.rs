@@ -1,12 +1,97 @@
 //! Why equations cannot be evaluated or solved.
 
-use super::domain::OutOfDomain;
-use super::flow::FlowError;
 use super::interruption::Interrupted;
 
 /// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
 /// equilibrated matrix, or the largest entry of its row.
 pub(super) const SINGULAR: f64 = 1e-15;
+
+/// A value outside the domain of the equations.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{quantity} = {value:.6e} is outside the domain of the equations: {remedy}")]
+pub struct OutOfDomain {
+    /// What has the offending value, by name.
+    pub quantity: String,
+    /// The offending value.
+    pub value: f64,
+    /// What the domain is, or what to change.
+    pub remedy: String,
+}
+
+impl OutOfDomain {
+    /// A value outside its domain.
+    pub fn new(quantity: impl Into<String>, value: f64, remedy: impl Into<String>) -> Self {
+        OutOfDomain { quantity: quantity.into(), value, remedy: remedy.into() }
+    }
+}
+
+/// Why a trajectory ends before its time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlowError {
+    /// The trajectory leaves the domain of the field.
+    #[error("at t = {time:.9e}: {left}")]
+    OutOfDomain {
+        /// When.
+        time: f64,
+        /// What left which domain.
+        left: OutOfDomain,
+    },
+    /// The work was given up.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+    /// A state, its slope or what comes of a step is not finite.
+    #[error(
+        "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the field \
+         loses its meaning"
+    )]
+    NotFinite {
+        /// When.
+        time: f64,
+        /// The name of the state.
+        state: String,
+        /// What the number is.
+        value: f64,
+    },
+    /// No step is small enough for the tolerance: the solution or a derivative of the field is
+    /// singular.
+    #[error(
+        "at t = {time:.9e} no step is small enough, not even {step:.1e}: the solution blows up or the \
+         field is not smooth; end the flow earlier, or split it where the field changes"
+    )]
+    StepTooSmall {
+        /// When.
+        time: f64,
+        /// The step, in units of time.
+        step: f64,
+    },
+    /// More steps than allowed.
+    #[error(
+        "at t = {time:.9e} the flow has taken all {steps} steps it may, the last one of {step:.1e}: allow \
+         more steps, loosen the tolerance, split the interval, or use the implicit method if the field is stiff"
+    )]
+    TooManySteps {
+        /// When.
+        time: f64,
+        /// The number of steps.
+        steps: usize,
+        /// The last step, in units of time.
+        step: f64,
+    },
+    /// Stability, not accuracy, limits the steps of an explicit method.
+    #[error(
+        "at t = {time:.9e} the field is stiff: steps of {step:.1e} times its fastest rate make \
+         {product:.1}, where stability ends; use the implicit method"
+    )]
+    Stiff {
+        /// When.
+        time: f64,
+        /// The step, in units of time.
+        step: f64,
+        /// The estimate of `h |λ|`.
+        product: f64,
+    },
+}
 
 /// Why equations cannot be evaluated or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -8,7 +8,6 @@ pub mod chunk;
 pub mod condition;
 pub mod continuation;
 pub mod dense;
-mod domain;
 pub mod extended;
 pub(crate) mod failure;
 pub mod field;

@@ -5,7 +5,7 @@
 //! needs, and [`FieldRef`] is a field of a collection of fields behind a pointer.
 
 use super::chunk::DualChunk;
-use super::domain::OutOfDomain;
+use super::failure::OutOfDomain;
 use super::field::VectorField;
 use super::scalar::Scalar;
 

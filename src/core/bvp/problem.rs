@@ -4,7 +4,7 @@ use super::erased::{Birth, Equations};
 use super::terms::{Ends, Monitor, Return, Watched};
 use super::trajectory::Trajectory;
 use crate::core::condition::Failure;
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::scalar::Scalar;
 use std::sync::Arc;
 

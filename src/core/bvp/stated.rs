@@ -4,8 +4,8 @@ use super::erased::{Birth, EndFunctions, Equations, IntoEquations, Residual, Wat
 use super::problem::BoundaryProblem;
 use super::terms::{Ends, Monitor, Return, Watched};
 use super::trajectory::Trajectory;
-use crate::core::domain::OutOfDomain;
 use crate::core::failure::Failure;
+use crate::core::failure::OutOfDomain;
 use crate::core::forward::forward;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, FieldRef, Fields, Wide};

@@ -4,7 +4,6 @@
 //! for it alone: here steps are tried, and watched functions are seen to keep clear of zero, which
 //! is nearly all of the work.
 
-use super::error::FlowError;
 use super::forecast::EventForecast;
 use super::integrate::Flow;
 use super::lane_state::LaneState;
@@ -14,6 +13,7 @@ use super::settings::Settings;
 use super::stages::Stages;
 use super::step::{Known, Step};
 use super::tableau::{Row, Tableau};
+use crate::core::failure::FlowError;
 use crate::core::scalar_field::FieldIn;
 use crate::core::vector::refill;
 use crate::core::watch::WatchIn;

@@ -1,7 +1,7 @@
 //! The flow itself: steps from the start to the end.
 
 use super::control::{Control, Measure, Size};
-use super::error::{FlowError, SettingsError};
+use super::error::SettingsError;
 use super::motion::Motion;
 use super::rodas;
 use super::settings::Settings;
@@ -9,6 +9,7 @@ use super::stages::{Stages, combine};
 use super::step::{Buffers, Known, Step};
 use super::tableau::Tableau;
 use super::work;
+use crate::core::failure::FlowError;
 use crate::core::interruption;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;

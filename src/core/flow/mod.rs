@@ -42,9 +42,10 @@ mod up_crossings;
 mod watch_sampler;
 mod work;
 
+pub use crate::core::failure::FlowError;
 pub(in crate::core) use batch::BatchStepper;
 pub use control::Size;
-pub use error::{FlowError, SettingsError};
+pub use error::SettingsError;
 pub use extrema::{Extrema, Extremum};
 pub(in crate::core) use forecast::EventForecast;
 pub use integrate::{Flow, Statistics};

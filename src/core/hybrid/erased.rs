@@ -7,7 +7,7 @@
 use super::system::{Guard, HybridSystem, Mode, Passage, Scales};
 use super::tangency::Tangency;
 use crate::core::chunk::{Chunk, Narrow};
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::flow::Lanes;
 use crate::core::jet::Jet;

@@ -1,7 +1,7 @@
 //! Hybrid systems as a user states them.
 
 use super::tangency::Tangency;
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;

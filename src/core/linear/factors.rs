@@ -1,8 +1,8 @@
 //! Factored matrices as values.
 
+use super::border::Border;
 use super::lu::BorderedLu;
 use crate::core::failure::Failure;
-use crate::core::zero::Border;
 use faer::c64;
 use std::any::Any;
 use std::ops::{Deref, DerefMut};

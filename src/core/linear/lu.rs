@@ -1,7 +1,7 @@
 //! LU factorisation with partial pivoting of a dense matrix within a border.
 
+use super::border::Border;
 use crate::core::failure::{Failure, SINGULAR, unusable};
-use crate::core::zero::Border;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::{MatMut, Par, c64};
@@ -23,7 +23,7 @@ const BLOCKED_FROM: usize = 40;
 /// factorisation of a given size.
 ///
 /// ```
-/// use tangency::core::{linear::BorderedLu, zero::Border};
+/// use tangency::core::linear::{Border, BorderedLu};
 /// // A = [0] is singular; within its border it is not.
 /// let mut lu = BorderedLu::default();
 /// lu.factor(&[0.0], Border { width: 1, columns: &[2.0], rows: &[4.0], corner: &[0.0] }).unwrap();

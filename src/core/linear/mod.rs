@@ -1,11 +1,13 @@
 //! Dense linear algebra: LU factorisation within a border, and condensation of chains of intervals.
 
+mod border;
 mod chain;
 mod factors;
 mod front;
 mod lu;
 mod pencil;
 
+pub use border::{Border, Form, Spectrum};
 pub use chain::Chain;
 pub(crate) use factors::ShiftedLu;
 pub use factors::{Factorisation, Factors};

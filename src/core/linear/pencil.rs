@@ -10,8 +10,8 @@
 //! These eigenvalues are the multipliers. No transfer matrix `−Q⁻¹P` is formed, in which the
 //! smallest ones would drown (Fairgrieve & Jepson, SIAM J. Numer. Anal. 28 (1991) 1446).
 
+use super::border::Spectrum;
 use crate::core::failure::{Failure, finite, not_finite};
-use crate::core::zero::Spectrum;
 use faer::MatRef;
 
 /// The Floquet multipliers `μ`, as (real part, imaginary part), of `P x_0 + Q x_N = 0`: the

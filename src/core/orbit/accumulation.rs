@@ -6,7 +6,7 @@
 
 use super::hybrid::HybridOrbit;
 use crate::core::condition::Failure;
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{ChatterNumber, Event, HybridState};
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::{Domains, Fields};

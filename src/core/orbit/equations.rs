@@ -11,7 +11,7 @@ use crate::core::bvp::{
     Watched, Watches,
 };
 use crate::core::condition::Failure;
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::hybrid::{
     ChatterNumber, GuardNumber, GuardOf, MeasureNumber, Moment, ScalarOf, time_scale,
 };

@@ -1,6 +1,6 @@
 //! Vector fields as hybrid systems: one mode and no guard.
 
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::field::{Forcing, VectorField};
 use crate::core::forward::forward;
 use crate::core::hybrid::{Guard, HybridSystem, Mode, Scales};

@@ -7,7 +7,7 @@ pub use modes::Filippov;
 pub use normal::{convex_combination, held_by_field};
 
 use super::system::Scales;
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::measure::Measure;
 use crate::core::scalar::Scalar;

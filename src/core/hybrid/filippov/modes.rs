@@ -2,7 +2,7 @@
 
 use super::normal::{project, sliding_velocity};
 use super::{FilippovNames, FilippovSystem, Side};
-use crate::core::domain::OutOfDomain;
+use crate::core::failure::OutOfDomain;
 use crate::core::field::Forcing;
 use crate::core::flow::NEGATIVE;
 use crate::core::forward::forward;
