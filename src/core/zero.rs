@@ -282,6 +282,12 @@ pub trait Discretised {
         None
     }
 
+    /// The method, which is saved with branches: its name and what else the meaning of the unknowns
+    /// depends on.
+    fn method(&self) -> String {
+        String::new()
+    }
+
     /// The mesh that the unknowns are values on, to be saved with special points; empty without
     /// one.
     fn mesh(&self) -> Vec<f64> {
@@ -359,6 +365,11 @@ impl dyn System + '_ {
     /// The mesh; empty without one.
     pub(crate) fn mesh(&mut self) -> Vec<f64> {
         self.discretised().map_or_else(Vec::new, |system| system.mesh())
+    }
+
+    /// The method of the discretisation; empty without one.
+    pub(crate) fn method(&mut self) -> String {
+        self.discretised().map_or_else(String::new, |system| system.method())
     }
 
     /// Prepares the start of a branch from a saved solution.

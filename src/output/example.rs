@@ -23,6 +23,7 @@ pub fn example_branch() -> Branch {
         name: "plate".into(),
         condition: None,
         itinerary: String::new(),
+        method: String::new(),
         unknowns: vec!["u".into()],
         parameters: vec!["load".into(), "aspect_ratio".into()],
         released: vec!["load".into()],

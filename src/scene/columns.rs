@@ -99,6 +99,7 @@ impl Scene {
             name: run.name.clone(),
             condition: run.hold,
             itinerary: String::new(),
+            method: String::new(),
             unknowns: own.unknowns,
             parameters: own.parameters,
             released: run.along.iter().map(|range| range.name.clone()).collect(),

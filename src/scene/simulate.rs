@@ -259,6 +259,7 @@ fn branch(
         name: name.into(),
         condition: None,
         itinerary: String::new(),
+        method: String::new(),
         unknowns: Vec::new(),
         released: vec![parameters[0].clone()],
         parameters,

@@ -279,4 +279,24 @@ fn bad_input_is_refused() {
         .unwrap_err()
         .to_string();
     assert!(text.contains("another method"), "{text}");
+    // A period doubling that is no solution of the problem, in its length or by its method.
+    assert_eq!(orbits.method, "collocation(4)");
+    let doubling = label(&orbits, Kind::PD);
+    let changed = |method: &str, state: &[f64], mesh: &[f64]| {
+        let mut branch = Branch { method: method.into(), ..orbits.clone() };
+        let special = branch.special.iter_mut().find(|special| special.label == doubling).unwrap();
+        (special.state, special.mesh) = (state.to_vec(), mesh.to_vec());
+        let mut system = collocated(Lure, 10);
+        let start = Continuation::of(&mut system).restart(&branch, doubling).switch();
+        start.along("alpha", 0.4..=1.6).trace().map(|_| ()).unwrap_err().to_string()
+    };
+    let saved = orbits.labelled(doubling).unwrap();
+    for (state, mesh) in [(&[][..], &[][..]), (&[0.5], &[]), (&[0.5], &saved.mesh)] {
+        let text = changed("collocation(4)", state, mesh);
+        assert!(text.contains("another problem"), "{text}");
+    }
+    let text = changed("shooting", &saved.state, &saved.mesh);
+    assert!(text.contains("another problem"), "{text}");
+    let text = changed("trapezium(1)", &saved.state, &saved.mesh);
+    assert!(text.contains("unknown method `trapezium(1)`"), "{text}");
 }

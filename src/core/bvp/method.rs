@@ -7,6 +7,8 @@ use super::shooting::{self, Shooting};
 use crate::core::failure::Failure;
 use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
+use std::fmt;
+use std::str::FromStr;
 
 /// A discretisation: each interval has values of the `n` states at `m + 1` nodes, the last one
 /// shared with the next interval, and `m·n` equations.
@@ -27,6 +29,34 @@ impl From<Collocation> for Method {
 impl From<Shooting> for Method {
     fn from(method: Shooting) -> Self {
         Method::Shooting(Box::new(method))
+    }
+}
+
+/// What a saved solution says of its method: `shooting`, or `collocation(4)` with the degree.
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Method::Collocation(method) => write!(f, "collocation({})", method.places().len() - 1),
+            Method::Shooting(_) => f.write_str("shooting"),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = Failure;
+
+    /// The method of a saved solution, with default tolerances.
+    fn from_str(text: &str) -> Result<Self, Failure> {
+        let degree = text.strip_prefix("collocation(").and_then(|text| text.strip_suffix(')'));
+        match (text, degree.and_then(|degree| degree.parse().ok())) {
+            ("shooting", _) => Ok(Shooting::default().into()),
+            (_, Some(degree)) => Collocation::new(degree)
+                .map(Method::from)
+                .map_err(|cause| Failure::Mismatch(cause.to_string())),
+            _ => Err(Failure::Mismatch(format!(
+                "unknown method `{text}` of a saved solution (known: shooting, collocation(2))"
+            ))),
+        }
     }
 }
 

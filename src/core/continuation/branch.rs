@@ -192,6 +192,10 @@ pub struct Branch {
     /// problem: the itinerary of hybrid orbits.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub itinerary: String,
+    /// The method by which solutions are discretised, such as `collocation(4)`; empty if they are
+    /// not.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub method: String,
     /// Groups of unknowns, in the order of the states.
     pub unknowns: Vec<Group>,
     /// Names of all parameters.
@@ -233,6 +237,7 @@ impl Branch {
         Solution {
             kind: special.kind,
             itinerary: self.itinerary.clone(),
+            method: self.method.clone(),
             mesh: special.mesh.clone(),
             state: special.state.clone(),
             parameters: special.parameters.clone(),

@@ -46,8 +46,9 @@ impl Stepper<'_> {
         let x = self.equations.load(&place.unknowns);
         let [state, parameters] = [&x[..n], &x[n..]].map(<[f64]>::to_vec);
         let system = self.equations.system();
-        let (kind, itinerary, mesh) = (Kind::EP, system.itinerary(), system.mesh());
-        Solution { kind, itinerary, mesh, state, parameters, tangent: None, switch: None }
+        let (itinerary, method, mesh) = (system.itinerary(), system.method(), system.mesh());
+        let (kind, tangent, switch) = (Kind::EP, None, None);
+        Solution { kind, itinerary, method, mesh, state, parameters, tangent, switch }
     }
 
     /// A place that a curve passes again if it is closed.

@@ -50,7 +50,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Corrects the start, finds the tangent and the scales.
-    fn begin(self, resolved: Resolved, start: Start) -> Result<Tracer<'a>, NewtonError> {
+    fn begin(mut self, resolved: Resolved, start: Start) -> Result<Tracer<'a>, NewtonError> {
         let Resolved { released, held, bounds, scales, settled } = resolved;
         let branch = self.branch(&held);
         let same_curve = self.origin.condition == self.held.first().map(|(kind, _)| *kind);
@@ -113,13 +113,15 @@ impl<'a> Continuation<'a> {
     }
 
     /// The branch without its points.
-    fn branch(&self, held: &[MakeCondition]) -> Branch {
+    fn branch(&mut self, held: &[MakeCondition]) -> Branch {
+        let method = self.system.method();
         let names = self.system.names();
         let own = held.iter().flat_map(|make| make().names()).map(ToString::to_string);
         Branch {
             name: self.name.clone(),
             condition: self.held.first().map(|(kind, _)| *kind),
             itinerary: self.system.itinerary(),
+            method,
             unknowns: names.unknowns.clone(),
             parameters: names.parameters.clone(),
             released: self.released.iter().map(|r| r.0.clone()).collect(),

@@ -113,9 +113,8 @@ impl BoundarySystem {
         solution: &Solution,
         near: &[f64],
     ) -> Result<Vec<Vec<f64>>, Failure> {
-        let meshes = super::start::meshes_of(&solution.mesh)?;
-        let degree = self.degree_of(solution, &meshes)?;
-        if degree != self.equations.layout.degree {
+        let (method, meshes) = self.discretisation_of(solution)?;
+        if method.to_string() != self.equations.method.to_string() {
             return Ok(Vec::new());
         }
         let mut from = self.on(meshes)?;

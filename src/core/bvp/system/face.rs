@@ -276,6 +276,10 @@ impl zero::Discretised for BoundarySystem {
         Some(Box::new(own))
     }
 
+    fn method(&self) -> String {
+        self.equations.method.to_string()
+    }
+
     fn mesh(&self) -> Vec<f64> {
         self.meshes().iter().flat_map(|mesh| mesh.points().iter().copied()).collect()
     }

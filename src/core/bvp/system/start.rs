@@ -5,9 +5,7 @@ use super::across::Known;
 use super::equations::Discretised;
 use super::layout::Segment;
 use super::{BoundarySystem, Method};
-use crate::core::bvp::{
-    Birth, BoundaryError, Collocation, Equations, IntoEquations, Mesh, Number, Shooting, Trajectory,
-};
+use crate::core::bvp::{Birth, BoundaryError, Equations, IntoEquations, Mesh, Number, Trajectory};
 use crate::core::chunk::{CHUNK, Chunk, seeded};
 use crate::core::condition::Failure;
 use crate::core::flow::Flow;
@@ -54,16 +52,16 @@ impl BoundarySystem {
             return self.born_at_grazing(&orbit.z, &solution.parameters, which);
         }
         let mut solution = solution.clone();
+        let (method, meshes) = self.discretisation_of(&solution)?;
         let doubled = solution.kind == Kind::PD && solution.switch.is_some();
         let twice = if doubled { self.problem().doubled() } else { None };
         match twice {
-            Some(problem) => self.repeat(&mut solution, problem)?,
+            Some(problem) => self.repeat(&mut solution, problem, (&method, &meshes))?,
             None if doubled => self.double(&mut solution),
             None => {}
         }
-        let meshes = meshes_of(&solution.mesh)?;
-        let degree = self.degree_of(&solution, &meshes)?;
-        let same_method = degree == self.equations.layout.degree;
+        let meshes = if doubled { meshes_of(&solution.mesh)? } else { meshes };
+        let same_method = method.to_string() == self.equations.method.to_string();
         if doubled && !same_method {
             return Err(mismatch(
                 "the period doubling was found by another method: restart the orbit with this one first, and \
@@ -75,7 +73,7 @@ impl BoundarySystem {
         if doubled || (same_method && !finer) {
             *self = self.on(meshes)?;
         } else {
-            solution.state = self.resampled(&solution, degree, meshes)?;
+            solution.state = self.resampled(&solution, method, meshes)?;
             solution.tangent = None;
         }
         let x = [&solution.state[..], &solution.parameters[..]].concat();
@@ -102,10 +100,9 @@ impl BoundarySystem {
         &mut self,
         solution: &mut Solution,
         problem: Arc<dyn Equations>,
+        (method, meshes): (&Method, &[Mesh]),
     ) -> Result<(), Failure> {
-        let meshes = meshes_of(&solution.mesh)?;
-        let degree = self.degree_of(solution, &meshes)?;
-        let values = self.values_on(&meshes, degree);
+        let values = self.values_on(meshes, method);
         // The legs of orbits have an unknown each, segments without motion have none.
         let once = self.equations.layout.extras.saturating_sub(meshes.len());
         in_unknowns(solution, |z| {
@@ -171,21 +168,28 @@ impl BoundarySystem {
         })
     }
 
-    /// How many values there are on meshes with `degree` nodes an interval beyond its first.
-    fn values_on(&self, meshes: &[Mesh], degree: usize) -> usize {
+    /// How many values a method has on meshes.
+    fn values_on(&self, meshes: &[Mesh], method: &Method) -> usize {
+        let degree = method.places().len() - 1;
         let segments = self.equations.layout.segments.iter().zip(meshes);
         segments.map(|(s, mesh)| (mesh.intervals() * degree + 1) * s.states).sum()
     }
 
-    /// How many nodes an interval has, beyond its first, in a saved solution.
-    pub(super) fn degree_of(&self, solution: &Solution, meshes: &[Mesh]) -> Result<usize, Failure> {
-        let layout = &self.equations.layout;
+    /// The method and the meshes of a saved solution.
+    ///
+    /// # Errors
+    /// [`Failure::Mismatch`] if it is no solution of this problem.
+    pub(super) fn discretisation_of(
+        &self,
+        solution: &Solution,
+    ) -> Result<(Method, Vec<Mesh>), Failure> {
+        let (layout, meshes) = (&self.equations.layout, meshes_of(&solution.mesh)?);
         let length = solution.state.len();
-        let fits = |degree: &usize| self.values_on(meshes, *degree) + layout.extras == length;
-        if meshes.len() == layout.segments.len()
-            && let Some(degree) = (1..=MOST_NODES).find(fits)
-        {
-            return Ok(degree);
+        if meshes.len() == layout.segments.len() {
+            let method: Method = solution.method.parse()?;
+            if self.values_on(&meshes, &method) + layout.extras == length {
+                return Ok((method, meshes));
+            }
         }
         Err(mismatch(format!(
             "the start has {length} unknowns on {} segments, the problem {} segments of {} states: was it made \
@@ -196,18 +200,13 @@ impl BoundarySystem {
         )))
     }
 
-    /// A solution saved on other meshes, by a method with `degree` nodes an interval beyond its
-    /// first, on this one's.
+    /// A solution saved on other meshes, by another method, on these meshes.
     fn resampled(
         &self,
         solution: &Solution,
-        degree: usize,
+        method: Method,
         meshes: Vec<Mesh>,
     ) -> Result<Vec<f64>, Failure> {
-        let method = match degree {
-            1 => Method::from(Shooting::default()),
-            _ => Collocation::new(degree).map_err(|cause| mismatch(cause.to_string()))?.into(),
-        };
         let from = Discretised::new(self.problem().clone(), method, meshes)?;
         let x = [&solution.state[..], &solution.parameters[..]].concat();
         let mut z = from.carried(&self.equations, &x)?;
@@ -304,11 +303,8 @@ fn in_unknowns(solution: &mut Solution, new: impl Fn(&[f64]) -> Vec<f64>) {
     }
 }
 
-/// The most nodes that an interval of any method has beyond its first.
-const MOST_NODES: usize = 7;
-
 /// The meshes of all segments, each of which begins with 0.
-pub(super) fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
+fn meshes_of(points: &[f64]) -> Result<Vec<Mesh>, Failure> {
     let mut meshes: Vec<Vec<f64>> = Vec::new();
     for &point in points {
         match meshes.last_mut() {
