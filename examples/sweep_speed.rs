@@ -207,9 +207,8 @@ fn sweep_on(threads: NonZeroUsize) -> Result<f64, Box<dyn Error>> {
     };
     let (part, begin) = (Part { threads: Some(threads), ..Part::WHOLE }, Instant::now());
     let mut found = 0;
-    execute(&plan, part, &Actuator::DEFAULTS, &make, &|_| None, &|| true, &mut |_: Found| {
+    execute(&plan, part, &Actuator::DEFAULTS, &make, &|_| None, &mut |_: Found| {
         found += 1;
-        ControlFlow::Continue(())
     })?;
     if found == plan.runs() {
         Ok(begin.elapsed().as_secs_f64())

@@ -1,13 +1,13 @@
 //! Signals that ask a command to end: what is done until then is kept.
 
+use crate::core::cancel::CancelToken;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
-/// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP; looked at
-/// after every point and run. A second signal ends the program at once.
+/// Set by Ctrl-C, by SIGTERM, which schedulers send before they kill, and by SIGHUP. A second signal ends the program at once.
 static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| {
     let flag: Arc<AtomicBool> = Arc::default();
     #[cfg(unix)]
@@ -29,9 +29,9 @@ pub fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)
 }
 
-/// Handles signals from now on.
-pub fn handle() {
-    LazyLock::force(&INTERRUPTED);
+/// The token that a signal cancels; signals are handled from now on.
+pub fn token() -> CancelToken {
+    CancelToken::from(Arc::clone(&INTERRUPTED))
 }
 
 /// Answers a signal that does not end the program soon: what another crate computes, as the factors

@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use super::results::Results;
-use super::signals::interrupted;
+use super::signals::{self, interrupted};
 use super::sources::Sources;
 use super::trace::SceneAt;
 use super::watch::{Watch, announce, bar};
@@ -13,7 +13,6 @@ use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -73,7 +72,7 @@ impl Sweep {
     /// Does the sweeps, saves and draws them. Whatever was done is saved, also after an error or
     /// Ctrl-C.
     pub fn run(&self, from: Sources, out: &mut impl Write) -> Result<(), CommandError> {
-        let (name, scene) = self.scene.read(from, None)?;
+        let (name, mut scene) = self.scene.read(from, None)?;
         if scene.sweeps.is_empty() {
             return Err(CommandError::NoSweep { scene: self.scene.scene.clone() });
         }
@@ -95,6 +94,7 @@ impl Sweep {
         if let Some(part) = self.part {
             divided(&scene, part, out)?;
         }
+        scene.settings.cancel = signals::token();
         let traced = self.part.is_none().then_some(&scene);
         let document = trace(traced, &self.scene.scene, out)?;
         let kept = Kept { results: &results, document, drawn: self.part.is_none() };
@@ -149,10 +149,11 @@ impl Merge {
         let results = Results::claim(&self.out, &whole.name, &["ron", "npz", "svg"], &inputs)?;
         let place = format!("the scene of {}", self.files[0].display());
         let scene = from.catalogue.parse_alone(&whole.scene);
-        let scene = scene.map_err(|cause| CommandError::Scene {
+        let mut scene = scene.map_err(|cause| CommandError::Scene {
             place: place.clone(),
             cause: Box::new(cause),
         })?;
+        scene.settings.cancel = signals::token();
         // The runs of all parts are not lost with branches that cannot be traced.
         let (document, failure) = match trace(Some(&scene), &place, out) {
             Ok(document) => (document, None),
@@ -258,11 +259,7 @@ impl SweepWatch for Keeper<'_> {
         announce(&self.bar, &self.sweep, &what, time, remedy);
     }
 
-    fn goes_on(&self) -> fn() -> bool {
-        || !interrupted()
-    }
-
-    fn found(&mut self, known: &Sweeps, _found: &Found) -> ControlFlow<()> {
+    fn found(&mut self, known: &Sweeps, _found: &Found) {
         self.bar.inc(1);
         let done: usize = known.sweeps.iter().map(|sweep| sweep.rows.len()).sum();
         let total: usize = known.sweeps.iter().map(|sweep| sweep.total).sum();
@@ -274,12 +271,12 @@ impl SweepWatch for Keeper<'_> {
                 Ok(_) | Err(CommandError::Figure { .. }) => {}
                 Err(error) => {
                     self.failure = Some(error);
-                    return ControlFlow::Break(());
+                    signals::token().cancel();
+                    return;
                 }
             }
             self.pause = self.every.max(20 * begin.elapsed());
             self.saved = Instant::now();
         }
-        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -3,6 +3,7 @@
 use super::asked::{Asking, Switch, value};
 use super::error::CommandError;
 use super::results::Results;
+use super::signals;
 use super::sources::Sources;
 use super::watch::Watch;
 use crate::core::continuation::Branch;
@@ -135,7 +136,7 @@ impl Trace {
         if let (Some(Begin::At(_)), Some(_)) = (&self.start, &self.asking.switch) {
             return Err(CommandError::NotTogether("--switch"));
         }
-        let (name, scene) = self.read(from)?;
+        let (name, mut scene) = self.read(from)?;
         if !scene.runs.iter().any(|run| run.shown) {
             return Err(CommandError::NoRun { scene: self.scene.scene.clone() });
         }
@@ -146,6 +147,7 @@ impl Trace {
         for warning in scene.warnings() {
             writeln!(std::io::stderr(), "warning: {}", printable(&warning))?;
         }
+        scene.settings.cancel = signals::token();
         let mut watch = Watch::new(out);
         let outcome = match (&self.asking.switch, &start) {
             (Some(Switch::All), None) => explore(&scene, self.asking.depth.into(), &mut watch).1,

@@ -1,13 +1,12 @@
 //! Watching a trace: lines of special points, a progress bar on a terminal, signals.
 
 use super::error::CommandError;
-use super::signals::{self, interrupted};
+use super::signals::interrupted;
 use crate::core::continuation::{Branch, Observer, Point, SpecialPoint};
 use crate::output::{Screen, printable};
 use crate::scene::{SceneError, SceneObserver};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
-use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// A progress bar, if the error stream is a terminal.
@@ -56,7 +55,6 @@ pub struct Watch<'a, W: Write> {
 impl<'a, W: Write> Watch<'a, W> {
     /// Prints to `out`; shows a progress bar if the error stream is a terminal.
     pub fn new(out: &'a mut W) -> Self {
-        signals::handle();
         Watch { out, screen: None, bar: bar(), points: 0, shown: true, failure: None }
     }
 
@@ -88,10 +86,9 @@ impl<W: Write> Observer for Watch<'_, W> {
         self.screen = Some(screen);
     }
 
-    fn point(&mut self, _point: &Point) -> ControlFlow<()> {
+    fn point(&mut self, _point: &Point) {
         self.points += 1;
         self.bar.set_message(format!("{} points", self.points));
-        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn special(&mut self, _branch: &Branch, special: &SpecialPoint) {
@@ -103,10 +100,6 @@ impl<W: Write> Observer for Watch<'_, W> {
 }
 
 impl<W: Write> SceneObserver for Watch<'_, W> {
-    fn goes_on(&self) -> fn() -> bool {
-        || !interrupted()
-    }
-
     fn work(&mut self, run: &str, what: &str, longest: Duration) {
         announce(&self.bar, run, what, longest, "Ctrl-C keeps what is done");
     }

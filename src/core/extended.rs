@@ -7,8 +7,8 @@
 //!     ⟨row, X − base⟩ = length   one closing equation, where a point of a curve is asked for
 //! ```
 
+use super::cancel::CancelToken;
 use super::condition::{At, Condition, Failure};
-use super::interruption;
 use super::linear::Factors;
 use super::system_ref::SystemRef;
 use super::vector::along;
@@ -55,6 +55,8 @@ pub struct Extended<'a> {
     own_gradients: Vec<f64>,
     direction: Vec<f64>,
     factors: Factors,
+    /// Cancels assemblies.
+    pub(crate) cancel: CancelToken,
 }
 
 impl<'a> Extended<'a> {
@@ -79,6 +81,7 @@ impl<'a> Extended<'a> {
             gradients: Vec::new(),
             own_gradients: Vec::new(),
             factors: Factors::default(),
+            cancel: CancelToken::default(),
         };
         extended.resize();
         extended
@@ -247,7 +250,7 @@ impl<'a> Extended<'a> {
 
     /// Assembles the problem's matrix at `X`.
     pub(crate) fn assemble(&mut self, unknowns: &[f64]) -> Result<(), Failure> {
-        interruption::check()?;
+        self.cancel.check()?;
         self.load(unknowns);
         self.system.assemble(&self.x)
     }

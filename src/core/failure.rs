@@ -1,6 +1,6 @@
 //! Why equations cannot be evaluated or solved.
 
-use super::interruption::Interrupted;
+use super::cancel::Cancelled;
 
 /// A pivot this much smaller than what it is compared with counts as zero: the largest pivot of an
 /// equilibrated matrix, or the largest entry of its row.
@@ -37,9 +37,9 @@ pub enum FlowError {
         /// What left which domain.
         left: OutOfDomain,
     },
-    /// The work was given up.
+    /// The work was cancelled.
     #[error(transparent)]
-    Interrupted(#[from] Interrupted),
+    Cancelled(#[from] Cancelled),
     /// A state, its slope or what comes of a step is not finite.
     #[error(
         "at t = {time:.9e}: state {state} or its slope is not finite ({value:e}); end the flow before the field \
@@ -121,9 +121,9 @@ pub enum Failure {
     /// A trajectory ends before its time.
     #[error(transparent)]
     Flow(#[from] FlowError),
-    /// The work was given up.
+    /// The work was cancelled.
     #[error(transparent)]
-    Interrupted(#[from] Interrupted),
+    Cancelled(#[from] Cancelled),
     /// Deviations, and rounding errors with them, grow by so much over a segment that too few
     /// digits are left.
     #[error(

@@ -12,6 +12,7 @@
 //! released, in the order of their names. A direction in which a derivative is taken is such a
 //! vector as well.
 
+use super::cancel::CancelToken;
 pub use super::failure::Failure;
 pub use super::failure::OutOfDomain;
 use super::linear::Factors;
@@ -268,6 +269,9 @@ pub trait Discretised {
     /// and in monitors evaluated meanwhile, since a solution is only approached; 0 restores full
     /// accuracy.
     fn set_inexactness(&mut self, _error: f64) {}
+
+    /// Cancels evaluations, assemblies and factorisations from now on with this token.
+    fn set_cancel(&mut self, _cancel: &CancelToken) {}
 
     /// The factor by which rounding errors grow inside the discretisation, as deviations do over a
     /// segment of shooting, for what is assembled. Corrections of Newton's that are no larger than

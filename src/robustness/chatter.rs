@@ -132,14 +132,16 @@ pub(super) fn draw() -> RobustnessMap {
         Panel::of((name, naive), labels, [&losses, &ends], method)
     };
     let usual = HybridSettings::default();
-    let one_by_one = HybridSettings { accumulation: 0.0, ..usual };
+    let one_by_one = HybridSettings { accumulation: 0.0, ..usual.clone() };
     map(
         "chatter",
         vec![
-            panel("A mode is named for rest", false, &|e, end| followed(true, usual, e, end)),
-            panel("No mode is named", false, &|e, end| followed(false, usual, e, end)),
+            panel("A mode is named for rest", false, &|e, end| {
+                followed(true, usual.clone(), e, end)
+            }),
+            panel("No mode is named", false, &|e, end| followed(false, usual.clone(), e, end)),
             panel("All impacts are asked for", false, &|e, end| {
-                followed(false, one_by_one, e, end)
+                followed(false, one_by_one.clone(), e, end)
             }),
             panel("Steps of one length", true, &stepped),
         ],

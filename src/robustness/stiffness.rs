@@ -38,7 +38,7 @@ fn tried(scheme: Scheme, rate: f64, tolerance: f64) -> Found {
                 FlowError::StepTooSmall { .. } => "no step small enough",
                 FlowError::OutOfDomain { .. } => "left the domain",
                 FlowError::NotFinite { .. } => "not finite",
-                FlowError::Interrupted(_) => "interrupted",
+                FlowError::Cancelled(_) => "cancelled",
             };
             Found::reported(name, cause)
         }

@@ -7,7 +7,6 @@ use super::statement::{Run, Scene, Start};
 use super::trace::{Outcome, Tracing};
 use crate::core::continuation::{Branch, Kind, SpecialPoint};
 use std::collections::VecDeque;
-use std::ops::ControlFlow;
 
 /// The most runs that are added to a scene.
 const RUNS: usize = 50;
@@ -51,8 +50,8 @@ pub fn explore(scene: &Scene, depth: usize, observer: &mut dyn SceneObserver) ->
         whole.runs.push(run.clone());
         observer.run(&run.name, run.shown);
         match tracing.run(&whole, &run, None, observer) {
-            Ok(ControlFlow::Continue(())) => {}
-            Ok(ControlFlow::Break(())) => break,
+            Ok(()) if scene.settings.cancel.is_cancelled() => break,
+            Ok(()) => {}
             Err(cause) => {
                 whole.runs.pop();
                 match &run.start {

@@ -16,7 +16,7 @@ use super::trace::{Outcome, traced};
 use crate::core::continuation::{Branch, End, Kind, Observer, Point, Settings, SpecialPoint};
 use crate::core::ladder::error_of_first;
 use crate::output::{Chosen, Document};
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Accuracies that can be asked for.
@@ -29,16 +29,12 @@ const ABOVE: usize = 2;
 struct Unseen<'a>(&'a mut dyn SceneObserver);
 
 impl Observer for Unseen<'_> {
-    fn point(&mut self, point: &Point) -> ControlFlow<()> {
-        self.0.point(point)
+    fn point(&mut self, point: &Point) {
+        self.0.point(point);
     }
 }
 
 impl SceneObserver for Unseen<'_> {
-    fn goes_on(&self) -> fn() -> bool {
-        self.0.goes_on()
-    }
-
     fn work(&mut self, run: &str, what: &str, longest: Duration) {
         self.0.work(run, what, longest);
     }

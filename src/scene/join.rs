@@ -2,7 +2,6 @@
 
 use super::observer::SceneObserver;
 use crate::core::continuation::{Branch, Kind, Observer, Point, SpecialPoint};
-use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// Two grazings are one if no number of theirs differs by more than this part.
@@ -19,8 +18,8 @@ impl Observer for Joined<'_> {
         self.observer.begin(branch);
     }
 
-    fn point(&mut self, point: &Point) -> ControlFlow<()> {
-        self.observer.point(point)
+    fn point(&mut self, point: &Point) {
+        self.observer.point(point);
     }
 
     fn special(&mut self, branch: &Branch, special: &SpecialPoint) {

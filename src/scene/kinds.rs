@@ -9,6 +9,7 @@ use super::local::Local;
 use super::problem::{Configured, Model, Parameters};
 use super::simulate::{Simulated, stated};
 use crate::core::bvp::{Birth, Equations};
+use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SpecialPoint};
 use crate::core::dense::Dense;
 use crate::core::field::{Equilibria, VectorField};
@@ -102,7 +103,13 @@ impl<M: DiscreteMap + 'static> Model for Configured<Arc<M>, MapSettings> {
         Ok(Box::new(cycles.system().map_err(ProblemError::new)?))
     }
 
-    fn settled(&self, _run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
+    fn settled(
+        &self,
+        _run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        _cancel: &CancelToken,
+    ) -> Result<Started, SceneError> {
         let names = self.problem.names().unknowns.into_iter().map(|state| state.name);
         let start = stated(&Mode::new("map", names), &simulated.state)?.x;
         let transient = simulated.transient.round() as usize;

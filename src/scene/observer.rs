@@ -6,12 +6,6 @@ use std::time::Duration;
 
 /// Sees the runs of a scene.
 pub trait SceneObserver: Observer {
-    /// What is asked between any two steps of flows and corrections: where it is false, the scene
-    /// ends and keeps its results so far.
-    fn goes_on(&self) -> fn() -> bool {
-        || true
-    }
-
     /// The run of this name begins; whether its branch is shown.
     fn run(&mut self, _run: &str, _shown: bool) {}
 

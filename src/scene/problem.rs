@@ -6,6 +6,7 @@ use super::local::Local;
 use super::simulate::{Simulated, settled};
 use super::slot::{self, Slots, options, written};
 use crate::core::bvp::Birth;
+use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, SettingError, SpecialPoint};
 use crate::core::grazing::LocalMap;
 use crate::core::hybrid::HybridEquations;
@@ -54,8 +55,14 @@ pub(super) trait Model: Adjustable {
     }
 
     /// The system of the orbits like the one on which a simulation settles, and that orbit.
-    fn settled(&self, run: &str, simulated: &Simulated, p: &[f64]) -> Result<Started, SceneError> {
-        self.started(settled(self.motion()?, run, simulated, p)?, p)
+    fn settled(
+        &self,
+        run: &str,
+        simulated: &Simulated,
+        p: &[f64],
+        cancel: &CancelToken,
+    ) -> Result<Started, SceneError> {
+        self.started(settled(self.motion()?, run, simulated, p, cancel)?, p)
     }
 
     /// The local map at a grazing, for a run or a sweep.

@@ -30,7 +30,7 @@ fn continuation_slots(settings: &mut Settings) -> Slots<'_> {
         stability: Plain,
         save_every: Plain,
         eigenvalues: Plain,
-    })
+    } without cancel)
 }
 
 /// The settings of a sweep by name.
@@ -41,7 +41,7 @@ fn sweep_slots(sweep: &mut Sweep) -> Slots<'_> {
         recorded_periods: Plain,
         max_period: Plain,
         lyapunov_periods: Plain,
-    } without tolerance);
+    } without tolerance, cancel);
     slots.push(("flow_error", Box::new(Plain(flow_error))));
     if let [Grid { count, .. }, ..] = &mut over[..] {
         slots.push(("count", Box::new(Plain(count))));

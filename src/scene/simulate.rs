@@ -5,9 +5,11 @@ use super::discretisation::no_start;
 use super::error::SceneError;
 use super::observer::SceneObserver;
 use super::slot::values;
+use super::statement::Scene;
 use crate::core::bvp::Birth;
+use crate::core::cancel::CancelToken;
 use crate::core::continuation::{Branch, End, Kind, Point, Settings, SpecialPoint};
-use crate::core::flow::uncounted;
+use crate::core::flow::{self, uncounted};
 use crate::core::hybrid::{
     CycleSearch, CycleSearchError, Event, History, HybridEquations, HybridError, HybridFlow,
     HybridObserver, HybridSettings, HybridState, Mode, Piece,
@@ -102,16 +104,17 @@ pub(super) fn simulate(
     system: &dyn HybridEquations,
     name: &str,
     simulated: &Simulated,
-    p: &[f64],
+    seen: &Scene,
     (start, observer): (Option<HybridState<f64>>, &mut dyn SceneObserver),
 ) -> Result<(Branch, HybridState<f64>), SceneError> {
+    let p = &seen.values()?[..];
     let failed = |cause: HybridError| SceneError::of_run(name, cause);
     let start = match start {
         Some(state) => state,
         None => stated(&system.modes()[0], &simulated.state)?,
     };
     let unit = system.period(p);
-    let mut flow = HybridFlow::new(system, HybridSettings::default()).map_err(failed)?;
+    let mut flow = HybridFlow::new(system, settings(&seen.settings.cancel)).map_err(failed)?;
     let mut state = flow.initial(start, p);
     let duration = (simulated.transient + simulated.duration) * unit;
     foresee(name, &mut flow, &state, (duration, p), observer);
@@ -124,6 +127,12 @@ pub(super) fn simulate(
     let curves = curves(system, &history.pieces, begin);
     let events = history.events.len() as f64 / simulated.duration;
     Ok((branch(system, name, p, &curves, events), state))
+}
+
+/// The usual settings of a motion that can be cancelled.
+fn settings(cancel: &CancelToken) -> HybridSettings {
+    let flow = flow::Settings { cancel: cancel.clone(), ..flow::Settings::default() };
+    HybridSettings { flow, ..HybridSettings::default() }
 }
 
 /// How periodic motion is searched for.
@@ -154,12 +163,13 @@ pub(super) fn settled(
     run: &str,
     simulated: &Simulated,
     p: &[f64],
+    cancel: &CancelToken,
 ) -> Result<Birth<HybridOrbit>, SceneError> {
     let unsettled = |cause: CycleSearchError| SceneError::of_run(run, cause);
     let start = stated(&system.modes()[0], &simulated.state)?;
     let search = search(&*system, simulated, p);
-    let mut flow = HybridFlow::new(&*system, HybridSettings::default())
-        .map_err(|cause| unsettled(cause.into()))?;
+    let mut flow =
+        HybridFlow::new(&*system, settings(cancel)).map_err(|cause| unsettled(cause.into()))?;
     let cycle = search.find(&mut flow, start, p).map_err(unsettled)?;
     drop(flow);
     HybridOrbit::of_cycle(system, &cycle).map_err(no_start)

@@ -4,11 +4,12 @@ use super::error::SceneError;
 use super::simulate::stated;
 use super::statement::{Grid, Scene, Sweep};
 use super::trace::map_of;
-use crate::core::attractor::{Layout, PeriodMap, ReturnMap, StroboscopicError, StroboscopicMap};
+use crate::core::attractor::{
+    AttractorSearch, Layout, PeriodMap, ReturnMap, StroboscopicError, StroboscopicMap,
+};
 use crate::core::flow;
 use crate::core::grazing::{Iterated, LocalMap};
 use crate::core::hybrid::{HybridEquations, HybridSettings, Mode};
-use crate::core::interruption::interruptible;
 use crate::core::names::{UnknownName, position};
 use crate::core::sweep::{
     self, Axis, Division, Found, MOST_RUNS, Make, Order, Part, Plan, Quantity, Work,
@@ -16,7 +17,6 @@ use crate::core::sweep::{
 use crate::output::{SWEEPS, SweepTable, Sweeps};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Sees the runs of sweeps.
@@ -27,16 +27,8 @@ pub trait SweepWatch {
     /// The time that the sweep that begins may take.
     fn work(&mut self, _work: &Work) {}
 
-    /// What is asked between any two periods of every run: where it is false, runs that are not
-    /// done are given up.
-    fn goes_on(&self) -> fn() -> bool {
-        || true
-    }
-
-    /// A run is done, and is the last of what is known now. The sweeps may be ended.
-    fn found(&mut self, _known: &Sweeps, _found: &Found) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
+    /// A run is done, and is the last of what is known now.
+    fn found(&mut self, _known: &Sweeps, _found: &Found) {}
 }
 
 impl SweepWatch for () {}
@@ -110,7 +102,9 @@ impl Scene {
         let starts = if sweep.starts.is_empty() { &[Vec::new()] } else { &sweep.starts[..] };
         let starts = starts.iter().map(|state| stated(mode, state)).collect::<Result<_, _>>()?;
         let crisis = sweep.crisis.as_ref().map(|sought| sought.among(&parameters)).transpose()?;
-        let Sweep { order, strands, search, .. } = *sweep;
+        let Sweep { order, strands, ref search, .. } = *sweep;
+        let cancel = self.settings.cancel.clone();
+        let search = AttractorSearch { cancel, ..search.clone() };
         let plan = Plan { axes, starts, order, strands, search, crisis };
         plan.check()?;
         Ok(plan)
@@ -144,9 +138,8 @@ pub fn sweep(
     known: Option<Sweeps>,
     watch: &mut dyn SweepWatch,
 ) -> Result<Sweeps, SceneError> {
-    let prepared: Vec<Prepared> = interruptible(watch.goes_on(), || {
-        scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep)).collect::<Result<_, _>>()
-    })?;
+    let prepared = scene.sweeps.iter().map(|sweep| Prepared::of(scene, sweep));
+    let prepared: Vec<Prepared> = prepared.collect::<Result<_, _>>()?;
     let nothing = Sweeps {
         format: SWEEPS.into(),
         name: name.into(),
@@ -165,7 +158,8 @@ pub fn sweep(
     };
     let mut before = 0;
     for (index, one) in prepared.iter().enumerate() {
-        if one.execute(part.after(before)?, &mut all, index, watch)?.is_break() {
+        one.execute(part.after(before)?, &mut all, index, watch)?;
+        if scene.settings.cancel.is_cancelled() {
             break;
         }
         before += scene.sweeps[index].strand_lengths(None).count();
@@ -182,6 +176,7 @@ fn strobed<'a>(
 ) -> Result<Box<dyn StroboscopicMap + 'a>, StroboscopicError> {
     let Some(map) = map else {
         let flow = flow::Settings::new(flow::Scheme::DormandPrince8, sweep.flow_error);
+        let flow = flow::Settings { cancel: seen.settings.cancel.clone(), ..flow };
         let settings = HybridSettings { flow, ..HybridSettings::default() };
         return Ok(match &sweep.at {
             None => Box::new(PeriodMap::of(motion, settings, &sweep.measures)?),
@@ -230,7 +225,7 @@ impl<'a> Prepared<'a> {
         all: &mut Sweeps,
         index: usize,
         watch: &mut dyn SweepWatch,
-    ) -> Result<ControlFlow<()>, SceneError> {
+    ) -> Result<(), SceneError> {
         let Prepared { sweep, seen, motion, map, layout, plan } = self;
         let (table, modes) = (&all.sweeps[index], &layout.modes);
         watch.begin(table);
@@ -245,14 +240,11 @@ impl<'a> Prepared<'a> {
         if let Some(work) = work {
             watch.work(&work);
         }
-        let mut outcome = ControlFlow::Continue(());
         let done = |run: usize| ends.get(&run).cloned();
-        let goes_on = watch.goes_on();
-        sweep::execute(plan, part, &seen.values()?, make, &done, &goes_on, &mut |found: Found| {
+        sweep::execute(plan, part, &seen.values()?, make, &done, &mut |found: Found| {
             all.sweeps[index].push(&found, plan.start(found.run), modes);
-            outcome = watch.found(all, &found);
-            outcome
+            watch.found(all, &found);
         })?;
-        Ok(outcome)
+        Ok(())
     }
 }

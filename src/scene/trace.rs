@@ -9,15 +9,13 @@ use super::plan::{StartPoint, leading, plan};
 
 use super::simulate::{Simulated, foresee_settling, simulate};
 use super::statement::{Run, Scene, Start, Way};
-use crate::core::continuation::{Branch, Continuation, End, Kind, SpecialPoint};
+use crate::core::continuation::{Branch, Continuation, Kind, SpecialPoint};
 use crate::core::grazing::LocalMap;
 use crate::core::hybrid::HybridState;
-use crate::core::interruption::{interrupted, interruptible};
 use crate::core::names::position;
 use crate::core::zero::{Group, System};
 use crate::output::Document;
 use cpu_time::ThreadTime;
-use std::ops::ControlFlow;
 
 /// The results of a scene: all branches that were traced, and the error that stopped it, if one
 /// did.
@@ -39,13 +37,10 @@ pub(super) fn traced(
     let mut tracing = Tracing::default();
     for planned in &plan {
         observer.run(&planned.run.name, planned.run.shown);
-        match tracing.run(scene, planned.run, planned.start, observer) {
-            Ok(ControlFlow::Continue(())) => {}
-            Ok(ControlFlow::Break(())) => break,
-            Err(cause) => {
-                tracing.error = Some(cause);
-                break;
-            }
+        let outcome = tracing.run(scene, planned.run, planned.start, observer);
+        tracing.error = outcome.err();
+        if tracing.error.is_some() || scene.settings.cancel.is_cancelled() {
+            break;
         }
     }
     let shown = |name: &str| plan.iter().any(|planned| planned.shown && planned.run.name == name);
@@ -62,38 +57,37 @@ pub(super) struct Tracing {
 }
 
 impl Tracing {
-    /// Traces one more run; tells whether it was interrupted.
+    /// Traces one more run.
     pub fn run(
         &mut self,
         scene: &Scene,
         run: &Run,
         start: Option<&StartPoint>,
         observer: &mut dyn SceneObserver,
-    ) -> Result<ControlFlow<()>, SceneError> {
+    ) -> Result<(), SceneError> {
         let akin = scene.runs.iter().filter(|other| other.is_akin_to(run));
         let akin: Vec<&str> = akin.map(|other| other.name.as_str()).collect();
         // Branches of other motions do not meet this one.
         let alike: Vec<&Branch> =
             self.done.iter().filter(|other| akin.contains(&other.name.as_str())).collect();
-        let mut branch = interruptible(observer.goes_on(), || {
-            let branch = match (&run.start, run.along.is_empty()) {
-                (Start::Simulated(simulated), true) => {
-                    history(scene, run, simulated, (&mut self.last, observer))
-                }
-                _ => {
-                    let mut joined = Joined { done: &alike, observer };
-                    trace(scene, run, start, &self.done, &mut joined)
-                }
-            };
-            let given_up = || SceneError::GivenUp { run: run.name.clone() };
-            branch.map_err(|cause| if interrupted() { given_up() } else { cause })
+        let branch = match (&run.start, run.along.is_empty()) {
+            (Start::Simulated(simulated), true) => {
+                history(scene, run, simulated, (&mut self.last, observer))
+            }
+            _ => {
+                let mut joined = Joined { done: &alike, observer };
+                trace(scene, run, start, &self.done, &mut joined)
+            }
+        };
+        let mut branch = branch.map_err(|cause| match scene.settings.cancel.is_cancelled() {
+            true => SceneError::GivenUp { run: run.name.clone() },
+            false => cause,
         })?;
         let mut special = std::mem::take(&mut branch.special);
         special.iter_mut().for_each(|special| join(&branch, special, &alike));
         branch.special = special;
-        let interrupted = branch.ends.contains(&End::Interrupted);
         self.done.push(branch);
-        Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        Ok(())
     }
 
     /// The results, with the branches that are shown.
@@ -124,8 +118,7 @@ fn history(
     let start = simulated.after.as_ref().and_then(before);
     let motion = seen.problem.model().motion()?;
     let simulated = simulated.from(&seen.problem.initial(&seen.values()?));
-    let (branch, end) =
-        simulate(&*motion, &run.name, &simulated, &seen.values()?, (start, observer))?;
+    let (branch, end) = simulate(&*motion, &run.name, &simulated, &seen, (start, observer))?;
     last.push((run.name.clone(), end));
     Ok(branch)
 }
@@ -142,7 +135,7 @@ fn settled(
     if let Ok(motion) = model.motion() {
         foresee_settling(&*motion, &run.name, &simulated, &p, observer)?;
     }
-    model.settled(&run.name, &simulated, &p)
+    model.settled(&run.name, &simulated, &p, &seen.settings.cancel)
 }
 
 fn trace(

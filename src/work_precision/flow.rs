@@ -27,7 +27,7 @@ fn over<F: VectorField + 'static, T: Scalar>(
     p: Vec<f64>,
 ) -> impl FnMut() -> Result<Answer, String> + 'static {
     move || {
-        let mut flow = Flow::<T>::new(settings).map_err(|cause| cause.to_string())?;
+        let mut flow = Flow::<T>::new(settings.clone()).map_err(|cause| cause.to_string())?;
         let (mut x, p): (Vec<T>, Vec<T>) = (x.clone(), p.iter().map(|p| T::constant(*p)).collect());
         let (start, length) = (T::zero(), T::constant(time));
         let statistics = flow.advance(&field, start, length, &mut x, &p);
@@ -73,7 +73,7 @@ fn stick() -> Plan {
 fn impacting() -> Plan {
     let motion = |settings: Settings| {
         move || {
-            let settings = HybridSettings { flow: settings, ..HybridSettings::default() };
+            let settings = HybridSettings { flow: settings.clone(), ..HybridSettings::default() };
             let mut flow = HybridFlow::new(&Actuator, settings).map_err(|e| e.to_string())?;
             let x = vec![-0.4, 0.2];
             let mut state = HybridState { mode: Actuator::STICK, time: 0.0, x };

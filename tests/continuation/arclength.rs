@@ -4,7 +4,7 @@
 use crate::common::{
     Bratu, Circle, CuspForm, CuspSlice, Oxidation, PredatorPrey, close, first, values,
 };
-use std::ops::ControlFlow;
+use tangency::core::cancel::CancelToken;
 use tangency::core::continuation::{
     Branch, Continuation, End, Event, Kind, Observer, Point, Settings, TraceError,
 };
@@ -308,22 +308,27 @@ fn steps_are_long_on_smooth_branches() {
 
 #[test]
 fn an_observer_interrupts() {
-    struct Patience(usize);
+    struct Patience(usize, CancelToken);
     impl Observer for Patience {
-        fn point(&mut self, _point: &Point) -> ControlFlow<()> {
+        fn point(&mut self, _point: &Point) {
             self.0 -= 1;
-            if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if self.0 == 0 {
+                self.1.cancel();
+            }
         }
     }
     let mut system = Dense::new(CuspSlice);
     for patience in [1, 5] {
+        let cancel = CancelToken::default();
+        let settings = Settings { cancel: cancel.clone(), ..Settings::default() };
         let branch = Continuation::of(&mut system)
             .from(&[-2.0])
             .at("mu", -2.0 / 3.0)
             .along("mu", -2.0..=2.0)
+            .settings(settings)
             .steps()
             .unwrap()
-            .run(&mut Patience(patience));
+            .run(&mut Patience(patience, cancel));
         assert_eq!(branch.ends, [End::Interrupted, End::Interrupted]);
         assert_eq!(branch.points.len(), patience);
     }

@@ -134,25 +134,25 @@ fn steps_are_limited() {
 
 #[test]
 fn settings_without_a_meaning_are_refused() {
-    let fine = Settings::default();
+    let fine = Settings::default;
     for settings in [
-        Settings { relative: 0.0, ..fine },
-        Settings { relative: f64::NAN, ..fine },
-        Settings { absolute: -1.0, ..fine },
-        Settings { absolute: 0.0, ..fine },
-        Settings { absolute: f64::INFINITY, ..fine },
+        Settings { relative: 0.0, ..fine() },
+        Settings { relative: f64::NAN, ..fine() },
+        Settings { absolute: -1.0, ..fine() },
+        Settings { absolute: 0.0, ..fine() },
+        Settings { absolute: f64::INFINITY, ..fine() },
     ] {
-        let error = Flow::<f64>::new(settings).err();
+        let error = Flow::<f64>::new(settings.clone()).err();
         assert!(matches!(error, Some(SettingsError::Tolerance { .. })), "{settings:?}");
     }
     for settings in [
-        Settings { largest_step: 0.0, ..fine },
-        Settings { first_step: Some(2.0), ..fine },
-        Settings { first_step: Some(f64::NAN), ..fine },
+        Settings { largest_step: 0.0, ..fine() },
+        Settings { first_step: Some(2.0), ..fine() },
+        Settings { first_step: Some(f64::NAN), ..fine() },
     ] {
-        let error = Flow::<f64>::new(settings).err();
+        let error = Flow::<f64>::new(settings.clone()).err();
         assert!(matches!(error, Some(SettingsError::Step(_))), "{settings:?}");
     }
-    let error = Flow::<f64>::new(Settings { max_steps: 0, ..fine }).err();
+    let error = Flow::<f64>::new(Settings { max_steps: 0, ..fine() }).err();
     assert_eq!(error, Some(SettingsError::Steps));
 }

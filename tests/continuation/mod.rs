@@ -2,6 +2,7 @@
 
 mod algebraic;
 mod arclength;
+mod cancellation;
 mod chain;
 mod chunks;
 mod closures;

@@ -7,12 +7,12 @@ use crate::hybrid::systems::impact_oscillator::ClosedForm;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use tangency::core::attractor::{
     Attractor, AttractorSearch, CrisisSearch, Exponent, PeriodMap, StroboscopicError,
     StroboscopicMap,
 };
 use tangency::core::bvp::Shooting;
+use tangency::core::cancel::CancelToken;
 use tangency::core::field::Forcing;
 use tangency::core::flow::{Scheme, Settings};
 use tangency::core::hybrid::{
@@ -264,10 +264,18 @@ fn swept(
     let done = |run: usize| known.get(&run).map(end);
     let mut all = known.clone();
     let mut left = most;
-    execute(plan, part, &mita(0.0, 0.5), &make, &done, &|| true, &mut |found: Found| {
+    let cancel = CancelToken::default();
+    let search = AttractorSearch { cancel: cancel.clone(), ..plan.search.clone() };
+    let plan = &Plan { search, ..plan.clone() };
+    execute(plan, part, &mita(0.0, 0.5), &make, &done, &mut |found: Found| {
+        if left == 0 {
+            return;
+        }
         all.insert(found.run, found);
         left -= 1;
-        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if left == 0 {
+            cancel.cancel();
+        }
     })
     .unwrap();
     all
@@ -348,7 +356,7 @@ fn attractors_found_abreast_are_those_found_one_by_one() {
     let members: Vec<_> =
         [1.0, 2.0, 3.0, 5.0, 5.5, 6.0].into_iter().enumerate().map(member).collect();
     let search = AttractorSearch { lyapunov_periods: 0, ..AttractorSearch::default() };
-    let abreast = search.follow_all(&mut map, members.clone(), &|| true);
+    let abreast = search.follow_all(&mut map, members.clone());
     let mut cycles = 0;
     for (Member { state, p }, found) in members.into_iter().zip(abreast) {
         let (found, alone) = (found.unwrap(), search.follow(&mut map, state, &p).unwrap());

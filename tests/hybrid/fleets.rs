@@ -110,7 +110,7 @@ fn errors_of_members_are_those_of_their_motions() {
     let few_steps = HybridSettings { flow, ..HybridSettings::default() };
     for settings in [HybridSettings::default(), few_steps] {
         let starts = fleet.clone();
-        let (results, _) = followed(&mut fleet.clone(), settings, 1);
+        let (results, _) = followed(&mut fleet.clone(), settings.clone(), 1);
         let mut motion = HybridFlow::new(&Actuator, settings).expect("settings");
         for (Member { mut state, p }, result) in starts.into_iter().zip(results) {
             let alone = motion.advance(&mut state, PI / p[1], &p, &mut ());

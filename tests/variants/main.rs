@@ -37,11 +37,11 @@ mod table;
 mod variant;
 
 use compare::{Comparison, compare};
-use std::ops::ControlFlow;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use table::Table;
 use tangency::Catalogue;
+use tangency::core::cancel::CancelToken;
 use tangency::core::continuation::{Branch, Observer, Point};
 use tangency::scene::{Scene, SceneObserver, execute};
 use variant::{Change, VARIANTS, Variant};
@@ -61,11 +61,13 @@ const QUICK: [&str; 7] = [
 ];
 
 /// Interrupts what takes too long.
-struct Deadline(Instant);
+struct Deadline(Instant, CancelToken);
 
 impl Observer for Deadline {
-    fn point(&mut self, _point: &Point) -> ControlFlow<()> {
-        if self.0.elapsed() > LONGEST { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    fn point(&mut self, _point: &Point) {
+        if self.0.elapsed() > LONGEST {
+            self.1.cancel();
+        }
     }
 }
 
@@ -78,7 +80,9 @@ type Traced = (Vec<Branch>, Option<String>);
 fn traced(scene: &Scene) -> Traced {
     let mut scene = scene.clone();
     scene.runs.iter_mut().for_each(|run| run.shown = true);
-    let outcome = execute(&scene, None, &mut Deadline(Instant::now()));
+    let cancel = CancelToken::default();
+    scene.settings.cancel = cancel.clone();
+    let outcome = execute(&scene, None, &mut Deadline(Instant::now(), cancel));
     (outcome.document.branches, outcome.error.map(|error| error.to_string()))
 }
 

@@ -3,7 +3,7 @@
 use super::error::StroboscopicError;
 use super::search::{Attractor, AttractorSearch};
 use super::stroboscopic::StroboscopicMap;
-use crate::core::hybrid::{HybridState, Member};
+use crate::core::hybrid::HybridState;
 
 /// Where an attractor that is no cycle is lost as a parameter goes on: in a crisis, motion leaves
 /// it for good.
@@ -89,22 +89,12 @@ impl AttractorSearch {
         p: &[f64],
         search: &CrisisSearch,
     ) -> Result<Crisis, StroboscopicError> {
-        self.crisis_while(motion, Member { state: start, p: p.to_vec() }, search, &|| true)
-    }
-
-    /// Where the attractor is lost, sought while `goes_on`: if that ends before, nothing is known.
-    pub(in crate::core) fn crisis_while(
-        &self,
-        motion: &mut dyn StroboscopicMap,
-        Member { state, mut p }: Member<f64>,
-        search: &CrisisSearch,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Crisis, StroboscopicError> {
+        let mut p = p.to_vec();
         let mut follow = |value: f64, state: HybridState<f64>| {
             p[search.parameter] = value;
-            self.follow_while(motion, Member { state, p: p.clone() }, goes_on)
+            self.follow(motion, state, &p)
         };
-        let first = follow(search.value(0), state)?;
+        let first = follow(search.value(0), start)?;
         let (mut state, mut last) = (first.end.clone(), None);
         let mut alive = Some((search.value(0), first)).filter(|(_, first)| first.periods.is_none());
         for step in 1..=search.steps {
@@ -122,7 +112,7 @@ impl AttractorSearch {
             let [from, to] = search.between;
             return Err(StroboscopicError::NoCrisis { from, to, steps: search.steps });
         };
-        while (off - on).abs() > search.tolerance {
+        while (off - on).abs() > search.tolerance && !self.cancel.is_cancelled() {
             let middle = 0.5 * (on + off);
             // One state may happen to be outside of the basin already.
             let records = attractor.records.chunks(attractor.records.len().div_ceil(STARTS).max(1));

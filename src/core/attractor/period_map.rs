@@ -54,9 +54,9 @@ impl<'a> PeriodMap<'a> {
     ) -> Result<Self, StroboscopicError> {
         let seen = Seen::of(system, measures)?;
         Ok(PeriodMap {
-            real: HybridFlow::new(system, settings)?,
-            dual: HybridFlow::new(system, settings)?,
-            fleet: Fleet::new(system, settings)?,
+            real: HybridFlow::new(system, settings.clone())?,
+            dual: HybridFlow::new(system, settings.clone())?,
+            fleet: Fleet::new(system, settings.clone())?,
             dual_fleet: Fleet::new(system, settings)?,
             seen,
         })

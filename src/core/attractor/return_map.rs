@@ -90,7 +90,7 @@ impl<'a> ReturnMap<'a> {
         }
         let seen = Seen::of(system, measures)?;
         Ok(ReturnMap {
-            real: HybridFlow::new(system, settings)?,
+            real: HybridFlow::new(system, settings.clone())?,
             dual: HybridFlow::new(system, settings)?,
             event: position("event", event, &seen.layout.events)?,
             longest: LONGEST,

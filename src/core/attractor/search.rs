@@ -4,6 +4,7 @@ use super::error::StroboscopicError;
 use super::exponent::{Exponent, Growth, Monodromy, with_tangent};
 use super::period::{Layout, Period};
 use super::stroboscopic::{StroboscopicMap, advance_each, push_forward_each};
+use crate::core::cancel::CancelToken;
 use crate::core::hybrid::{HybridState, Member, Repetition, StateScales};
 use crate::core::vector::{difference, norm};
 use num_dual::Dual64;
@@ -17,7 +18,7 @@ use std::ops::ControlFlow;
 /// let patient = AttractorSearch { transient: 5000, ..AttractorSearch::default() };
 /// assert!(patient.recorded_periods == 200 && patient.max_period == 16);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AttractorSearch {
     /// The length of the transient, which is not recorded.
@@ -32,6 +33,9 @@ pub struct AttractorSearch {
     /// Over how many periods the exponent of a motion that is not periodic is averaged; 0 for no
     /// exponent.
     pub lyapunov_periods: usize,
+    /// Cancels the search between any two periods: nothing is known then.
+    #[serde(skip)]
+    pub cancel: CancelToken,
 }
 
 impl Default for AttractorSearch {
@@ -44,6 +48,7 @@ impl Default for AttractorSearch {
             max_period: 16,
             tolerance: 1e-5,
             lyapunov_periods: 2000,
+            cancel: CancelToken::default(),
         }
     }
 }
@@ -167,12 +172,12 @@ fn proceed(goes_on: bool) -> ControlFlow<()> {
     if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }
 
-/// How trajectories are followed, and while what holds.
+/// How trajectories are followed.
 struct Following<'m> {
     map: &'m mut dyn StroboscopicMap,
     /// Not one by one.
     abreast: bool,
-    goes_on: &'m dyn Fn() -> bool,
+    cancel: &'m CancelToken,
 }
 
 impl Following<'_> {
@@ -186,9 +191,9 @@ impl Following<'_> {
     ) {
         let wanted: Vec<usize> = (0..runs.len()).filter(|k| wanted(&runs[*k])).collect();
         let mut members: Vec<_> = wanted.iter().map(|k| runs[*k].member.clone()).collect();
-        let goes_on = self.goes_on;
+        let cancel = self.cancel;
         let each = &mut |k: usize, period: Option<Period>, state: &HybridState<f64>| {
-            proceed(each(&mut runs[wanted[k]], period, state) && goes_on())
+            proceed(each(&mut runs[wanted[k]], period, state) && !cancel.is_cancelled())
         };
         let outcomes = match self.abreast {
             true => self.map.advance_all(&mut members, recorded, each),
@@ -210,13 +215,13 @@ impl Following<'_> {
         }
         let lasts =
             |run: &Run| run.outcome.is_none() && run.records.len() < search.recorded_periods;
-        while (self.goes_on)() && runs.iter().any(lasts) {
+        while !self.cancel.is_cancelled() && runs.iter().any(lasts) {
             self.advance(runs, lasts, true, |run, period, state| {
                 period.is_none_or(|period| run.record(period, state)) && lasts(run)
             });
             runs.iter_mut().for_each(|run| run.improve(self.map));
         }
-        if search.lyapunov_periods > 0 && (self.goes_on)() {
+        if search.lyapunov_periods > 0 && !self.cancel.is_cancelled() {
             self.exponents(search.lyapunov_periods, runs);
         }
     }
@@ -228,9 +233,9 @@ impl Following<'_> {
         let ahead = |run: &&mut Run| with_tangent(&run.member, |_| 1.0);
         let mut members: Vec<Member<Dual64>> = aperiodic.iter().map(ahead).collect();
         let mut growths: Vec<Growth> = members.iter().map(|_| Growth::over(periods)).collect();
-        let goes_on = self.goes_on;
+        let cancel = self.cancel;
         let each = &mut |k: usize, state: &mut HybridState<Dual64>| {
-            proceed(growths[k].push(&mut state.x) && goes_on())
+            proceed(growths[k].push(&mut state.x) && !cancel.is_cancelled())
         };
         let outcomes = match self.abreast {
             true => self.map.push_forward_all(&mut members, each),
@@ -256,26 +261,14 @@ impl AttractorSearch {
         state: HybridState<f64>,
         p: &[f64],
     ) -> Result<Attractor, StroboscopicError> {
-        self.follow_while(map, Member { state, p: p.to_vec() }, &|| true)
-    }
-
-    /// Follows a motion while `goes_on`, as [`follow_all`](Self::follow_all) does: if it ends
-    /// before, nothing is known.
-    pub(in crate::core) fn follow_while(
-        &self,
-        map: &mut dyn StroboscopicMap,
-        member: Member<f64>,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Attractor, StroboscopicError> {
-        let mut run = [Run::new(self, map, member)];
-        Following { map, abreast: false, goes_on }.follow(self, &mut run);
+        let mut run = [Run::new(self, map, Member { state, p: p.to_vec() })];
+        Following { map, abreast: false, cancel: &self.cancel }.follow(self, &mut run);
         let [run] = run;
         run.finish(map.layout())
     }
 
-    /// Follows many motions abreast ([`StroboscopicMap::advance_all`]), while `goes_on`: if it ends
-    /// before, nothing is known of any of them. What is found of a motion does not depend on the
-    /// others, to the last bit.
+    /// Follows many motions abreast ([`StroboscopicMap::advance_all`]). What is found of a motion
+    /// does not depend on the others, to the last bit.
     ///
     /// # Errors
     /// For each motion, as [`follow`](Self::follow).
@@ -283,11 +276,10 @@ impl AttractorSearch {
         &self,
         map: &mut dyn StroboscopicMap,
         members: Vec<Member<f64>>,
-        goes_on: &dyn Fn() -> bool,
     ) -> Vec<Result<Attractor, StroboscopicError>> {
         let begin = |member| Run::new(self, map, member);
         let mut runs: Vec<Run> = members.into_iter().map(begin).collect();
-        Following { map, abreast: true, goes_on }.follow(self, &mut runs);
+        Following { map, abreast: true, cancel: &self.cancel }.follow(self, &mut runs);
         runs.into_iter().map(|run| run.finish(map.layout())).collect()
     }
 }

@@ -20,6 +20,7 @@ mod linearise;
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions, placed, weighted};
 use crate::core::bracketed::{Limits, bracketed_zero};
+use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::interpolation::lagrange;
 use crate::core::scalar::Scalar;
@@ -41,6 +42,7 @@ use num_dual::Dual2_64;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Collocation {
+    pub(super) cancel: CancelToken,
     basis: Basis,
     narrow: Passes<4>,
     wide: Passes<8>,
@@ -64,6 +66,7 @@ impl Collocation {
             return Err(PointsError(points));
         }
         Ok(Collocation {
+            cancel: CancelToken::default(),
             basis: Basis::new(points),
             narrow: Passes::default(),
             wide: Passes::default(),

@@ -4,6 +4,7 @@ use super::collocation::{Collocation, CollocationWork};
 use super::erased::Number;
 use super::interval::{Block, Interval, MonitoredFunctions};
 use super::shooting::{self, Shooting};
+use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 use crate::core::flow::Flow;
 use crate::core::scalar::Scalar;
@@ -77,6 +78,14 @@ impl Method {
     /// are best asked for together.
     pub(super) fn watches_with_residual(&self) -> bool {
         matches!(self, Method::Shooting(_))
+    }
+
+    /// What cancels evaluations.
+    pub(super) fn cancel(&mut self) -> &mut CancelToken {
+        match self {
+            Method::Collocation(method) => &mut method.cancel,
+            Method::Shooting(method) => &mut method.settings.cancel,
+        }
     }
 
     /// The places of the nodes in an interval, from 0 to 1: `m + 1` of them.

@@ -37,7 +37,7 @@ const SMALLEST_TOLERANCE: f64 = 1e-14;
 /// The default is the method of order 8 with a tolerance of 1e-12.
 #[derive(Default)]
 pub struct Shooting {
-    settings: Settings,
+    pub(super) settings: Settings,
     /// The error that is allowed on the way to a solution.
     allowed: f64,
     four: Variation<4>,
@@ -72,9 +72,9 @@ impl Shooting {
 
     /// The settings with an error that is allowed.
     fn allowing(&self, error: f64) -> Settings {
-        let Settings { relative, absolute, .. } = self.settings;
+        let Settings { relative, absolute, .. } = &self.settings;
         let (relative, absolute) = (relative.max(error), absolute.max(error));
-        Settings { relative, absolute, ..self.settings }
+        Settings { relative, absolute, ..self.settings.clone() }
     }
 
     /// The settings with the error that is allowed at present, for the flow of an interval.
@@ -89,7 +89,7 @@ impl Shooting {
 impl Clone for Shooting {
     /// The same settings; buffers are made anew.
     fn clone(&self) -> Self {
-        Shooting { settings: self.settings, ..Shooting::default() }
+        Shooting { settings: self.settings.clone(), ..Shooting::default() }
     }
 }
 
@@ -224,7 +224,7 @@ impl Shooting {
                 if first > 0 {
                     search.functions = MonitoredFunctions::default();
                 }
-                self.eight.linearise(settings, interval, (active, first), block, search)
+                self.eight.linearise(settings.clone(), interval, (active, first), block, search)
             }),
         };
         flowed.and_then(|()| check_growth(block.nodes, n))
@@ -285,7 +285,7 @@ impl Shooting {
     /// The same tolerance by steps of a hundredth of an interval at most: where rounding leaves no
     /// finer method, its errors are others.
     pub(super) fn by_other_steps(&self) -> Self {
-        let settings = Settings { largest_step: 0.01, ..self.settings };
+        let settings = Settings { largest_step: 0.01, ..self.settings.clone() };
         Shooting { settings, ..Shooting::default() }
     }
 
@@ -296,7 +296,7 @@ impl Shooting {
         let tolerance = (1.0 / (100.0 * digits)).max(SMALLEST_TOLERANCE);
         let ratio = tolerance / self.settings.relative;
         let absolute = self.settings.absolute * ratio;
-        let settings = Settings { relative: tolerance, absolute, ..self.settings };
+        let settings = Settings { relative: tolerance, absolute, ..self.settings.clone() };
         (ratio < 1.0).then(|| Shooting { settings, ..Shooting::default() })
     }
 }

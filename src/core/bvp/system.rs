@@ -113,13 +113,15 @@ impl BoundarySystem {
         method: impl Into<Method>,
         meshes: Vec<Mesh>,
     ) -> Result<Self, BoundaryError> {
-        let equations = Discretised::new(problem.into_equations(), method.into(), meshes)?;
+        let mut method = method.into();
+        let cancel = method.cancel().clone();
+        let equations = Discretised::new(problem.into_equations(), method, meshes)?;
         let Discretised { problem, method, layout, .. } = &equations;
         let active = (layout.parameters..layout.parameters + layout.own()).collect();
         let names = names_of(&**problem, method, layout);
         Ok(BoundarySystem {
             names,
-            linearisation: Linearisation { active, ..Default::default() },
+            linearisation: Linearisation { active, cancel, ..Default::default() },
             condensed: Factorisation::new(layout),
             pencil: Default::default(),
             pencil_of: 0,

@@ -15,6 +15,9 @@ use std::sync::Arc;
 impl<'a> Continuation<'a> {
     pub(super) fn prepare(mut self) -> Result<Tracer<'a>, TraceError> {
         self.check_names()?;
+        if let Some(system) = self.system.discretised() {
+            system.set_cancel(&self.settings.cancel);
+        }
         let start = self.adopt()?;
         let released = self.resolve_released()?;
         let held = self.resolve_held(released[0])?;

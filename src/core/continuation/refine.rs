@@ -89,6 +89,7 @@ impl Stepper<'_> {
         let measured = place - system.names().dimension();
         weights.splice(place..place, std::iter::repeat_n(0.0, own - measured.min(own)));
         let mut equations = Extended::new(system, x, released.to_vec());
+        equations.cancel.clone_from(&self.equations.cancel);
         let mut unknowns = equations.unload(x);
         for condition in conditions {
             unknowns = equations.hold(condition, &unknowns).ok()?;

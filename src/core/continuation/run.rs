@@ -11,7 +11,6 @@ use super::stepper::{AT_START, Before, Place, Step, Stepper};
 use super::unexplained::LEAST_UNEXPLAINED;
 use super::{Branch, End, Kind, Point, Settings, SpecialPoint, TraceError};
 use crate::core::condition::Quantity;
-use crate::core::interruption::interrupted;
 use crate::core::solution::Solution;
 use crate::core::test_function::{Test, VERTICAL};
 use std::collections::VecDeque;
@@ -84,6 +83,11 @@ pub(super) struct Bound {
 type Ending = (End, Option<Located>);
 
 impl Tracer<'_> {
+    /// Whether the work was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.stepper.settings.cancel.is_cancelled()
+    }
+
     /// Refuses a start beyond a bound.
     pub fn check_bounds(&self) -> Result<(), TraceError> {
         let beyond = self.bounds.iter().enumerate().find_map(|(i, bound)| {
@@ -199,7 +203,7 @@ impl Tracer<'_> {
         }
         let mut step = match self.stepper.step(&walk.before, &walk.place, walk.length) {
             Ok(step) => step,
-            Err(_) if interrupted() => return Some(End::Interrupted),
+            Err(_) if self.is_cancelled() => return Some(End::Interrupted),
             Err((step, cause)) => {
                 return Some(End::StepTooSmall { step, cause: cause.to_string() });
             }
@@ -220,7 +224,7 @@ impl Tracer<'_> {
         }
         let found = self.explained(&walk.place, &step, walk.backward, points == 0);
         // What was looked for in vain need not be missing.
-        if interrupted() {
+        if self.is_cancelled() {
             return Some(End::Interrupted);
         }
         let Some(mut found) = found else {

@@ -1,5 +1,6 @@
 //! Settings of a trace, with their ranges.
 
+use crate::core::cancel::CancelToken;
 use crate::core::kind::Kind;
 use crate::core::newton::Tolerances;
 use serde::{Deserialize, Serialize};
@@ -66,6 +67,10 @@ pub struct Settings {
     /// How many of the eigenvalues or multipliers that decide stability are kept with each point
     /// (at most 16).
     pub eigenvalues: usize,
+    /// Cancels the trace, which then ends with [`End::Interrupted`](super::End::Interrupted) and
+    /// keeps its points.
+    #[serde(skip)]
+    pub cancel: CancelToken,
 }
 
 impl Default for Settings {
@@ -87,6 +92,7 @@ impl Default for Settings {
             stability: true,
             save_every: 0,
             eigenvalues: 0,
+            cancel: CancelToken::default(),
         }
     }
 }

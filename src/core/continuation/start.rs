@@ -57,6 +57,7 @@ impl<'a> Continuation<'a> {
         let known = start.direction(same_curve, self.held.is_empty());
         let ranges: Vec<[f64; 2]> = self.released.iter().map(|r| r.1).collect();
         let mut equations = Extended::of(self.system, &self.x, released);
+        equations.cancel.clone_from(&self.settings.cancel);
         let mut unknowns = equations.unload(&self.x);
         for make in &held {
             unknowns = equations.hold(make(), &unknowns)?;

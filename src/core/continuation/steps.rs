@@ -6,18 +6,15 @@ use super::run::{Tracer, Walk};
 use super::{Branch, End, Point, Settings, SpecialPoint};
 use crate::core::solution::Solution;
 use std::mem::replace;
-use std::ops::ControlFlow;
 
-/// Sees a branch while it is traced: to print, to show progress, to interrupt.
+/// Sees a branch while it is traced: to print, to show progress, to cancel.
 pub trait Observer {
     /// A branch begins; its names are known, its points are not.
     fn begin(&mut self, _branch: &Branch) {}
 
-    /// A point was reached, the start first. `Break` ends the trace; the points traced so far are
-    /// kept.
-    fn point(&mut self, _point: &Point) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
+    /// A point was reached, the start first. An observer that has a clone of
+    /// [`Settings::cancel`] can end the trace there.
+    fn point(&mut self, _point: &Point) {}
 
     /// A special point was found. Labels are final only when the branch is complete.
     fn special(&mut self, _branch: &Branch, _special: &SpecialPoint) {}
@@ -74,6 +71,10 @@ impl Iterator for Steps<'_> {
         loop {
             if let Some(item) = self.tracer.shown.pop_front() {
                 return Some(item);
+            }
+            if self.tracer.is_cancelled() && !matches!(self.stage, Stage::Done) {
+                self.interrupt();
+                continue;
             }
             match replace(&mut self.stage, Stage::Done) {
                 Stage::Start => self.begin(),
@@ -134,8 +135,7 @@ impl<'a> Steps<'a> {
         while let Some(item) = self.next() {
             match item {
                 Traced::Special(special) => observer.special(self.branch(), &special),
-                Traced::Point(point) if observer.point(&point).is_break() => self.interrupt(),
-                Traced::Point(_) => {}
+                Traced::Point(point) => observer.point(&point),
             }
         }
         self.finish()

@@ -10,7 +10,6 @@ use super::step::{Buffers, Known, Step};
 use super::tableau::Tableau;
 use super::work;
 use crate::core::failure::FlowError;
-use crate::core::interruption;
 use crate::core::scalar::Scalar;
 use crate::core::scalar_field::FieldIn;
 use crate::core::vector::refill;
@@ -262,7 +261,7 @@ impl<T: Scalar> Flow<T> {
         (sigma, h): (f64, f64),
         statistics: &Statistics,
     ) -> Result<f64, FlowError> {
-        interruption::check()?;
+        self.settings.cancel.check()?;
         let (time, step) = (motion.time(sigma).real(), h * motion.length.real());
         let steps = statistics.accepted + statistics.rejected;
         if steps >= self.settings.max_steps {
@@ -308,7 +307,7 @@ impl<T: Scalar> Flow<T> {
         (sigma, h): (f64, f64),
         observe: &mut impl FnMut(&mut Step<F, T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let (Settings { scheme, absolute, .. }, buffers) = (self.settings, &mut self.buffers);
+        let (&Settings { scheme, absolute, .. }, buffers) = (&self.settings, &mut self.buffers);
         if let Some(tableau) = scheme.tableau().filter(|tableau| !tableau.end_in_error()) {
             buffers.stages.end_slope(tableau.end(), motion, sigma + h);
         }

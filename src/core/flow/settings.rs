@@ -2,6 +2,7 @@
 
 use super::error::SettingsError;
 use super::tableau::{ORDER_EIGHT, ORDER_FIVE, Tableau};
+use crate::core::cancel::CancelToken;
 
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -50,7 +51,7 @@ impl Scheme {
 /// assert!(settings.check().is_ok());
 /// assert!(Settings::new(Scheme::DormandPrince8, -1.0).check().is_err());
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// The method.
@@ -66,6 +67,9 @@ pub struct Settings {
     pub largest_step: f64,
     /// The largest number of steps, rejected ones included.
     pub max_steps: usize,
+    /// Cancels the flow.
+    #[serde(skip)]
+    pub cancel: CancelToken,
 }
 
 impl Settings {
@@ -78,6 +82,7 @@ impl Settings {
             first_step: None,
             largest_step: 1.0,
             max_steps: 100_000,
+            cancel: CancelToken::default(),
         }
     }
 
@@ -86,7 +91,7 @@ impl Settings {
     /// # Errors
     /// [`SettingsError`] names the first one that has none.
     pub fn check(&self) -> Result<(), SettingsError> {
-        let Settings { relative, absolute, .. } = *self;
+        let &Settings { relative, absolute, .. } = self;
         let fine =
             relative >= 1e-15 && absolute > 0.0 && relative.is_finite() && absolute.is_finite();
         if !fine {

@@ -102,7 +102,7 @@ where
         let deviation = |k: usize| Ok(Jet::variable(space, k, 0.0)? * section.scales[k]);
         let deviations: Vec<_> = (0..count).map(deviation).collect::<Result<_, GrazingError>>()?;
         let long = Settings::new(Scheme::DormandPrince8, settings.tolerance);
-        let short = Settings { first_step: Some(1.0), ..long };
+        let short = Settings { first_step: Some(1.0), ..long.clone() };
         let cycle = match system.forcing() {
             Forcing::None => 0.0,
             Forcing::Periodic { phase } => phase,

@@ -26,7 +26,7 @@ const PART_OF_PERIOD: f64 = 0.125;
 /// let settings = HybridSettings { at_once: 50, ..HybridSettings::default() };
 /// assert!(settings.accumulation == 1e-4 && settings.flow.relative == 1e-12);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct HybridSettings {
     /// The settings of the flow in each mode.
     pub flow: Settings,
@@ -146,7 +146,7 @@ where
             .map(|guard| Roots::of(GuardOf { system, guard, mode: 0, scale: 1.0 }));
         let roots = roots.collect();
         let series = (0..guards.len() * modes.len()).map(|_| Series::new()).collect();
-        let (flow, event) = (Flow::new(settings.flow)?, Event::empty());
+        let (flow, event) = (Flow::new(settings.flow.clone())?, Event::empty());
         let (pace, x, p) = Default::default();
         let of_mode = |mode| (0..guards.len()).filter(|g| guards[*g].ends(mode)).collect();
         let watched = (0..modes.len()).map(of_mode).collect();

@@ -27,6 +27,7 @@
 //! also solves with it.
 
 use super::front::{Fronts, Pivots};
+use crate::core::cancel::CancelToken;
 use crate::core::failure::Failure;
 
 /// A chain of `N` intervals with `m·n` equations each, condensed to its ends.
@@ -70,6 +71,8 @@ pub struct Chain {
     sign: f64,
     /// Right sides of the transposed system after elimination, as the equations are ordered.
     transposed: Vec<f64>,
+    /// Cancels factorisations, between intervals.
+    pub cancel: CancelToken,
     /// By columns of a front.
     unknowns: Vec<f64>,
     /// By rows of a front.
@@ -93,6 +96,7 @@ impl Chain {
     /// [`Failure::Singular`] if the equations of some interval, or of the chain up to it, do not
     /// determine the values that are eliminated: a pivot vanishes to working accuracy or is not a
     /// number. Pivots are reported relative to the largest entries of their rows.
+    /// [`Failure::Cancelled`] between intervals.
     pub fn factor(
         &mut self,
         blocks: &[f64],
@@ -105,6 +109,7 @@ impl Chain {
         self.scale(blocks);
         let mut pivots = Pivots::new();
         for i in 0..self.intervals {
+            self.cancel.check()?;
             self.fill_inner(i, blocks, columns, rows);
             self.inner.eliminate(i, &mut pivots)?;
             if i == 0 {

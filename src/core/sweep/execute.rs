@@ -5,8 +5,6 @@ use super::plan::{Order, Plan, PlanError};
 use crate::core::attractor::{Attractor, StroboscopicError, StroboscopicMap};
 use crate::core::hybrid::{HybridState, Member};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 
 /// What a run has found.
@@ -23,8 +21,8 @@ pub struct Found {
     pub crisis: Option<[f64; 2]>,
 }
 
-/// Sees a run that is done; the sweep may be ended.
-pub type Visit<'a> = dyn FnMut(Found) -> ControlFlow<()> + 'a;
+/// Sees a run that is done.
+pub type Visit<'a> = dyn FnMut(Found) + 'a;
 
 /// Makes a motion.
 pub type Make<'a> =
@@ -32,11 +30,10 @@ pub type Make<'a> =
 
 /// Executes all unfinished runs of a part of a plan: `done(run)` is the state in which a finished
 /// run ended (`None` inside if it failed). `make` makes the map, once for each batch of strands;
-/// `p` are the parameters that do not vary. `goes_on` is asked between any two periods of every
-/// run: where it is false, runs that are not done are given up.
+/// `p` are the parameters that do not vary. The search's token cancels between any two periods of
+/// every run, on all threads: runs that are not done are given up.
 ///
 /// ```
-/// use std::ops::ControlFlow;
 /// use tangency::core::attractor::{AttractorSearch, StroboscopicError, StroboscopicMap, PeriodMap};
 /// use tangency::core::hybrid::{HybridSettings, HybridState};
 /// use tangency::core::sweep::{Axis, Found, Order, Part, Plan, Quantity, execute};
@@ -49,9 +46,8 @@ pub type Make<'a> =
 ///     Ok(Box::new(PeriodMap::of(&ImpactOscillator, HybridSettings::default(), &[])?))
 /// };
 /// let mut impacts = vec![0.0; 3];
-/// execute(&plan, Part::WHOLE, &[1.0, 2.2, 0.8, 0.1, 1.0], &make, &|_| None, &|| true, &mut |found: Found| {
+/// execute(&plan, Part::WHOLE, &[1.0, 2.2, 0.8, 0.1, 1.0], &make, &|_| None, &mut |found: Found| {
 ///     impacts[found.run] = found.attractor.map_or(f64::NAN, |attractor| attractor.count("impact"));
-///     ControlFlow::Continue(())
 /// })?;
 /// assert_eq!(impacts, [0.0, 0.0, 1.0]);
 /// # Ok::<(), tangency::core::sweep::PlanError>(())
@@ -66,7 +62,6 @@ pub fn execute(
     p: &[f64],
     make: &Make,
     done: &(dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
-    goes_on: &(dyn Fn() -> bool + Sync),
     visit: &mut Visit,
 ) -> Result<(), PlanError> {
     plan.check()?;
@@ -83,14 +78,11 @@ pub fn execute(
     let threads =
         pool.as_ref().map_or_else(rayon::current_num_threads, |p| p.current_num_threads());
     let size = if abreast { batch_size(strands.len(), threads) } else { 1 };
-    let stop = AtomicBool::new(false);
     let (sender, receiver) = channel();
-    let wanted = || !stop.load(Ordering::Relaxed) && goes_on();
     std::thread::scope(|scope| {
-        let wanted = &wanted;
         scope.spawn(move || {
             let follow = |sender: &mut Sender<Found>, strands: &[Vec<usize>]| {
-                Batch { plan, p, make, done, goes_on: wanted, abreast }.follow(strands, sender);
+                Batch { plan, p, make, done, abreast }.follow(strands, sender);
             };
             // Each batch is a task of its own: some take much longer than others.
             let batches = || strands.par_chunks(size).with_max_len(1);
@@ -101,9 +93,7 @@ pub fn execute(
             }
         });
         for found in receiver {
-            if !stop.load(Ordering::Relaxed) && visit(found).is_break() {
-                stop.store(true, Ordering::Relaxed);
-            }
+            visit(found);
         }
     });
     Ok(())
@@ -130,7 +120,6 @@ struct Batch<'a, 'm> {
     p: &'a [f64],
     make: &'a Make<'m>,
     done: &'a (dyn Fn(usize) -> Option<Option<HybridState<f64>>> + Sync),
-    goes_on: &'a (dyn Fn() -> bool + Sync),
     abreast: bool,
 }
 
@@ -152,7 +141,7 @@ impl<'m> Batch<'_, 'm> {
             let starts = runs.iter_mut().map(|(run, before)| self.start(*run, before.take()));
             let starts = starts.collect();
             let outcomes = self.outcomes(&mut map, starts);
-            if !(self.goes_on)() {
+            if self.plan.search.cancel.is_cancelled() {
                 return;
             }
             for ((run, before), (attractor, crisis)) in runs.into_iter().zip(outcomes) {
@@ -184,17 +173,15 @@ impl<'m> Batch<'_, 'm> {
         };
         let Plan { search, crisis, .. } = self.plan;
         if self.abreast {
-            let found = search.follow_all(map, starts, self.goes_on);
+            let found = search.follow_all(map, starts);
             return found.into_iter().map(|found| (found, None)).collect();
         }
         let follow = |Member { state, p }: Member<f64>| match crisis {
-            None => (search.follow_while(map, Member { state, p }, self.goes_on), None),
-            Some(sought) => {
-                match search.crisis_while(map, Member { state, p }, sought, self.goes_on) {
-                    Ok(found) => (Ok(found.attractor), Some(found.between)),
-                    Err(cause) => (Err(cause), None),
-                }
-            }
+            None => (search.follow(map, state, &p), None),
+            Some(sought) => match search.crisis(map, state, &p, sought) {
+                Ok(found) => (Ok(found.attractor), Some(found.between)),
+                Err(cause) => (Err(cause), None),
+            },
         };
         starts.into_iter().map(follow).collect()
     }

@@ -5,6 +5,7 @@ use super::equations::{Discretised, Work};
 use super::local::{Arguments, Gradient, Weighted};
 use super::{BoundarySystem, MOST_INTERVALS, MOST_REFINEMENTS};
 use crate::core::bvp::{Mesh, Number};
+use crate::core::cancel::CancelToken;
 use crate::core::failure::{Failure, finite_gradient, not_finite, unknown_order};
 use crate::core::linear::Factors;
 use crate::core::solution::{Adopted, Cycles, Solution};
@@ -263,6 +264,11 @@ impl zero::Discretised for BoundarySystem {
 
     fn set_inexactness(&mut self, error: f64) {
         self.equations.rough = self.equations.method.allow(error);
+    }
+
+    fn set_cancel(&mut self, cancel: &CancelToken) {
+        self.equations.method.cancel().clone_from(cancel);
+        self.linearisation.cancel.clone_from(cancel);
     }
 
     fn growth(&self) -> f64 {

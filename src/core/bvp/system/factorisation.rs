@@ -104,6 +104,7 @@ impl Factorisation {
             if form == Form::Twisted {
                 self.untie_extras(layout, k, l);
             }
+            self.chains[s].cancel.clone_from(&assembled.cancel);
             self.chains[s].factor(&assembled.blocks[s], &self.columns, k, &self.rows, l)?;
         }
         if layout.legs.is_some() {

@@ -5,9 +5,9 @@ use super::equations::{Discretised, Work};
 use super::layout::{Layout, span};
 use super::local::{Arguments, Dependence, Passes};
 use crate::core::bvp::{Block, Interval, MonitoredFunctions};
+use crate::core::cancel::CancelToken;
 use crate::core::chunk::{CHUNK, Chunk};
 use crate::core::failure::{Failure, not_finite};
-use crate::core::interruption;
 use crate::core::zero::Border;
 
 /// The Jacobian and the residual at the `x` assembled last.
@@ -42,6 +42,8 @@ pub(super) struct Linearisation {
     pub rough: bool,
     /// How often it was assembled.
     pub count: usize,
+    /// Cancels its assembly and factorisation.
+    pub cancel: CancelToken,
 }
 
 /// Which linearisation is factored.
@@ -132,7 +134,7 @@ impl Linearisation {
             let (rows, n) = (layout.degree * segment.states, segment.states);
             let size = rows * (rows + n);
             for j in 0..segment.intervals {
-                interruption::check()?;
+                self.cancel.check()?;
                 let block = Block {
                     residual: &mut self.residual[layout.equations(s, j)],
                     nodes: &mut self.blocks[s][j * size..(j + 1) * size],

@@ -120,7 +120,7 @@ where
         system: &'a dyn HybridEquations,
         settings: HybridSettings,
     ) -> Result<Self, HybridError> {
-        let worker = HybridFlow::new(system, settings)?;
+        let worker = HybridFlow::new(system, settings.clone())?;
         let stepper = BatchStepper::new(&settings.flow).filter(|_| system.in_lanes());
         let (forecasts, candidates, slots) = Default::default();
         Ok(Fleet { worker, stepper, forecasts, candidates, slots })

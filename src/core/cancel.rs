@@ -1,0 +1,66 @@
+//! Cancellation of long work from outside, as by Ctrl-C.
+//!
+//! A [`CancelToken`] belongs to the settings of flows, searches and branches. Flows check it before
+//! every step, systems of equations before every assembly, in every interval and in every block of
+//! a factorisation, and sweeps between any two periods, on all threads. Cancelled work fails at
+//! once with [`Cancelled`]; a branch keeps its points and ends with
+//! [`End::Interrupted`](crate::core::continuation::End::Interrupted).
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A request to stop, shared by all clones of the token.
+///
+/// ```
+/// use tangency::core::cancel::{CancelToken, Cancelled};
+/// use tangency::core::flow::{Flow, FlowError, Settings};
+/// use tangency::problems::classic::Lure;
+/// let cancel = CancelToken::default();
+/// let mut flow = Flow::<f64>::new(Settings { cancel: cancel.clone(), ..Settings::default() })?;
+/// let mut flowed = || flow.advance(&Lure, 0.0, 2.0, &mut [0.1, 0.0, 0.0], &[0.8, 1.0]);
+/// assert!(flowed().is_ok());
+/// cancel.cancel();
+/// assert_eq!(flowed(), Err(FlowError::Cancelled(Cancelled)));
+/// # Ok::<(), tangency::core::flow::SettingsError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+/// The work was cancelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+impl CancelToken {
+    /// Cancels all work that has a clone of this token, for good.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the work was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Refuses to go on with cancelled work.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+}
+
+/// A token that a signal handler, say, sets through its flag.
+impl From<Arc<AtomicBool>> for CancelToken {
+    fn from(flag: Arc<AtomicBool>) -> Self {
+        CancelToken(flag)
+    }
+}
+
+/// All tokens are equal: settings that differ in nothing else give the same results.
+impl PartialEq for CancelToken {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
+}
